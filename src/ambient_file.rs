@@ -1,7 +1,8 @@
-//! `-af`: an irradiance cache in a file, which runs and processes share.
+//! `-af`: an irradiance cache in a file, shared by runs and processes.
 //!
-//! The file is read before irradiance is gathered. What was gathered is added to it before rays are answered, so that the next run with the same arguments
-//! has the same cache and gives the same bits. Processes that share a file add to it in turn, and take over what others have added.
+//! The file is read before irradiance is gathered. New records are added to it before rays are
+//! traced, so the next run with the same arguments has the same cache and gives the same bits.
+//! Processes that share a file add to it in turn and load the records of others.
 
 use crate::args::Reading;
 use crate::failure::{Failure, Outcome, reason, say};
@@ -17,28 +18,29 @@ use std::path::PathBuf;
 /// The `FORMAT=` of the file.
 pub(crate) const FORMAT: &str = "radsight_irradiance_cache";
 
-/// That of real Radiance's.
+/// The `FORMAT=` of real Radiance's ambient files.
 const RADIANCE_FORMAT: &str = "Radiance_ambval";
 
-/// A batch of rays adds to the file when it and those before have found so many points, or this share of all: the file is written whole each time.
+/// A batch of rays adds to the file when this many new records exist, or this share of all, since
+/// the whole file is rewritten each time.
 const FEWEST_NEW: usize = 64;
 const SHARE_OF_ALL: usize = 4;
 
-/// An irradiance cache, and the file that it is shared through, if there is one.
+/// An irradiance cache with the file through which it is shared, if any.
 pub(crate) struct AmbientFile(Option<Shared>);
 
 struct Shared {
-    /// Of the program, for messages.
+    /// Name of the program, for messages.
     program: String,
     name: String,
     path: PathBuf,
     scene: u64,
     header: Vec<u8>,
-    /// The file as it is known here.
+    /// The last known content of the file.
     known: Vec<u8>,
-    /// Points that were found since.
+    /// Number of records since then.
     new: usize,
-    /// Points in all.
+    /// Total number of records.
     all: usize,
     access: Access,
 }
@@ -46,12 +48,13 @@ struct Shared {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Access {
     Shared,
-    /// Values are taken from it, and none added.
+    /// The file is read but not written.
     Read,
 }
 
 impl AmbientFile {
-    /// Reads the file that the options name. `command` is the program with its options; `fingerprint` is that of [`crate::input::Planned`].
+    /// Reads the file named by the options. `command` is the program with its options;
+    /// `fingerprint` is that of [`crate::input::Planned`].
     pub(crate) fn open(
         reading: &Reading,
         (command, scenes): (&[String], &[String]),
@@ -88,7 +91,7 @@ impl AmbientFile {
         Ok(AmbientFile(Some(shared)))
     }
 
-    /// Gathers for rays what the cache does not have yet.
+    /// Gathers the irradiance that rays need and the cache lacks.
     pub(crate) fn gather(&mut self, renderer: &mut Renderer, rays: &[Option<Ray>], spread: RaySpacing) -> Outcome {
         let found = renderer.gather_irradiance(rays, spread);
         let Some(shared) = &mut self.0 else { return Ok(()) };
@@ -96,7 +99,7 @@ impl AmbientFile {
         if shared.new >= FEWEST_NEW.max(shared.all / SHARE_OF_ALL) { shared.exchange(renderer) } else { Ok(()) }
     }
 
-    /// Adds the rest of what was found. A picture does that before its rays are answered.
+    /// Adds the remaining new records. A picture does this before its rays are traced.
     pub(crate) fn settle(&mut self, renderer: &mut Renderer) -> Outcome {
         match &mut self.0 {
             Some(shared) if shared.new > 0 || shared.known.is_empty() => shared.exchange(renderer),
@@ -106,9 +109,9 @@ impl AmbientFile {
 }
 
 impl Shared {
-    /// Takes over the file's values.
+    /// Loads the records of the file.
     fn load(&mut self, bytes: Vec<u8>, renderer: &mut Renderer) -> Outcome {
-        // Another process has just begun it.
+        // Another process has just created it.
         if bytes.is_empty() {
             return Ok(());
         }
@@ -120,8 +123,8 @@ impl Shared {
         match header.format().as_deref() {
             Some(FORMAT) => {}
             Some(RADIANCE_FORMAT) => {
-                let what = "it holds ambient values of real Radiance, which are no records of an irradiance cache here";
-                return Err(wrong(what.to_owned(), "name another file with -af; it is made where there is none"));
+                let what = "it holds ambient values of real Radiance, expected an irradiance cache of radsight";
+                return Err(wrong(what.to_owned(), "name another file with -af; it is created if it does not exist"));
             }
             _ => return Err(wrong(CacheError::Unknown.to_string(), "name another file with -af")),
         }
@@ -132,7 +135,7 @@ impl Shared {
         Ok(())
     }
 
-    /// Takes over what others have added, and adds what was found here.
+    /// Loads the records that others have added, and adds the new ones.
     fn exchange(&mut self, renderer: &mut Renderer) -> Outcome {
         if self.access == Access::Read {
             return Ok(());

@@ -1,4 +1,4 @@
-//! The command line, as typed.
+//! The command line as typed.
 
 use crate::failure::Outcome;
 use crate::plugin_guard::PluginGuard;
@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Takes Radiance scenes through a real camera: rays, pinhole, sensor, grey values.
+/// Renders Radiance scenes through a real camera: rays, pinhole, sensor, grey values.
 #[derive(Debug, Parser)]
 #[command(name = "radsight", version, arg_required_else_help = true, after_help = AFTER_HELP)]
 pub(crate) struct Program {
@@ -23,20 +23,21 @@ Called as `radsight rtrace …`, or through a link named rtrace, it is that Radi
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Captures the grey picture that the camera would give: all stages in one process
+    /// Captures the grey picture of a camera: all stages in one process
     Capture(Box<Capture>),
     /// Reads and checks scenes: all errors, with carets
     Check(Check),
-    /// Says what a capture of this scene computes, and what it skips and why
+    /// Prints what a capture of a scene computes, and what it skips and why
     Explain(Explain),
-    /// The pinhole alone: rays for any rtrace, and the average of what comes back
+    /// The pinhole alone: rays for any rtrace, and the average of their radiances
     #[command(subcommand)]
     Pinhole(Pinhole),
-    /// Turns exposure (a float matrix in J/m² on standard input) into a grey PNG on standard output; or measures the sensor
+    /// Converts an exposure (a float matrix in J/m² on standard input) to a grey PNG on standard
+    /// output; or measures the sensor
     Sensor(Sensor),
-    /// Makes one page (HTML) of a picture: values, false colour, error, where the time went, settings
+    /// Writes an HTML page about a picture: values, false colour, error, times, settings
     Report(Report),
-    /// Renders parts of a picture or capture in other processes, and puts them together
+    /// Renders parts of a picture or capture in other processes, and merges them
     #[command(subcommand)]
     Job(crate::commands::job::Job),
     /// Prints the light ring of a camera file as Radiance scene text
@@ -45,27 +46,29 @@ pub(crate) enum Command {
     Target(Target),
     /// Fits K, gamma, G0 and Gmax to measured pairs of exposure and grey value
     Calibrate(Calibrate),
-    /// BRDF plugins: start one, list them, check one, draw its lobe
+    /// BRDF plugins: create, list, check and plot them
     #[command(subcommand)]
     Plugin(Plugin),
-    /// Retroreflectors: tables and plots of R_A, fits to data sheets, conversion, minimum tables, materials for scenes
+    /// Retroreflectors: tables and plots of R_A, fits to data sheets, conversion, minimum tables,
+    /// materials
     #[command(subcommand)]
     Retro(crate::commands::retro::Retro),
-    /// Makes links named after Radiance's programs, their manual pages, and completions for Bash, Zsh and Fish
+    /// Installs links named after Radiance's programs, manual pages, and completions for Bash, Zsh
+    /// and Fish
     InstallLinks(InstallLinks),
 }
 
-/// How scenes are read.
+/// Options of reading scenes.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct Reading {
     #[command(flatten)]
     allowed: Allowed,
-    /// What the command line lets files cause
+    /// Permissions that the command line gives to files
     #[arg(skip)]
     pub(crate) trust: Trust,
     #[command(flatten)]
     pub(crate) plugin_guard: PluginGuard,
-    /// What is suspect is an error: warnings of a scene, findings of a plugin's self-check
+    /// Treat warnings of scenes and findings of plugin self-checks as errors
     #[arg(long)]
     pub(crate) strict: bool,
     /// Do not print warnings
@@ -74,7 +77,7 @@ pub(crate) struct Reading {
     /// Definitions for all functions of the scene: names for messages, and texts
     #[arg(skip)]
     pub(crate) definitions: Vec<(String, Arc<[u8]>)>,
-    /// The file that holds the irradiance cache (`-af`)
+    /// The file of the irradiance cache (`-af`)
     #[arg(skip)]
     pub(crate) ambient_file: Option<OutputName>,
     /// The file of the irradiance cache that a job names
@@ -82,30 +85,30 @@ pub(crate) struct Reading {
     pub(crate) irradiance_cache: Option<String>,
 }
 
-/// What files may cause.
+/// Permissions of files.
 #[derive(Args, Clone, Debug, Default)]
 struct Allowed {
-    /// Run `!` commands that are not known in process through a shell
+    /// Run unknown `!` commands through a shell
     #[arg(long)]
     allow_commands: bool,
-    /// Load plugins that stand beside the scene, which runs their code
+    /// Load plugins beside the scene, which runs their code
     #[arg(long)]
     allow_plugins: bool,
-    /// Replace a material by a model of a plugin: MATERIAL=LIBRARY:MODEL(number,…)
+    /// Replace a material by a plugin's model: MATERIAL=LIBRARY:MODEL(number,…)
     #[arg(long, value_name = "MATERIAL=…")]
     brdf: Vec<String>,
-    /// Look for plugins in this folder first
+    /// Search this folder for plugins first
     #[arg(long, value_name = "DIR")]
     plugin_path: Vec<String>,
 }
 
 impl Reading {
-    /// How scenes are read where nothing else is said.
+    /// The default options of reading scenes.
     pub(crate) fn trusted(trust: &Trust) -> Reading {
         Reading { trust: trust.clone(), ..Reading::default() }
     }
 
-    /// Adds what the command line allows to what the process was started with.
+    /// Adds the permissions of the command line to those of the process.
     pub(crate) fn entrust(&mut self, trust: &Trust) -> Outcome {
         self.trust = trust.clone();
         let Allowed { allow_commands, allow_plugins, brdf, plugin_path } = std::mem::take(&mut self.allowed);
@@ -128,56 +131,61 @@ pub(crate) struct Capture {
     /// Grey picture
     #[arg(short, long, value_name = "OUT.png", required_unless_present_any = ["exposure", "report", "color"])]
     pub(crate) output: Option<String>,
-    /// Also writes the colours behind a mosaic of colour filters, demosaiced
+    /// Also write the demosaiced colour picture of a sensor with a colour filter mosaic
     #[arg(long, value_name = "OUT.png")]
     pub(crate) color: Option<String>,
-    /// Also writes where the parts of this specimen are, as [alignment] of a camera file, where there are [tolerances]
+    /// Also write the actual alignment of this specimen, as [alignment] of a camera file with
+    /// [tolerances]
     #[arg(long, value_name = "OUT.toml")]
     pub(crate) specimen: Option<String>,
-    /// Also writes the exposure E_pixel in J/m²; the format follows from the name (.pfm .exr .npy .tif; else a Radiance float matrix)
+    /// Also write the exposure E_pixel in J/m² in the format of the file name (.pfm .exr .npy .tif;
+    /// else a Radiance float matrix)
     #[arg(long, value_name = "FILE")]
     pub(crate) exposure: Option<String>,
     #[command(flatten)]
     pub(crate) accounts: Accounts,
-    /// Exposes a picture for each line of a table, which says what of camera file and scene is other than usual (docs/series.md); {} in the
-    /// names of -o and --exposure stands for the picture's name
+    /// Expose a picture for each line of a table of changes to camera file and scene
+    /// (docs/series.md); {} in the names of -o and --exposure is replaced by the picture's name
     #[arg(long, value_name = "TABLE.csv")]
     pub(crate) variants: Option<String>,
-    /// Stop when the estimated rms error over the pixels is this share of the mean exposure [default: 0.005]
+    /// Stop when the estimated rms error of the pixels, relative to the mean exposure, reaches this
+    /// value [default: 0.005]
     #[arg(long, value_name = "E", conflicts_with = "samples")]
     pub(crate) error: Option<f64>,
-    /// Rays a pixel, instead of an error; a power of two converges fastest
+    /// Number of rays per pixel, instead of an error; a power of two converges fastest
     #[arg(long, value_name = "N")]
     pub(crate) samples: Option<u32>,
-    /// Chooses the sample sequence and the sensor's noise
+    /// Seed of the sample sequence and of the sensor's noise
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
-    /// Go on with what an interrupted capture has left in OUT.png.checkpoint, to the same bits
+    /// Continue an interrupted capture from OUT.png.checkpoint, with the same bits
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Save what is done this often, in OUT.png.checkpoint, until the capture is complete
+    /// Save progress in OUT.png.checkpoint at this interval until the capture is complete
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     pub(crate) checkpoint_interval: f64,
-    /// Threads [default: one for each processor]
+    /// Number of threads [default: one per processor]
     #[arg(long)]
     pub(crate) threads: Option<usize>,
     #[command(flatten)]
     pub(crate) reading: Reading,
 }
 
-/// What else a capture tells of itself.
+/// Additional outputs of a capture.
 #[derive(Args, Debug)]
 pub(crate) struct Accounts {
-    /// Also writes a page (HTML) with the exposure in false colour, its error, the grey values, and where the time went
+    /// Also write an HTML page with the exposure in false colour, its error, the grey values, and
+    /// times
     #[arg(long, value_name = "OUT.html")]
     pub(crate) report: Option<String>,
-    /// Also writes the estimated standard error of each pixel in J/m², in a format that follows from the name
+    /// Also write the estimated standard error of each pixel in J/m², in the format of the file
+    /// name
     #[arg(long, value_name = "FILE", conflicts_with = "samples")]
     pub(crate) error_map: Option<String>,
-    /// Also writes the number of rays of each pixel, likewise
+    /// Also write the number of rays of each pixel, in the format of the file name
     #[arg(long, value_name = "FILE", conflicts_with = "samples")]
     pub(crate) ray_map: Option<String>,
-    /// Also writes how the picture was made: times, error, what was skipped, settings
+    /// Also write a record of how the picture was made: times, error, skipped work, settings
     #[arg(long, value_name = "OUT.json")]
     pub(crate) record: Option<String>,
 }
@@ -199,37 +207,39 @@ pub(crate) struct Explain {
     /// Scene files, or - for standard input
     #[arg(value_name = "SCENE.rad", required = true)]
     pub(crate) scenes: Vec<String>,
-    /// Also measures how much time each thing that is left out saves, with a few rays a pixel
+    /// Also measure the time saved by each kind of skipped work, with a few rays per pixel
     #[arg(long)]
     pub(crate) measure: bool,
     #[command(flatten)]
     pub(crate) reading: Reading,
 }
 
-/// Rays of a camera.
+/// Camera rays.
 #[derive(Args, Debug)]
 pub(crate) struct CameraRays {
     /// Camera file
     #[arg(value_name = "CAMERA.toml")]
     pub(crate) camera: String,
-    /// Rays a pixel
+    /// Number of rays per pixel
     #[arg(long, value_name = "N")]
     pub(crate) samples: u32,
-    /// Chooses the sample sequence
+    /// Seed of the sample sequence
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
-    /// Numbers in the stream: d native doubles, f native floats, a text
+    /// Number format of the stream: d native doubles, f native floats, a text
     #[arg(short = 'f', value_name = "a|f|d", default_value = "d")]
     pub(crate) format: String,
 }
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Pinhole {
-    /// Rays over pixel × pinhole for any rtrace: origin and direction, scanline order, the rays of a pixel together
+    /// Rays over pixel × pinhole for any rtrace: origin and direction, in scanline order, the rays
+    /// of a pixel together
     Rays(CameraRays),
-    /// The exposure (a float matrix in J/m²) from the radiances that rtrace returned for those rays
+    /// The exposure (a float matrix in J/m²) from the radiances that rtrace returned for the rays
     Average(Average),
-    /// The paper's method: pictures from several pinhole positions, moved by whole pixels and weighted by area
+    /// The paper's method: pictures from several pinhole positions, shifted by whole pixels and
+    /// weighted by area
     Shift(Shift),
 }
 
@@ -237,7 +247,7 @@ pub(crate) enum Pinhole {
 pub(crate) struct Average {
     #[command(flatten)]
     pub(crate) rays: CameraRays,
-    /// Values a ray in the stream: 3 as rtrace gives them, or 1
+    /// Number of values per ray in the stream: 3 as from rtrace, or 1
     #[arg(long, default_value_t = 3)]
     pub(crate) bands: usize,
 }
@@ -247,7 +257,8 @@ pub(crate) struct Shift {
     /// Camera file
     #[arg(value_name = "CAMERA.toml")]
     pub(crate) camera: String,
-    /// Radiance pictures, one for each position in the order of --views; the exposure goes to standard output
+    /// Radiance pictures, one per position in the order of --views; the exposure is written to
+    /// standard output
     #[arg(value_name = "PIC")]
     pub(crate) pictures: Vec<String>,
     /// Pixels between neighbouring positions
@@ -263,27 +274,28 @@ pub(crate) struct Sensor {
     /// Camera file with a `[sensor]` table
     #[arg(value_name = "CAMERA.toml")]
     pub(crate) camera: String,
-    /// Chooses the sensor's noise
+    /// Seed of the sensor's noise
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
-    /// Measure the sensor instead, by the photon transfer method of EMVA 1288: a table with intervals on standard output
+    /// Measure the sensor by the photon transfer method of EMVA 1288 and print a table with
+    /// intervals
     #[arg(long)]
     pub(crate) characterise: bool,
     /// Also write the measurement as a page with plots
     #[arg(long, value_name = "OUT.html", requires = "characterise")]
     pub(crate) report: Option<String>,
-    /// Steps of light from dark to saturation
+    /// Number of exposure steps from dark to saturation
     #[arg(long, value_name = "N", default_value_t = 50, requires = "characterise")]
     pub(crate) steps: u32,
-    /// Pictures that are averaged for the differences between pixels
+    /// Number of pictures averaged for the non-uniformity of pixels
     #[arg(long, value_name = "N", default_value_t = 100, requires = "characterise")]
     pub(crate) stack: u32,
-    /// Also write the colours behind a mosaic of colour filters, demosaiced
+    /// Also write the demosaiced colour picture of a sensor with a colour filter mosaic
     #[arg(long, value_name = "OUT.png", conflicts_with = "characterise")]
     pub(crate) color: Option<String>,
 }
 
-/// What the values of a picture are.
+/// The physical quantity of a picture's values.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub(crate) enum QuantityName {
     /// W/(sr·m²)
@@ -296,12 +308,12 @@ pub(crate) enum QuantityName {
     Other,
 }
 
-/// What the values of an error map are.
+/// The meaning of an error map's values.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub(crate) enum ErrorMapKind {
     /// In the unit of the picture
     Absolute,
-    /// Shares of each pixel's value
+    /// Relative to each pixel's value
     Relative,
 }
 
@@ -310,34 +322,35 @@ pub(crate) struct Report {
     /// Picture: .hdr .exr .tif .pfm .npy .mtx or .png
     #[arg(value_name = "PICTURE")]
     pub(crate) picture: String,
-    /// The page, or - for standard output
+    /// Output page, or - for standard output
     #[arg(short, long, value_name = "OUT.html")]
     pub(crate) output: String,
-    /// Standard error of each pixel, as capture and rpict write it
+    /// Standard error of each pixel, as written by capture and rpict
     #[arg(long, value_name = "FILE")]
     pub(crate) error_map: Option<String>,
-    /// What the error map's values are [default: as its header says, else relative for colour and absolute for one component]
+    /// Meaning of the error map's values [default: from its header, else relative for colour and
+    /// absolute for one component]
     #[arg(long, value_name = "KIND", requires = "error_map")]
     pub(crate) error_map_kind: Option<ErrorMapKind>,
     /// Number of rays of each pixel
     #[arg(long, value_name = "FILE")]
     pub(crate) ray_map: Option<String>,
-    /// How the picture was made, as capture and rpict write it
+    /// Record of how the picture was made, as written by capture and rpict
     #[arg(long, value_name = "FILE.json")]
     pub(crate) record: Option<String>,
-    /// What rpict -t said while it worked, ours or Radiance's
+    /// Output of rpict -t, radsight's or Radiance's
     #[arg(long, value_name = "FILE")]
     pub(crate) log: Option<String>,
-    /// Camera file with which it was captured
+    /// Camera file of the capture
     #[arg(long, value_name = "CAMERA.toml")]
     pub(crate) camera: Option<String>,
     /// The sensor's grey picture
     #[arg(long, value_name = "GREY.png")]
     pub(crate) grey: Option<String>,
-    /// What the picture's values are [default: exposure for one component, radiance for three]
+    /// Quantity of the picture's values [default: exposure for one component, radiance for three]
     #[arg(long, value_name = "QUANTITY")]
     pub(crate) quantity: Option<QuantityName>,
-    /// The page's title [default: the picture's name]
+    /// Title of the page [default: the picture's name]
     #[arg(long, value_name = "TEXT")]
     pub(crate) title: Option<String>,
 }
@@ -349,7 +362,7 @@ pub(crate) struct Rig {
     pub(crate) camera: String,
 }
 
-/// What is drawn on a target.
+/// The pattern of a target.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub(crate) enum TargetKind {
     /// For OpenCV's findChessboardCorners
@@ -360,18 +373,18 @@ pub(crate) enum TargetKind {
 
 #[derive(Args, Debug)]
 pub(crate) struct Target {
-    /// What is drawn
+    /// Pattern of the target
     pub(crate) kind: TargetKind,
-    /// Inner corners or dots in a row
+    /// Number of inner corners or dots per row
     #[arg(long, default_value_t = 9)]
     pub(crate) columns: u32,
-    /// Inner corners or dots in a column
+    /// Number of inner corners or dots per column
     #[arg(long, default_value_t = 6)]
     pub(crate) rows: u32,
-    /// From one to the next, scene units
+    /// Distance between neighbours, scene units
     #[arg(long, value_name = "LENGTH", default_value_t = 0.025)]
     pub(crate) spacing: f64,
-    /// Let the target shine by itself: radiance of its white, W/(sr·m²)
+    /// Make the target self-luminous: radiance of its white, W/(sr·m²)
     #[arg(long, value_name = "L")]
     pub(crate) radiance: Option<f64>,
 }
@@ -384,80 +397,82 @@ pub(crate) struct Calibrate {
     /// Unit of the exposures
     #[arg(long, default_value = "uJ/cm2")]
     pub(crate) unit: String,
-    /// Also draw data and fit
+    /// Also plot data and fit
     #[arg(long, value_name = "OUT.svg")]
     pub(crate) plot: Option<String>,
 }
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Plugin {
-    /// Starts a plugin project that builds, with its test
+    /// Creates a plugin project that builds, with its test
     New(PluginNew),
-    /// Lists the plugins that are found, their models and parameters
+    /// Lists the plugins in the search path, their models and parameters
     List(PluginList),
-    /// Checks a plugin: loading, arguments, physics, sampling, crashes, leaks; each check in a process of its own
+    /// Checks a plugin: loading, arguments, physics, sampling, crashes, leaks; each check in a
+    /// separate process
     Check(PluginCheck),
-    /// Draws the lobe of a model as SVG on standard output
+    /// Plots the lobe of a model as SVG on standard output
     Plot(PluginPlot),
-    /// What each check runs
+    /// Child process of a check
     #[command(hide = true)]
     CheckChild,
-    /// What `--isolate-plugins` runs for each library
+    /// Child process of `--isolate-plugins` for a library
     #[command(hide = true)]
     IsolationChild,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct PluginNew {
-    /// Name of the plugin, and of the folder that is made
+    /// Name of the plugin and of the new folder
     #[arg(value_name = "NAME")]
     pub(crate) name: String,
-    /// In C, from the header alone
+    /// Create a project in C, from the header alone
     #[arg(long)]
     pub(crate) c: bool,
-    /// The folder of radsight's sources, whose SDK a project in Rust uses [default: those that this program was built from]
+    /// Folder of radsight's sources with the SDK for Rust projects [default: the sources of this
+    /// program]
     #[arg(long, value_name = "DIR", conflicts_with = "c")]
     pub(crate) sdk_path: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct PluginList {
-    /// Look for plugins in this folder first
+    /// Search this folder for plugins first
     #[arg(long, value_name = "DIR")]
     pub(crate) plugin_path: Vec<PathBuf>,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct PluginCheck {
-    /// The library's file, or the name of one that is found
+    /// File of the library, or its name in the search path
     #[arg(value_name = "LIB")]
     pub(crate) library: String,
-    /// Only this model, with parameters if wanted: MODEL or MODEL(number,…)
+    /// Only this model, with optional parameters: MODEL or MODEL(number,…)
     #[arg(long, value_name = "MODEL")]
     pub(crate) model: Option<String>,
-    /// Of all random numbers
+    /// Seed of all random numbers
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Seconds for each check
+    /// Time limit of each check, seconds
     #[arg(long, default_value_t = 60)]
     pub(crate) time_limit: u64,
     /// Print the report as JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// Look for plugins in this folder first
+    /// Search this folder for plugins first
     #[arg(long, value_name = "DIR")]
     pub(crate) plugin_path: Vec<PathBuf>,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct PluginPlot {
-    /// The library's file, or the name of one that is found
+    /// File of the library, or its name in the search path
     #[arg(value_name = "LIB")]
     pub(crate) library: String,
     /// The model with its parameters: MODEL or MODEL(number,…)
     #[arg(value_name = "MODEL")]
     pub(crate) model: String,
-    /// Look for plugins in this folder first
+    /// Search this folder for plugins first
     #[arg(long, value_name = "DIR")]
     pub(crate) plugin_path: Vec<PathBuf>,
 }
@@ -467,10 +482,10 @@ pub(crate) struct InstallLinks {
     /// Folder for the links
     #[arg(value_name = "DIR")]
     pub(crate) folder: String,
-    /// Folder for manual pages and completions, as /usr/share is [default: DIR/share]
+    /// Folder for manual pages and completions, such as /usr/share [default: DIR/share]
     #[arg(long, value_name = "DIR", conflicts_with = "only_links")]
     pub(crate) share: Option<String>,
-    /// Make the links alone
+    /// Install only the links
     #[arg(long)]
     pub(crate) only_links: bool,
 }

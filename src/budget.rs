@@ -1,7 +1,7 @@
-//! The memory that the program may take, and what happens when it is used up.
+//! The memory limit of the program.
 //!
-//! The system keeps the limit (`RLIMIT_DATA`: all private memory that can be written), so that it
-//! costs nothing. It holds for commands that the program starts, too, each on its own.
+//! The operating system enforces the limit (`RLIMIT_DATA`: all private writable memory), so it
+//! costs nothing. It also applies to each command that the program starts.
 
 use crate::failure::{Failure, say};
 use crate::trust::WORDS_OF_FILE;
@@ -13,13 +13,13 @@ const OPTION: &str = "--limit-memory";
 const VARIABLE: &str = "RADSIGHT_LIMIT_MEMORY";
 const EXPECTED: &str = "a size such as 500M, 2G or 1.5G, at least 16M; 0 for no limit";
 
-/// The program does not start with less.
+/// The smallest limit with which the program can start, bytes.
 const LEAST: u64 = 16 << 20;
 
-/// The limit in bytes; 0 for none. For the message, which can ask for nothing any more.
+/// The limit in bytes; 0 for none. For the message, which cannot allocate memory.
 static LIMIT: AtomicU64 = AtomicU64::new(0);
 
-/// A limit of memory in bytes; `None` for none.
+/// A memory limit in bytes; `None` for none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Size(Option<u64>);
 
@@ -43,9 +43,9 @@ impl Size {
     }
 }
 
-/// Takes `--limit-memory SIZE` out of the command line, wherever it stands, and sets the limit: what
-/// it says, or `RADSIGHT_LIMIT_MEMORY`, or three quarters of the memory of the machine or container.
-/// Words of a file are left as they are: there the option is an unknown one.
+/// Removes `--limit-memory SIZE` from the command line and sets the limit: the given size, or
+/// `RADSIGHT_LIMIT_MEMORY`, or three quarters of the memory of the machine or container. Words of a
+/// file are unchanged: there the option is unknown.
 pub(crate) fn take(words: Vec<String>) -> Result<Vec<String>, Failure> {
     radsight_memory::when_exhausted(end);
     let (words, value) = without_option(words)?;
@@ -64,7 +64,7 @@ pub(crate) fn take(words: Vec<String>) -> Result<Vec<String>, Failure> {
         Some(Size(limit)) => {
             system::set(limit).map_err(|reason| Failure::fault(format!("cannot set {OPTION}: {reason}")))?
         }
-        // A limit that the caller has set stays where it is lower.
+        // A lower limit set by the caller is kept.
         None => guard::machine_memory().into_iter().for_each(|bytes| system::lower_to(bytes / 4 * 3)),
     }
     Ok(words)
@@ -86,16 +86,16 @@ fn without_option(mut words: Vec<String>) -> Result<(Vec<String>, Option<String>
     Ok((words, value))
 }
 
-/// Says that there is no memory, removes what is half written, and ends the program.
+/// Reports exhausted memory, removes unfinished files, and ends the program.
 fn end(bytes: usize) -> ! {
-    // The message itself needs some.
+    // The message itself needs some memory.
     system::lift();
     let limit = LIMIT.load(Ordering::Relaxed);
     let asked = readable(bytes as u64);
     say(&match limit {
-        0 => format!("radsight: out of memory: the system does not give {asked} more\n"),
+        0 => format!("radsight: out of memory: the system has not {asked} left\n"),
         _ => format!(
-            "radsight: out of memory: {asked} more would go beyond the limit of {}\nhint: {OPTION} SIZE sets another limit\n",
+            "radsight: out of memory: {asked} more would exceed the limit of {}\nhint: {OPTION} SIZE sets another limit\n",
             readable(limit)
         ),
     });
@@ -137,12 +137,12 @@ mod system {
         let lower = limit.min(soft);
         LIMIT.store(lower, Ordering::Relaxed);
         if lower < soft {
-            // Where it cannot be set, the system's own limit is all there is.
+            // If the limit cannot be set, only the system's own limit applies.
             let _ = setrlimit(Resource::RLIMIT_DATA, lower, hard);
         }
     }
 
-    /// Takes the limit away for the last words.
+    /// Removes the limit for the final message.
     pub(super) fn lift() {
         if let Ok((_, hard)) = getrlimit(Resource::RLIMIT_DATA) {
             let _ = setrlimit(Resource::RLIMIT_DATA, hard, hard);
@@ -150,11 +150,11 @@ mod system {
     }
 }
 
-/// Other systems keep no such limit: there it ends the program when they have no more to give.
+/// Other systems have no such limit: there the program ends when they run out of memory.
 #[cfg(not(target_os = "linux"))]
 mod system {
     pub(super) fn set(limit: Option<u64>) -> Result<(), String> {
-        limit.map_or(Ok(()), |_| Err("this system keeps no limit of a program's memory".to_owned()))
+        limit.map_or(Ok(()), |_| Err("this system cannot limit a program's memory".to_owned()))
     }
 
     pub(super) fn lower_to(_limit: u64) {}

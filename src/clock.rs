@@ -1,19 +1,19 @@
-//! The date in the headers of what is written.
+//! The date in output headers.
 
 use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
 use radsight_picture::Header;
 
-/// How Radiance's headers write a time: `2026:11:21 11:14:09`.
+/// The time format of Radiance's headers: `2026:11:21 11:14:09`.
 const FORM: &str = "%Y:%m:%d %H:%M:%S";
 
-/// Adds when the output was made: by the clock of the place where it was (`CAPDATE`), and in Greenwich (`GMT`).
+/// Adds the time of creation: local (`CAPDATE`) and Greenwich (`GMT`).
 pub(crate) fn push_date(header: &mut Header) {
     let now = Timestamp::now();
     push_date_of(header, &now.to_zoned(TimeZone::system()));
 }
 
-/// The time by the clock of this place, as Radiance's headers write it.
+/// The local time in the format of Radiance's headers.
 pub(crate) fn now_local() -> String {
     Timestamp::now().to_zoned(TimeZone::system()).strftime(FORM).to_string()
 }

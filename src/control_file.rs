@@ -1,26 +1,28 @@
-//! Control files of programs that stay alive in Radiance (`-P`, `-PP`).
+//! Control files of Radiance's persistent programs (`-P`, `-PP`).
 //!
-//! Here none does: the file keeps the command line, and a call with the same file and no scene does again what it says. No process stands in it, so who
-//! ends the one that would wait in Radiance ends none. The line that is kept is a file's: it can
-//! name no more than other files.
+//! radsight starts no persistent process: the file stores the command line, and a call with the
+//! same file and no scene repeats it. The file contains no process number, so a script that kills
+//! the persistent process kills none. A stored command line counts as words of a file and can name
+//! no more outputs than other files.
 
 use crate::failure::{Failure, Outcome, reason};
 use crate::output::write_file;
 use std::fs::{self, File};
 use std::io::{ErrorKind, Read};
 
-/// The first line; Radiance has the computer and the process there.
+/// The first line; Radiance stores host and process there.
 const MARK: &str = "radsight";
 
-/// A longer file is none of ours.
+/// Largest control file, bytes.
 const LONGEST: u64 = 1 << 20;
 
-/// The options that name a control file.
+/// Whether an option names a control file.
 pub(crate) fn is_option(word: &str) -> bool {
     matches!(word, "-P" | "-PP")
 }
 
-/// Keeps a command line that names scenes, of which the first word is the program's name; where it names none, gives the one that was kept.
+/// Stores a command line with scenes, whose first word is the program's name; without scenes,
+/// returns the stored one.
 pub(crate) fn keep_or_recall(path: &str, words: &[String], scenes: &[String]) -> Result<Option<Vec<String>>, Failure> {
     if scenes.is_empty() { recall(path, &words[0]).map(Some) } else { keep(path, words).map(|()| None) }
 }
@@ -37,12 +39,14 @@ fn keep(path: &str, words: &[String]) -> Outcome {
 fn recall(path: &str, program: &str) -> Result<Vec<String>, Failure> {
     let wrong = |what: String| Failure::input(format!("control file \"{path}\": {what}"));
     let text = read(path)?.ok_or_else(|| {
-        Failure::usage(format!("{program}: no scene is named, and control file \"{path}\" holds no command line yet"))
+        Failure::usage(format!("{program}: no scene is given, and control file \"{path}\" has no command line yet"))
     })?;
     let mut lines = text.lines().skip(1).map(str::to_owned);
     let made_in = lines.next().unwrap_or_default();
     if made_in != folder() {
-        return Err(wrong(format!("its command line is for the folder \"{made_in}\", expected to be called there")));
+        return Err(wrong(format!(
+            "its command line was stored in the folder \"{made_in}\", expected a call from there"
+        )));
     }
     let words = without_control_file(lines.collect());
     match words.first() {
@@ -53,7 +57,7 @@ fn recall(path: &str, program: &str) -> Result<Vec<String>, Failure> {
     }
 }
 
-/// What is done again, without the option that kept it.
+/// The repeated command line without the control file option.
 fn without_control_file(mut words: Vec<String>) -> Vec<String> {
     while let Some(at) = words.iter().position(|word| is_option(word)) {
         words.drain(at..words.len().min(at + 2));
@@ -61,16 +65,18 @@ fn without_control_file(mut words: Vec<String>) -> Vec<String> {
     words
 }
 
-/// The text of a control file of ours; `None` where there is none, or nothing in it.
+/// The text of a control file; `None` if it is missing or empty.
 fn read(path: &str) -> Result<Option<String>, Failure> {
     let failed = |error: std::io::Error| Failure::input(format!("control file \"{path}\": {}", reason(&error)));
     let other = || {
-        Failure::input(format!("control file \"{path}\": another program's, expected one of radsight's or a new one"))
+        Failure::input(format!(
+            "control file \"{path}\": it belongs to another program, expected a control file of radsight or a new one"
+        ))
     };
     match fs::metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(failed(error)),
-        // A pipe would be waited for.
+        // Reading a pipe would block.
         Ok(found) if !found.is_file() => return Err(other()),
         Ok(_) => {}
     }
@@ -87,7 +93,7 @@ fn read(path: &str) -> Result<Option<String>, Failure> {
     if text.lines().next() == Some(MARK) { Ok(Some(text)) } else { Err(other()) }
 }
 
-/// Where the program was called.
+/// The working folder of the call.
 fn folder() -> String {
     std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! Files of the disk, searched as Radiance searches them.
+//! Loads files from disk with Radiance's search rules.
 
 use crate::commands::mksource;
 use crate::failure::reason;
@@ -13,7 +13,8 @@ use std::time::SystemTime;
 
 pub(crate) use crate::trust::Commands;
 
-/// Looks in the folders of `RAYPATH` (the working folder when it is not set), and then in radsight's own function library.
+/// Searches the folders of `RAYPATH` (the working folder if it is not set), then radsight's own
+/// function library.
 #[derive(Debug)]
 pub(crate) struct DiskLoader {
     files: FileLoader,
@@ -34,7 +35,7 @@ impl DiskLoader {
         DiskLoader { files: FileLoader::new(folders).home(home), commands, shuffle_seed: 0 }
     }
 
-    /// The same for a program that a user typed: what it shuffles is in another order each time.
+    /// A loader for a program called by the user: shuffled output differs in each run.
     pub(crate) fn shuffling(self) -> DiskLoader {
         let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         DiskLoader { shuffle_seed: since.as_nanos() as u64, ..self }
@@ -116,7 +117,7 @@ impl Loader for DiskLoader {
                 let _ = pipe.write_all(&bytes);
             })
         });
-        // Without the thread its pipe is closed, and the command ends.
+        // Without the thread the pipe is closed, and the command ends.
         let writer = writer.transpose().map_err(|error| failed(reason(&error)))?;
         let output = child.wait_with_output().map_err(|error| failed(reason(&error)))?;
         if let Some(writer) = writer {
@@ -126,8 +127,8 @@ impl Loader for DiskLoader {
     }
 }
 
-/// Definitions for a shell, so that the programs of Radiance's that a command calls are ours, as
-/// they are where it runs in process.
+/// Shell definitions by which a command calls our versions of Radiance's programs, as it does in
+/// process.
 fn own_programs() -> String {
     let Some(own) = std::env::current_exe().ok().and_then(|path| path.to_str().map(str::to_owned)) else {
         return String::new();
@@ -140,7 +141,7 @@ fn own_programs() -> String {
     functions.collect()
 }
 
-/// What a command writes, while it writes it. That it failed is an error at the end.
+/// A stream of a command's output. Failure is an error at its end.
 struct CommandOutput {
     child: Child,
 }
@@ -160,13 +161,13 @@ impl Read for CommandOutput {
 
 impl Drop for CommandOutput {
     fn drop(&mut self) {
-        // Nobody wants the rest: the command ends at its next write.
+        // The rest is not needed: the command ends at its next write.
         drop(self.child.stdout.take());
         let _ = self.child.wait();
     }
 }
 
-/// Files of the working folder that a pattern matches, as `sh` finds them.
+/// Files of the working folder that match a pattern, as in `sh`.
 fn file_names_like(pattern: &str) -> Vec<String> {
     let Ok(paths) = glob::glob_with(pattern, AS_IN_SHELL) else { return Vec::new() };
     let prefix = if pattern.starts_with("./") { "./" } else { "" };

@@ -1,23 +1,23 @@
-//! Words of a command line that stand for others: `@FILE` for the words of a file, `$NAME` for those of an environment variable.
+//! Expands words of a command line: `@FILE` to the words of a file, `$NAME` to those of an
+//! environment variable.
 //!
-//! As in Radiance, only where an option could stand, and what a file or variable holds may stand
-//! for others again. Each word keeps who wrote it, so that the words of a file cannot widen what
-//! the command line allows.
+//! As in Radiance, only where an option may stand, and recursively. Each word keeps its origin, so
+//! that the words of a file cannot extend the permissions of the command line.
 
 use crate::failure::{Failure, reason};
-use crate::option_table::{check_words, recognised};
+use crate::option_table::{check_words, parse_option};
 use crate::read_once;
 use crate::trust::{Origin, Trust};
 use radsight_options::Settings;
 use std::path::Path;
 
-/// More words than any command line needs.
+/// Largest number of words.
 const MOST_WORDS: usize = 1 << 16;
 
-/// Deeper than any file needs: one that names itself ends here.
+/// Largest nesting depth; a file that names itself ends here.
 const MOST_EXPANSIONS: usize = 64;
 
-/// The words of a command line, of which the first is the program's name, and who wrote each.
+/// The words of a command line, of which the first is the program's name, with their origins.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CommandWords {
     words: Vec<String>,
@@ -25,29 +25,29 @@ pub(crate) struct CommandWords {
 }
 
 impl CommandWords {
-    /// All of them by one author.
+    /// All words from one origin.
     pub(crate) fn new(words: &[String], origin: Origin) -> CommandWords {
         CommandWords { words: words.to_vec(), origins: vec![origin; words.len()] }
     }
 
-    /// Adds words of one author.
+    /// Adds words from one origin.
     pub(crate) fn extend(&mut self, words: impl IntoIterator<Item = String>, origin: Origin) {
         self.words.extend(words);
         self.origins.resize(self.words.len(), origin);
     }
 
-    /// Adds words with their authors.
+    /// Adds words with their origins.
     pub(crate) fn append(&mut self, mut others: CommandWords) {
         self.words.append(&mut others.words);
         self.origins.append(&mut others.origins);
     }
 
-    /// The words without their authors.
+    /// The words without their origins.
     pub(crate) fn words(&self) -> &[String] {
         &self.words
     }
 
-    /// Replaces the word at `at` as long as it stands for others.
+    /// Expands the word at `at` repeatedly.
     fn expand_at(&mut self, at: usize) -> Result<(), Failure> {
         for _ in 0..MOST_EXPANSIONS {
             let Some(word) = self.words.get(at) else { return Ok(()) };
@@ -59,7 +59,7 @@ impl CommandWords {
             } else if let Some(name) = word.strip_prefix('$').filter(|name| !name.is_empty()) {
                 let text = std::env::var(name)
                     .map_err(|_| Failure::usage(format!("cannot expand \"{word}\": no such environment variable")))?;
-                // Whoever names the variable chooses what is said.
+                // The origin of a variable is the word that names it.
                 (text, self.origins[at])
             } else {
                 return Ok(());
@@ -71,24 +71,25 @@ impl CommandWords {
             self.origins.splice(at..=at, std::iter::repeat_n(origin, meant.len()));
             self.words.splice(at..=at, meant);
         }
-        Err(Failure::usage(format!("cannot expand \"{}\": it stands for itself", self.words[at])))
+        Err(Failure::usage(format!("cannot expand \"{}\": it refers to itself", self.words[at])))
     }
 }
 
-/// The options of a program, taken one after another.
+/// The options of a program, parsed one by one.
 pub(crate) trait TakesOptions {
-    /// What the command line allows; it is told who wrote each option before that is taken.
+    /// The permissions; they are updated with the origin of each option before it is parsed.
     fn trust(&mut self) -> &mut Trust;
 
-    /// The options as they stand, which say what program this is.
+    /// The current options, which also identify the program.
     fn settings(&mut self) -> &mut Settings;
 
-    /// Takes one option from the front, which the table has; gives how many words it used, 0 for none.
+    /// Parses one option of the table at the front; returns the number of words it used, 0 for
+    /// none.
     fn take(&mut self, words: &[String]) -> Result<usize, Failure>;
 }
 
-/// Reads the command line of a program. Gives the words up to the scenes, as a header has them, and
-/// the scenes.
+/// Parses the command line of a program. Returns the words up to the scenes, for a header, and the
+/// scenes.
 pub(crate) fn options_before_scenes(
     mut all: CommandWords,
     options: &mut impl TakesOptions,
@@ -99,7 +100,7 @@ pub(crate) fn options_before_scenes(
         match all.words.get(at) {
             Some(word) if word.starts_with('-') && word != "-" => {
                 let program = options.settings().program();
-                let found = recognised(program, word)?;
+                let found = parse_option(program, word)?;
                 options.settings().note(&found, &all.words[at..]);
                 options.trust().reads_word_of(all.origins[at]);
                 let used = options.take(&all.words[at..])?;

@@ -1,4 +1,4 @@
-//! How the program ends when it cannot do what was asked.
+//! The errors that end the program.
 
 use crate::output::{append, write_standard_output};
 use radsight_diag::{Diagnostic, Severity, SourceMap};
@@ -8,10 +8,10 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
-/// What a command gives.
+/// The result of a command.
 pub(crate) type Outcome = Result<(), Failure>;
 
-/// Why the work stopped, with the exit code that says so.
+/// Why the program stopped, with its exit code.
 #[derive(Debug)]
 pub(crate) struct Failure {
     kind: FailureKind,
@@ -20,9 +20,9 @@ pub(crate) struct Failure {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FailureKind {
-    /// Nothing is wrong: help was asked for, or the reader of our output went away.
+    /// No error: help was requested, or the reader of our output went away.
     Success,
-    /// Nothing is wrong either: an option asked for a text on standard output instead of the work.
+    /// No error: an option requested a text on standard output instead of the work.
     Answer,
     /// Exit code 1.
     Input,
@@ -32,31 +32,31 @@ enum FailureKind {
     Fault,
 }
 
-/// Messages that are printed of one kind; the rest are counted.
+/// Largest number of printed messages of one kind; the others are counted.
 const MOST_MESSAGES: usize = 20;
 
 impl Failure {
-    /// The input is wrong.
+    /// A failure caused by the input.
     pub(crate) fn input(message: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Input, message: with_prefix(&message.into()) }
     }
 
-    /// The command line is wrong.
+    /// A failure caused by the command line.
     pub(crate) fn usage(message: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Usage, message: with_prefix(&message.into()) }
     }
 
-    /// A limit or a fault stopped the work.
+    /// A failure caused by a limit or a fault.
     pub(crate) fn fault(message: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Fault, message: with_prefix(&message.into()) }
     }
 
-    /// An option asked for a text instead of the work, as `-version` does.
+    /// A text requested by an option such as `-version`, instead of the work.
     pub(crate) fn answer(text: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Answer, message: text.into() }
     }
 
-    /// What the argument parser says; help and version are no failure.
+    /// The result of the argument parser; help and version are not failures.
     pub(crate) fn from_clap(error: clap::Error) -> Failure {
         if error.use_stderr() {
             return Failure { kind: FailureKind::Usage, message: error.to_string() };
@@ -67,12 +67,12 @@ impl Failure {
         Failure { kind: FailureKind::Success, message: String::new() }
     }
 
-    /// Diagnostics about input, all of them.
+    /// A failure with all diagnostics about the input.
     pub(crate) fn diagnostics(diagnostics: &[Diagnostic], sources: &SourceMap) -> Failure {
         Failure { kind: FailureKind::Input, message: render(diagnostics, sources) }
     }
 
-    /// A write that failed. A reader that went away is success.
+    /// A failed write. A reader that went away is no failure.
     pub(crate) fn write(what: &str, error: &io::Error) -> Failure {
         if error.kind() == io::ErrorKind::BrokenPipe {
             return Failure { kind: FailureKind::Success, message: String::new() };
@@ -80,7 +80,7 @@ impl Failure {
         Failure::fault(format!("cannot write {what}: {}", reason(error)))
     }
 
-    /// A read that failed. An input that is an output, too, is a mistake of the command line.
+    /// A failed read. An input that is also an output is a mistake of the command line.
     pub(crate) fn read(what: &str, error: &io::Error) -> Failure {
         let message = format!("cannot read {what}: {}", reason(error));
         match error.kind() {
@@ -89,12 +89,12 @@ impl Failure {
         }
     }
 
-    /// What is to be said.
+    /// The message.
     pub(crate) fn message(&self) -> &str {
         self.message.trim_end()
     }
 
-    /// Prints the message and gives the exit code.
+    /// Prints the message and returns the exit code.
     pub(crate) fn report(self) -> ExitCode {
         if self.kind == FailureKind::Answer {
             return match write_standard_output(self.message.as_bytes()) {
@@ -114,7 +114,7 @@ impl Failure {
     }
 }
 
-/// What the library says of an input.
+/// Converts an error of the library.
 impl From<radsight::Error> for Failure {
     fn from(error: radsight::Error) -> Failure {
         match error {
@@ -131,15 +131,15 @@ fn with_prefix(message: &str) -> String {
     format!("radsight: {}\n", message.trim_end())
 }
 
-/// The system's words for an error, without its number.
+/// The system's description of an error, without its number.
 pub(crate) fn reason(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
 }
 
-/// Says something on standard error. Nobody may be listening, which is no failure.
+/// Prints text to standard error; a missing reader is no failure.
 ///
-/// Messages quote what files and arguments say; nothing in those may speak to the terminal.
+/// Messages quote files and arguments, so control characters are escaped.
 pub(crate) fn say(text: &str) {
     let speaks_to_terminal = |c: char| c.is_control() && c != '\n' && c != '\t';
     let text = text.replace(speaks_to_terminal, "\u{fffd}");
@@ -149,13 +149,13 @@ pub(crate) fn say(text: &str) {
     }
 }
 
-/// The file that messages go to instead of standard error.
+/// The file for messages, if they do not go to standard error.
 static ELSEWHERE: OnceLock<File> = OnceLock::new();
 
-/// What stands before the messages of each run in a file, as Radiance writes it.
+/// Separator before the messages of each run in a file, as in Radiance.
 pub(crate) const MESSAGES_MARK: &str = "**************";
 
-/// Sends all messages from now on to the end of a file (Radiance's `-e`), after the command line.
+/// Redirects all further messages to the end of a file (Radiance's `-e`), after the command line.
 pub(crate) fn say_in(path: &str, words: &[String]) -> Outcome {
     if ELSEWHERE.set(append(path)?).is_ok() {
         let mut command = Header::default();
@@ -166,7 +166,7 @@ pub(crate) fn say_in(path: &str, words: &[String]) -> Outcome {
     Ok(())
 }
 
-/// Diagnostics as text, the most serious ones kept when there are too many.
+/// Diagnostics as text; the most serious ones are kept if there are too many.
 pub(crate) fn render(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     let mut text = String::new();
     for severity in [Severity::Error, Severity::Warning, Severity::Note] {

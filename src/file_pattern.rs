@@ -1,16 +1,20 @@
-//! Names of files with a number or a word in them, as `printf` puts it there.
+//! File name patterns with a number or a word, in the syntax of `printf`.
 
 use crate::failure::Failure;
 
-/// Whether a name has a place for a number.
+/// Whether a name contains a number format.
 pub(crate) fn holds_number(pattern: &str) -> bool {
     named("", pattern, "", 0).is_ok_and(|(_, _, holds_number)| holds_number)
 }
 
-/// A file's name, and whether it holds the modifier's name and the bin's number: `%s`, `%d` (also `%03d`, `%o`, `%x`), `%%`.
+/// Expands a pattern, and returns whether it contains the modifier's name and the bin's number:
+/// `%s`, `%d` (also `%03d`, `%o`, `%x`), `%%`.
 pub(crate) fn named(program: &str, pattern: &str, modifier: &str, bin: usize) -> Result<(String, bool, bool), Failure> {
-    let wrong =
-        || Failure::usage(format!("{program}: output \"{pattern}\" holds an unknown %, expected %s once and %d once"));
+    let wrong = || {
+        Failure::usage(format!(
+            "{program}: output \"{pattern}\" has an unknown % format, expected at most one %s and one %d"
+        ))
+    };
     let (mut name, mut has_modifier, mut has_bin) = (String::new(), false, false);
     let mut rest = pattern;
     while let Some(at) = rest.find('%') {

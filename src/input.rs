@@ -1,4 +1,4 @@
-//! Reading what commands need: camera files, scenes, standard input.
+//! Reads the inputs of commands: camera files, scenes, standard input.
 
 use crate::args::Reading;
 use crate::disk::{Commands, DiskLoader};
@@ -34,12 +34,12 @@ pub(crate) fn read_camera(path: &str) -> Result<CameraFile, Failure> {
     }
 }
 
-/// The bytes of a file that the command line names.
+/// The bytes of a file named on the command line.
 pub(crate) fn read_file(path: &str, what: &str) -> Result<Vec<u8>, Failure> {
     read_once::owned(Path::new(path)).map_err(|error| Failure::read(&format!("{what} \"{path}\""), &error))
 }
 
-/// The bytes of a scene file, which may be large: they are read to where they stay.
+/// The bytes of a scene file, read without a copy, since it may be large.
 fn read_scene_file(path: &str) -> Result<Arc<[u8]>, Failure> {
     read_once::shared(Path::new(path)).map_err(|error| Failure::read(&format!("scene file \"{path}\""), &error))
 }
@@ -57,7 +57,7 @@ pub(crate) fn read_standard_input() -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-/// What a command of the command line writes, as Radiance's programs take one after `!` in the place of a file.
+/// The output of a command after `!` in place of a file, as in Radiance's programs.
 fn read_command(command: &str, commands: Commands) -> Result<Vec<u8>, Failure> {
     let failed = |what: String| Failure::input(format!("command \"{command}\": {what}"));
     let output = shell(commands.permit(command)?, command).stdin(Stdio::null()).stderr(Stdio::inherit()).output();
@@ -68,7 +68,8 @@ fn read_command(command: &str, commands: Commands) -> Result<Vec<u8>, Failure> {
     Ok(output.stdout)
 }
 
-/// What a word of the command line names: standard input (`-`), what a command after `!` writes, or a file, which `read` reads.
+/// The content of an input on the command line: standard input (`-`), the output of a command after
+/// `!`, or a file, which `read` reads.
 pub(crate) fn read_source<B: From<Vec<u8>>>(
     source: &str,
     commands: Commands,
@@ -81,7 +82,8 @@ pub(crate) fn read_source<B: From<Vec<u8>>>(
     }
 }
 
-/// The texts of scenes: files, `-` for standard input, commands after `!`, and the light ring of a camera file.
+/// The texts of scenes: files, `-` for standard input, commands after `!`, and the light ring of a
+/// camera file.
 pub(crate) fn scene_inputs(
     paths: &[String],
     camera: Option<&CameraFile>,
@@ -103,7 +105,8 @@ pub(crate) fn ring_input(camera: &CameraFile) -> Option<Input> {
     Some(Input::Text { name: "<light ring>".to_owned(), text: rig.scene_text().into_bytes().into() })
 }
 
-/// The text of a source of [`read_source`] with that of its commands, which `xform` puts in; comments stay.
+/// The text of a source as in [`read_source`], with commands expanded by `xform`; comments are
+/// kept.
 pub(crate) fn expanded_scene_text(program: &str, path: &str, trust: &Trust) -> Result<Vec<u8>, Failure> {
     let text: Vec<u8> = read_source(path, trust.own_commands(), |path| read_file(path, "scene file"))?;
     let has_commands = text.split(|byte| *byte == b'\n').any(|line| line.trim_ascii_start().starts_with(b"!"));
@@ -115,7 +118,7 @@ pub(crate) fn expanded_scene_text(program: &str, path: &str, trust: &Trust) -> R
     made.map(|made| made.standard_output).map_err(|error| Failure::input(format!("{program}: \"{path}\": {error}")))
 }
 
-/// Reads scenes and gives everything that was found.
+/// Reads scenes and returns the complete result.
 pub(crate) fn read(inputs: Vec<Input>, commands: Commands, options: &ReadOptions) -> Read {
     let loader: &dyn Loader = &DiskLoader::new(commands);
     read_scene(&inputs, loader, options)
@@ -127,7 +130,7 @@ impl Reading {
         self.trust.commands()
     }
 
-    /// What the parser is to do.
+    /// The options for the parser.
     pub(crate) fn read_options(&self) -> Result<ReadOptions, Failure> {
         let brdf: Result<Vec<_>, _> =
             self.trust.replacements().iter().map(|text| BrdfReplacement::parse(text)).collect();
@@ -137,7 +140,7 @@ impl Reading {
         Ok(ReadOptions { brdf, tolerance, definitions, ..ReadOptions::default() })
     }
 
-    /// A number by which the scene is known again, where an irradiance cache is kept in a file.
+    /// The identity of the scene, if an irradiance cache is kept in a file.
     fn fingerprint(&self, scene: &Scene) -> Option<u64> {
         (self.ambient_file.is_some() || self.irradiance_cache.is_some()).then(|| scene.fingerprint())
     }
@@ -150,15 +153,16 @@ impl Reading {
 /// A scene ready to be rendered.
 pub(crate) struct Planned {
     pub(crate) plan: RenderPlan,
-    /// The plugins in use, to be asked for their faults in the end.
+    /// The plugins in use; their faults are reported at the end.
     pub(crate) registry: Option<Registry>,
-    /// For messages about the scene.
+    /// The sources for messages about the scene.
     pub(crate) sources: SourceMap,
-    /// By which the scene is known again, where an irradiance cache is kept in a file.
+    /// The identity of the scene, if an irradiance cache is kept in a file.
     pub(crate) fingerprint: Option<u64>,
 }
 
-/// What is to be said when all rays were traced: what plugins and functions did wrongly, and the error of a material that cannot be used.
+/// Prints the messages after all rays were traced: faults of plugins and functions. Returns the
+/// error of an unusable material.
 pub(crate) fn conclude(
     plan: &RenderPlan,
     registry: Option<&Registry>,
@@ -168,7 +172,7 @@ pub(crate) fn conclude(
     conclude_all([plan], registry, sources, reading)
 }
 
-/// The same of several plans for one scene.
+/// The same for several plans of one scene.
 pub(crate) fn conclude_all<'p>(
     plans: impl IntoIterator<Item = &'p RenderPlan>,
     registry: Option<&Registry>,
@@ -181,7 +185,7 @@ pub(crate) fn conclude_all<'p>(
         return Err(Failure::diagnostics(&[error], sources));
     }
     let mut faults: Vec<Diagnostic> = Vec::new();
-    // Plans for one scene share its functions.
+    // Plans of one scene share its functions.
     plans.iter().flat_map(|plan| plan.function_faults().into_iter().chain(plan.unbounded_radiance())).for_each(
         |fault| {
             if !faults.contains(&fault) {
@@ -199,7 +203,7 @@ pub(crate) fn conclude_all<'p>(
     }
 }
 
-/// Reads and validates a scene and plans its rendering. Warnings are printed, errors end the work.
+/// Reads, validates and compiles a scene. Warnings are printed; errors end the work.
 pub(crate) fn plan(
     paths: &[String],
     camera: Option<&CameraFile>,
@@ -209,7 +213,7 @@ pub(crate) fn plan(
     plan_changed(paths, camera, reading, render_options, |_| Ok(()))
 }
 
-/// The same for a scene that is changed after it was read.
+/// The same for a scene that is changed after reading.
 pub(crate) fn plan_changed(
     paths: &[String],
     camera: Option<&CameraFile>,
@@ -220,8 +224,8 @@ pub(crate) fn plan_changed(
     plan_inputs(scene_inputs(paths, camera, &reading.trust)?, paths, reading, render_options, change)
 }
 
-/// The same for a scene of which parts are rendered each by themselves, all with the same plugins: `split` leaves one of them in
-/// the scene and returns the others.
+/// The same for a scene with separately rendered parts, all with the same plugins: `split` leaves
+/// one part in the scene and returns the others.
 pub(crate) fn plan_split<T>(
     paths: &[String],
     camera: Option<&CameraFile>,
@@ -240,7 +244,7 @@ pub(crate) fn plan_split<T>(
     let plan = planner.plan(scene, render_options.clone())?;
     let mut others = Vec::new();
     for (part, of_part) in parts {
-        // What there is to warn of was said of the whole.
+        // Warnings were printed for the whole scene.
         let valid = part.validate().map_err(|errors| Failure::diagnostics(&errors, &sources))?;
         others.push((planner.plan(valid.scene, render_options.clone())?, of_part));
     }
@@ -248,7 +252,7 @@ pub(crate) fn plan_split<T>(
     Ok((Planned { plan, registry, sources, fingerprint }, others))
 }
 
-/// Plans the rendering of a scene's text, of this name in messages.
+/// Compiles scene text; `name` denotes it in messages.
 pub(crate) fn plan_text(
     name: &str,
     text: Vec<u8>,
@@ -274,14 +278,14 @@ fn plan_inputs(
     Ok(Planned { plan, registry, sources, fingerprint })
 }
 
-/// Reads and validates a scene, for plans that a [`Planner`] makes. Warnings are printed, errors end the work.
+/// Reads and validates a scene for a [`Planner`]. Warnings are printed; errors end the work.
 pub(crate) fn read_valid_scene(paths: &[String], reading: &Reading) -> Result<(ValidScene, SourceMap), Failure> {
     valid_scene(scene_inputs(paths, None, &reading.trust)?, reading, |_| Ok(()))
 }
 
-/// Plans renderings of a scene, all with the same plugins.
+/// Compiles several plans of a scene, all with the same plugins.
 pub(crate) struct Planner<'s> {
-    /// Where a material of the scene is a plugin's.
+    /// The models of plugins, if a material uses one.
     models: Option<Models<'s>>,
     sources: &'s SourceMap,
 }
@@ -299,13 +303,14 @@ impl<'s> Planner<'s> {
         RenderPlan::new(scene, options, models).map_err(|errors| Failure::diagnostics(&errors, self.sources))
     }
 
-    /// The plugins in use, to be asked for their faults in the end.
+    /// The plugins in use; their faults are reported at the end.
     pub(crate) fn registry(&self) -> Option<&Registry> {
         self.models.as_ref().map(Models::registry)
     }
 }
 
-/// Reads and validates a scene that is changed after it was read. Warnings are printed, errors end the work.
+/// Reads and validates a scene that is changed after reading. Warnings are printed; errors end the
+/// work.
 pub(crate) fn valid_scene(
     inputs: Vec<Input>,
     reading: &Reading,
@@ -332,11 +337,11 @@ pub(crate) fn valid_scene(
     }
 }
 
-/// More threads than this are not started, however many processors there are.
+/// Largest number of threads, whatever the number of processors.
 const MOST_THREADS: usize = 4096;
 
-/// Starts a thread for each processor for a program that has no option for that, if it does not have
-/// them yet.
+/// Starts one thread per processor, for programs without a thread option, unless threads were
+/// started before.
 pub(crate) fn use_default_threads() -> Outcome {
     static STARTED: Once = Once::new();
     let mut outcome = Ok(());
@@ -344,7 +349,7 @@ pub(crate) fn use_default_threads() -> Outcome {
     outcome
 }
 
-/// Sets the number of threads for everything that follows: one for each processor where nothing is said.
+/// Sets the number of threads of the process; by default one per processor.
 pub(crate) fn use_threads(threads: Option<usize>) -> Outcome {
     if threads == Some(0) {
         return Err(Failure::usage("option \"--threads\" is 0, expected at least 1"));
@@ -352,17 +357,16 @@ pub(crate) fn use_threads(threads: Option<usize>) -> Outcome {
     if let Some(threads) = threads.filter(|threads| *threads > MOST_THREADS) {
         return Err(Failure::fault(format!("cannot start {threads} threads: the limit is {MOST_THREADS}")));
     }
-    // Zero is one for each processor.
+    // Zero means one per processor.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     pool.build_global().map_err(|error| {
-        let number =
-            threads.map_or_else(|| "a thread for each processor".to_owned(), |n| format!("threads ({n} asked for)"));
+        let number = threads.map_or_else(|| "one thread per processor".to_owned(), |n| format!("{n} threads"));
         Failure::fault(format!("cannot start {number}: {error}"))
     })
 }
 
-/// The header of what a program of Radiance's makes of a scene: how the octree was made, the words of the command up to the scene,
-/// the software. `command[0]` is the program's name.
+/// The header for output of a Radiance program made from a scene: the history of the octree, the
+/// words of the command up to the scene, the software. `command[0]` is the program's name.
 pub(crate) fn program_history(scenes: &[String], command: &[String]) -> Header {
     let mut header = scene_history(scenes);
     if header.is_empty() {
@@ -373,7 +377,7 @@ pub(crate) fn program_history(scenes: &[String], command: &[String]) -> Header {
     header
 }
 
-/// What the header of an octree says of how it was made; nothing of other files.
+/// The history in the header of an octree; empty for other files.
 fn scene_history(paths: &[String]) -> Header {
     let [path] = paths else { return Header::default() };
     if let Some(command) = path.strip_prefix('!') {
@@ -388,19 +392,19 @@ fn scene_history(paths: &[String]) -> Header {
     }
 }
 
-/// No octree's header is longer.
+/// Longest header of an octree, bytes.
 const LONGEST_HEADER: u64 = 1 << 16;
 
 const OCTREE_FORMAT: &str = "Radiance_octree";
 
-/// A header that says how the output was made.
+/// A header with the command line of the process.
 pub(crate) fn history() -> Header {
     let mut header = Header::new("RADIANCE");
     header.push_command(words_of_process().iter().map(String::as_str));
     header
 }
 
-/// The words that the process was started with.
+/// The words of the process's command line.
 pub(crate) fn words_of_process() -> Vec<String> {
     std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect()
 }

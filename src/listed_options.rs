@@ -1,13 +1,13 @@
-//! The lines of `-defaults` that say more than the words of an option.
+//! Lines of `-defaults` that depend on more than the words of an option.
 
 use crate::output_format::OutputFormat;
 use radsight_options::Settings;
 use radsight_pinhole::stream::NumberFormat;
 
-/// The options that choose the components of values.
+/// The options that select the components of values.
 const COMPONENTS: [&str; 7] = ["-pRGB", "-pXYZ", "-pY", "-pS", "-pM", "-pA", "-pc"];
 
-/// What components values have (`-p…`).
+/// The components of values (`-p…`).
 pub(crate) fn color_line(settings: &Settings) -> String {
     let (word, values) = settings.latest(&COMPONENTS).unwrap_or(("-pRGB", &[]));
     let what = match word {
@@ -26,7 +26,7 @@ pub(crate) fn color_line(settings: &Settings) -> String {
     format!("{word}\t\t\t\t# {what}")
 }
 
-/// How many threads there are (`-n`): those of the machine where nothing is said.
+/// The number of threads (`-n`); by default that of the machine.
 pub(crate) fn process_line(threads: Option<usize>) -> String {
     format!("-n {:<2}\t\t\t\t# number of rendering processes", threads.unwrap_or_else(rayon::current_num_threads))
 }
@@ -47,7 +47,7 @@ pub(crate) fn format_line(input: NumberFormat, output: OutputFormat) -> String {
     format!("-f{}{}\t\t\t\t# format input/output = {input}/{output}", letter(input), letter(output))
 }
 
-/// The sample sequence, which Radiance has none of.
+/// The seed of the sample sequence, which Radiance does not have.
 pub(crate) fn seed_line(seed: u64) -> String {
     format!("--seed {seed:<6}\t\t\t# sample sequence")
 }

@@ -1,4 +1,4 @@
-//! The `radsight` program: arguments, standard streams, exit codes. All the work is in the crates.
+//! The `radsight` program: arguments, standard streams, exit codes. The crates do all the work.
 #![forbid(unsafe_code)]
 
 mod ambient_file;
@@ -38,7 +38,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use trust::Trust;
 
-/// Says so when there is no memory left.
+/// Reports exhausted memory.
 #[global_allocator]
 static ALLOCATOR: radsight_memory::ReportingAllocator = radsight_memory::ReportingAllocator;
 
@@ -53,7 +53,8 @@ fn main() -> ExitCode {
 fn run(arguments: Vec<OsString>) -> Outcome {
     let (trust, words) = Trust::of_process(budget::take(words(&arguments)?)?)?;
     let own_name = words.first().and_then(|name| Path::new(name).file_stem()).and_then(|name| name.to_str());
-    // Called through a link with a Radiance program's name, it is that program; so it is when the name comes first.
+    // A link with the name of a Radiance program runs that program, as does the name as the first
+    // argument.
     let linked: Vec<String> = own_name.map(str::to_owned).into_iter().chain(words.iter().skip(1).cloned()).collect();
     if let Some(outcome) = commands::run_radiance_program(&linked, &trust) {
         return outcome;

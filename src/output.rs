@@ -1,15 +1,16 @@
-//! The one way out: files that appear whole or not at all, pipes and devices, standard output.
+//! All outputs of the program: files that appear whole or not at all, pipes and devices, standard
+//! output.
 
 use crate::failure::{Failure, Outcome, reason};
 use radsight_brdf_host::guard;
-use radsight_output::{Place, WholeFile, inputs};
+use radsight_output::{Destination, WholeFile, inputs};
 use radsight_picture::{FileFormat, Header, Image, write_image};
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Something that is being written. A file has its name only after [`Output::commit`]; dropped
-/// before, it leaves nothing.
+/// An output being written. A file gets its name in [`Output::commit`]; dropped before, it leaves
+/// nothing.
 pub(crate) struct Output {
     name: String,
     sink: Sink,
@@ -17,29 +18,29 @@ pub(crate) struct Output {
 
 enum Sink {
     Standard,
-    /// A pipe, a device or an open file, written as it comes.
+    /// A pipe, a device or an open file, written directly.
     Stream(File),
     Whole(WholeFile),
 }
 
 impl Output {
-    /// Opens what a name of the command line leads to; `-` is standard output. A file will go over
-    /// one of its name.
+    /// Opens the output with a name from the command line; `-` is standard output. A file of that
+    /// name is replaced.
     pub(crate) fn create(name: &str) -> Result<Output, Failure> {
-        Output::open(name, &place(name)?)
+        Output::open(name, &resolve(name)?)
     }
 
-    fn open(name: &str, place: &Place) -> Result<Output, Failure> {
-        let opened = match place {
-            Place::StandardOutput => Ok(Sink::Standard),
-            Place::Stream(path) => File::options().append(true).open(path).map(Sink::Stream),
-            Place::File(path) => WholeFile::create(path).map(Sink::Whole),
+    fn open(name: &str, destination: &Destination) -> Result<Output, Failure> {
+        let opened = match destination {
+            Destination::StandardOutput => Ok(Sink::Standard),
+            Destination::Stream(path) => File::options().append(true).open(path).map(Sink::Stream),
+            Destination::File(path) => WholeFile::create(path).map(Sink::Whole),
         };
         let sink = opened.map_err(|error| failed(name, &error))?;
         Ok(Output { name: name.to_owned(), sink })
     }
 
-    /// A stream for another program's standard output; `None` for our own.
+    /// The file for another program's standard output; `None` for our own.
     pub(crate) fn file(&self) -> Option<&File> {
         match &self.sink {
             Sink::Standard => None,
@@ -48,7 +49,7 @@ impl Output {
         }
     }
 
-    /// Writes; what a failure is about is said.
+    /// Writes and flushes bytes; a failure names the output.
     pub(crate) fn put(&mut self, bytes: &[u8]) -> Outcome {
         let written = self.write_all(bytes).and_then(|()| self.flush());
         written.map_err(|error| self.failed(&error))
@@ -59,19 +60,19 @@ impl Output {
         self.finish(WholeFile::commit)
     }
 
-    /// Gives a file its name unless there is one of that name by now.
+    /// Gives a file its name unless a file of that name exists.
     pub(crate) fn commit_new(self) -> Outcome {
         self.finish(WholeFile::commit_new)
     }
 
-    /// Leaves a file under its hidden name, to be found by who goes on with it.
+    /// Keeps a file under its hidden name, so that another run can continue it.
     pub(crate) fn keep(self) {
         if let Sink::Whole(file) = self.sink {
             file.keep();
         }
     }
 
-    /// Where a file is until it has its name.
+    /// The path of an unfinished file.
     pub(crate) fn hidden_path(&self) -> Option<&Path> {
         match &self.sink {
             Sink::Whole(file) => Some(file.hidden_path()),
@@ -117,47 +118,45 @@ fn failed(name: &str, error: &io::Error) -> Failure {
     Failure::write(&format!("\"{name}\""), error)
 }
 
-/// Where a name leads, if it may be written there.
-fn place(name: &str) -> Result<Place, Failure> {
-    let place = any_place(name)?;
-    if let Place::File(path) = &place {
+/// The destination of a name, if it may be written.
+fn resolve(name: &str) -> Result<Destination, Failure> {
+    let destination = resolve_any(name)?;
+    if let Destination::File(path) = &destination {
         refuse_inputs(name, path)?;
     }
-    Ok(place)
+    Ok(destination)
 }
 
-fn any_place(name: &str) -> Result<Place, Failure> {
-    Place::of(name).map_err(|error| match error.kind() {
+fn resolve_any(name: &str) -> Result<Destination, Failure> {
+    Destination::of(name).map_err(|error| match error.kind() {
         io::ErrorKind::IsADirectory => Failure::fault(format!("cannot write \"{name}\": it is a folder")),
         io::ErrorKind::NotADirectory => Failure::fault(format!("cannot write \"{name}\": not in a folder")),
         _ => failed(name, &error),
     })
 }
 
-/// The file that a name leads to; `None` for a pipe, a device or standard output.
+/// The file of a name; `None` for a pipe, a device or standard output.
 pub(crate) fn file_path(name: &str) -> Result<Option<PathBuf>, Failure> {
-    match place(name)? {
-        Place::File(path) => Ok(Some(path)),
-        Place::StandardOutput | Place::Stream(_) => Ok(None),
+    match resolve(name)? {
+        Destination::File(path) => Ok(Some(path)),
+        Destination::StandardOutput | Destination::Stream(_) => Ok(None),
     }
 }
 
 fn refuse_inputs(name: &str, path: &Path) -> Outcome {
     match inputs::name_of(path) {
         Some(input) if input == name => {
-            Err(Failure::usage(format!("\"{name}\" is read and written, expected another name for the output")))
+            Err(Failure::usage(format!("\"{name}\" is an input and an output, expected another name for the output")))
         }
         Some(input) => {
             let input = if input == "standard input" { input } else { format!("\"{input}\"") };
-            Err(Failure::usage(format!(
-                "\"{name}\" is to be written, but it is the same file as {input}, which is read"
-            )))
+            Err(Failure::usage(format!("\"{name}\" is an output, but it is the same file as the input {input}")))
         }
         None => Ok(()),
     }
 }
 
-/// Writes an image of values in the format that the name of the file tells, else as a Radiance float matrix.
+/// Writes an image of values in the format of the file name, or else as a Radiance float matrix.
 pub(crate) fn write_image_file(path: &str, header: &Header, image: &Image<f32>) -> Outcome {
     let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);
     let bytes = write_image(format, header, image).map_err(|error| Failure::fault(error.to_string()))?;
@@ -171,26 +170,26 @@ pub(crate) fn write_file(name: &str, bytes: &[u8]) -> Outcome {
     output.commit()
 }
 
-/// The same, over a file that was read: only where the user has asked for that.
+/// The same for a file that was read: only if the user requested it.
 pub(crate) fn replace_file(name: &str, bytes: &[u8]) -> Outcome {
-    let mut output = Output::open(name, &any_place(name)?)?;
+    let mut output = Output::open(name, &resolve_any(name)?)?;
     output.put(bytes)?;
     output.commit()
 }
 
-/// Opens a file to add to its end; what is in it stays whatever happens.
+/// Opens a file to append to; its content is kept in any case.
 pub(crate) fn append(name: &str) -> Result<File, Failure> {
-    let path = match place(name)? {
-        Place::StandardOutput => "/dev/stdout".into(),
-        Place::Stream(path) | Place::File(path) => path,
+    let path = match resolve(name)? {
+        Destination::StandardOutput => "/dev/stdout".into(),
+        Destination::Stream(path) | Destination::File(path) => path,
     };
     let opened = File::options().create(true).append(true).open(&path);
     opened.map_err(|error| failed(name, &error))
 }
 
-/// Checks that a file could be written, before long work is begun for it.
+/// Checks that a file can be written, before long work.
 pub(crate) fn check_writable(name: &str) -> Outcome {
-    let Place::File(path) = place(name)? else { return Ok(()) };
+    let Destination::File(path) = resolve(name)? else { return Ok(()) };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match fs::metadata(folder) {
         Ok(found) if found.is_dir() => Ok(()),
@@ -199,10 +198,10 @@ pub(crate) fn check_writable(name: &str) -> Outcome {
     }
 }
 
-/// What all programs write their standard output to: the data's, where no plugin prints.
+/// The type of standard output, separated from the output of plugins.
 pub(crate) type StandardOutput = guard::standard_output::StandardOutput;
 
-/// Standard output, which only this module names.
+/// Standard output; all modules use this function.
 pub(crate) fn standard_output() -> StandardOutput {
     guard::standard_output::StandardOutput
 }

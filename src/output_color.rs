@@ -1,4 +1,4 @@
-//! In which components values are written (`-p…`, `-co`).
+//! The components of output values (`-p…`, `-co`).
 
 use crate::failure::Failure;
 use crate::render_args::number;
@@ -9,25 +9,30 @@ use radsight_spectrum::{MELANOPIC_OF_RGB, Response, SCOTOPIC_OF_RGB, Sampling};
 /// The components of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum OutputColor {
-    /// Red, green and blue as the scene has them.
+    /// Red, green and blue as in the scene.
     Rgb,
     /// CIE X, Y, Z, Y in cd/m² (or lux).
     Xyz(DMat3),
-    /// Red, green and blue of other primaries: to X, Y, Z, and from there.
+    /// Red, green and blue of other primaries: the matrices to X, Y, Z, and from there.
     Primaries(RgbPrimaries, [DMat3; 2]),
-    /// Every band that is traced.
+    /// Every traced band.
     Bands,
     /// One number: the sum of red, green and blue with these weights.
     Weighted([f64; 3]),
-    /// The same with what a response is to the bands where spectra are traced.
+    /// The same, with a spectral response if spectra are traced.
     Response(Response, [f64; 3]),
 }
 
 impl OutputColor {
-    /// The components that an option asks for and how many words it uses; `None` for another option.
+    /// The components for an option, and the number of words it uses; `None` for another option.
     pub(crate) fn from_option(words: &[String]) -> Result<Option<(OutputColor, usize)>, Failure> {
         let standard = RgbPrimaries::STANDARD;
-        let impossible = || Failure::usage(format!("option \"{}\": impossible primaries", words[0]));
+        let impossible = || {
+            Failure::usage(format!(
+                "option \"{}\": invalid primaries, expected primaries that are not collinear and a white inside their triangle",
+                words[0]
+            ))
+        };
         let to_xyz = standard.rgb_to_xyz().ok_or_else(impossible)?;
         let color = match words[0].as_str() {
             "-pRGB" => OutputColor::Rgb,
@@ -52,7 +57,7 @@ impl OutputColor {
         Ok(Some((color, 1)))
     }
 
-    /// How many numbers a value has, of so many bands that are traced.
+    /// Number of components of a value for this many traced bands.
     pub(crate) fn components(&self, bands: usize) -> usize {
         match self {
             OutputColor::Weighted(_) | OutputColor::Response(..) => 1,
@@ -61,7 +66,7 @@ impl OutputColor {
         }
     }
 
-    /// The primaries that a header names: none for the usual ones.
+    /// The primaries for a header; none for the standard ones.
     pub(crate) fn primaries(&self) -> Option<RgbPrimaries> {
         match self {
             OutputColor::Xyz(_) => Some(RgbPrimaries::XYZ),
@@ -70,7 +75,7 @@ impl OutputColor {
         }
     }
 
-    /// What a value of 1 W is in these components: lm, or again W.
+    /// The value of 1 W in these components: lm, or W.
     pub(crate) fn unit(&self) -> f64 {
         match self {
             OutputColor::Xyz(_) => WHITE_EFFICACY,
@@ -80,7 +85,7 @@ impl OutputColor {
         }
     }
 
-    /// What a response makes of a spectrum; `None` where the colour says all that is wanted.
+    /// The response to a spectrum; `None` if the colour suffices.
     pub(crate) fn of_spectrum(&self, bands: &[f32], sampling: &Sampling) -> Option<f64> {
         let OutputColor::Response(response, _) = self else { return None };
         let [first, .., last] = sampling.splits_nm();
@@ -89,7 +94,7 @@ impl OutputColor {
         Some(sum * response.white_efficacy())
     }
 
-    /// A value in these components, of which only as many count as there are.
+    /// Converts a value to these components; further components are unused.
     pub(crate) fn of(&self, value: [f64; 3]) -> [f64; 3] {
         match self {
             OutputColor::Rgb | OutputColor::Bands => value,

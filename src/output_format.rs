@@ -1,25 +1,26 @@
-//! How values are written: as numbers, or as pixels.
+//! The format of output values: numbers or pixels.
 
 use radsight_picture::{Header, encode_spectrum, push_scientific};
 use radsight_pinhole::stream::NumberFormat;
 
-/// How values are written.
+/// The format of output values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OutputFormat {
     /// As text or binary numbers.
     Numbers(NumberFormat),
-    /// As pixels of four bytes.
+    /// Four-byte pixels.
     Pixels,
 }
 
-/// Digits after the point of a number in text.
+/// Decimals of a number in text.
 const DIGITS: usize = 6;
 
-/// Room for such a number with its sign and a tab.
+/// Length of such a number with its sign and a tab.
 const CHARACTERS: usize = DIGITS + 8;
 
 impl OutputFormat {
-    /// The formats of input and output that letters after `-f` ask for; of one letter both. `None` for other letters.
+    /// The formats of input and output for letters after `-f`; one letter sets both. `None` for
+    /// other letters.
     pub(crate) fn pair_from_letters(letters: &str) -> Option<(NumberFormat, OutputFormat)> {
         let mut letters = letters.chars();
         let input = letters.next().and_then(NumberFormat::from_letter)?;
@@ -31,7 +32,7 @@ impl OutputFormat {
         letters.next().is_none().then_some((input, output))
     }
 
-    /// What a header calls the format; `pixels` is the name of that of pixels.
+    /// The name of the format in a header; `pixels` is the name of the pixel format.
     pub(crate) fn name(self, pixels: &str) -> &str {
         match self {
             OutputFormat::Numbers(NumberFormat::Ascii) => "ascii",
@@ -41,7 +42,7 @@ impl OutputFormat {
         }
     }
 
-    /// Ends a header with the order of bytes and the format; `pixels` is the name of that of pixels.
+    /// Ends a header with byte order and format; `pixels` is the name of the pixel format.
     pub(crate) fn end_header(self, header: &mut Header, pixels: &str) {
         if matches!(self, OutputFormat::Numbers(NumberFormat::Float | NumberFormat::Double)) {
             header.push_variable("BigEndian", if cfg!(target_endian = "big") { "1" } else { "0" });
@@ -49,7 +50,7 @@ impl OutputFormat {
         header.push_variable("FORMAT", self.name(pixels));
     }
 
-    /// Appends numbers, in text each with a tab after it, or the one pixel that they are.
+    /// Appends numbers, in text each with a tab after it, or the pixel of three numbers.
     pub(crate) fn put(self, values: &[f64], out: &mut Vec<u8>) {
         match self {
             OutputFormat::Numbers(NumberFormat::Ascii) => {
@@ -77,7 +78,7 @@ mod tests {
     use radsight_picture::scientific;
 
     #[test]
-    fn numbers_look_as_c_prints_them() {
+    fn numbers_are_formatted_as_in_c() {
         assert_eq!(scientific(0.05, DIGITS), "5.000000e-02");
         assert_eq!(scientific(-1e10, DIGITS), "-1.000000e+10");
         assert_eq!(scientific(1e-123, DIGITS), "1.000000e-123");

@@ -1,5 +1,4 @@
-//! What plugins may take, and whether they run in processes of their own: options and variables of
-//! the environment.
+//! Limits of plugins and their isolation in separate processes: options and environment variables.
 
 use crate::failure::Failure;
 use crate::render_args::number;
@@ -14,27 +13,27 @@ const ISOLATE_VARIABLE: &str = "RADSIGHT_ISOLATE_PLUGINS";
 const TIME_VARIABLE: &str = "RADSIGHT_PLUGIN_TIME_LIMIT";
 const MEMORY_VARIABLE: &str = "RADSIGHT_PLUGIN_MEMORY_LIMIT";
 
-/// The hidden words that lead to the process of an isolated plugin.
+/// The hidden words that start the process of an isolated plugin.
 const CHILD_WORDS: [&str; 2] = ["plugin", "isolation-child"];
 
-/// What the command line says of the guard over plugins.
+/// Options of the guard over plugins.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct PluginGuard {
-    /// Run each plugin library in a process of its own, which cannot damage this one; slower
+    /// Run each plugin library in a separate process, which cannot damage this one; slower
     #[arg(long)]
     isolate_plugins: bool,
-    /// Seconds that one call of a plugin may take; 0 for no limit [default: 120]
+    /// Time limit of one plugin call, seconds; 0 for no limit [default: 120]
     #[arg(long, value_name = "S")]
     plugin_time_limit: Option<Seconds>,
-    /// MB that one call of a plugin may take, or the process of an isolated one; 0 for no limit
+    /// Memory limit of one plugin call, or of the process of an isolated plugin, MB; 0 for no limit
     /// [default: half of the memory]
     #[arg(long, value_name = "MB")]
     plugin_memory_limit: Option<Megabytes>,
 }
 
 impl PluginGuard {
-    /// Takes one of these options from the front of a command line; gives how many words it used, 0
-    /// for another option.
+    /// Parses one of these options at the front of a command line; returns the number of words it
+    /// used, 0 for another option.
     pub(crate) fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
         match word {
@@ -49,7 +48,7 @@ impl PluginGuard {
         Ok(2)
     }
 
-    /// Whether a plugin may take more than by these options.
+    /// Whether these options permit plugins more than `other`.
     pub(crate) fn allows_more_than(&self, other: &PluginGuard) -> bool {
         let (Ok(own), Ok(others)) = (self.limits(), other.limits()) else { return false };
         let is_more =
@@ -58,24 +57,23 @@ impl PluginGuard {
             || is_more(own.memory.map(|bytes| bytes as f64), others.memory.map(|bytes| bytes as f64))
     }
 
-    /// Guards the program against plugins, if that is not done yet. To be called before one is
-    /// loaded.
+    /// Guards the program against plugins, unless that was done. Call it before a plugin is loaded.
     pub(crate) fn guard_program(&self) -> Result<(), String> {
         guard::install(&self.limits()?).map_err(|error| format!("cannot guard the program against plugins: {error}"))
     }
 
-    /// A registry that runs libraries where they are wanted.
-    pub(crate) fn place(&self, registry: Registry) -> Registry {
+    /// A registry that runs libraries in the selected processes.
+    pub(crate) fn with_isolation(&self, registry: Registry) -> Registry {
         let by_variable = std::env::var_os(ISOLATE_VARIABLE).is_some_and(|text| !text.is_empty() && text != "0");
         if !self.isolate_plugins && !by_variable {
             return registry;
         }
-        // A wrong limit is told by `guard_program`, which comes before anything is loaded.
+        // `guard_program` reports an invalid limit before any library is loaded.
         let memory = self.limits().unwrap_or_default().memory;
         registry.isolated(Isolation { child: ChildCommand::this_program(&CHILD_WORDS), memory })
     }
 
-    /// What plugins may take.
+    /// The limits of plugins.
     pub(crate) fn limits(&self) -> Result<Limits, String> {
         let defaults = Limits::default();
         let time =
@@ -89,14 +87,14 @@ impl PluginGuard {
     }
 }
 
-/// The value of a variable of the environment, if it is set.
+/// The value of an environment variable, if it is set.
 fn variable<T: FromStr>(name: &str, expected: &str) -> Result<Option<T>, String> {
     let Some(text) = std::env::var_os(name).filter(|text: &OsString| !text.is_empty()) else { return Ok(None) };
     let text = text.to_string_lossy();
     text.parse().map(Some).map_err(|_| format!("the variable {name} is \"{text}\", expected {expected}"))
 }
 
-/// A limit of time; none for 0.
+/// A time limit; none for 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seconds(Option<Duration>);
 
@@ -115,7 +113,7 @@ impl FromStr for Seconds {
     }
 }
 
-/// A limit of memory in bytes; none for 0.
+/// A memory limit in bytes; none for 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Megabytes(Option<u64>);
 

@@ -1,4 +1,4 @@
-//! BRDF plugins for the renderer: where they are looked for, and their errors at the scene's tokens.
+//! BRDF plugins for the renderer: their search path, and their errors at the scene's tokens.
 
 use crate::failure::say;
 use crate::plugin_guard::PluginGuard;
@@ -13,28 +13,28 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The variable with further folders, in the system's list form.
+/// The environment variable with further folders, in the system's list syntax.
 const PATH_VARIABLE: &str = "RADSIGHT_PLUGIN_PATH";
 
 /// The whole visible spectrum as one band.
 const GREY_BAND: Band = Band { centre_m: 555e-9, low_m: 380e-9, high_m: 780e-9 };
 
-/// What the command line says of plugins.
+/// Options of plugins.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PluginOptions {
-    /// Which folders are searched.
+    /// The permissions, including the folders to search.
     pub(crate) trust: Trust,
     /// `--strict`: findings of the self-check are errors.
     pub(crate) strict: bool,
-    /// What they may take, and where they run.
+    /// Limits and isolation.
     pub(crate) guard: PluginGuard,
 }
 
-/// The folders whose libraries are loaded, in the order of the search: the command line's, the
-/// environment's, the program's own.
+/// The folders whose libraries are loaded, in search order: those of the command line, of the
+/// environment, and of the program.
 ///
-/// The program's own folder does not count where scenes stand in it: it is no more than the place
-/// where both were unpacked.
+/// The program's own folder is excluded if it contains scenes: it may just be the place where both
+/// were unpacked.
 pub(crate) fn search_path(folders: &[PathBuf], scenes: &SearchPath) -> SearchPath {
     let mut path = SearchPath::default();
     folders.iter().for_each(|folder| path.push(folder));
@@ -52,7 +52,7 @@ pub(crate) fn search_path(folders: &[PathBuf], scenes: &SearchPath) -> SearchPat
     path
 }
 
-/// The folders of the scenes, whose libraries are loaded only if the command line says so.
+/// The folders of the scenes, whose libraries are loaded only if the command line permits it.
 fn folders_of(scenes: &[String]) -> SearchPath {
     let mut path = SearchPath::default();
     scenes.iter().filter(|scene| *scene != "-").for_each(|scene| path.push(folder_of(scene)));
@@ -64,7 +64,7 @@ fn folder_of(file: &str) -> PathBuf {
     if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_owned() }
 }
 
-/// Makes the models of a scene.
+/// Creates the models of a scene.
 pub(crate) struct Models<'s> {
     registry: Registry,
     guard: PluginGuard,
@@ -73,9 +73,10 @@ pub(crate) struct Models<'s> {
     folders: [SearchPath; 2],
     sources: &'s SourceMap,
     folder: PathBuf,
-    /// What was said already: a model may be made twice, for three bands and for one.
-    said: RefCell<BTreeSet<String>>,
-    /// The models by all that they were made of: several plans of a scene share them, and their faults are told together.
+    /// Messages already printed: a model may be created twice, for three bands and for one.
+    reported: RefCell<BTreeSet<String>>,
+    /// The models by their definitions: several plans of a scene share them, and their faults are
+    /// reported together.
     made: RefCell<BTreeMap<String, Arc<dyn Brdf>>>,
 }
 
@@ -85,18 +86,26 @@ impl<'s> Models<'s> {
         let folder = scenes.iter().find(|scene| *scene != "-").map_or(PathBuf::from("."), |scene| folder_of(scene));
         let of_scenes = folders_of(scenes);
         let folders = [search_path(options.trust.plugin_folders(), &of_scenes), of_scenes];
-        // What stands beside a scene comes last, so that it hides nothing. `check_library` decides
-        // what is loaded from there.
+        // Folders of scenes come last, so that they hide nothing. `check_library` decides whether
+        // their libraries are loaded.
         let mut all = folders[0].clone();
         folders[1].folders().iter().for_each(|folder| all.push(folder));
         let (trust, guard) = (options.trust.clone(), options.guard.clone());
         let searched = if trust.may_load_beside_scenes() { all } else { folders[0].clone() };
-        let registry = guard.place(Registry::new(searched, check));
-        Models { registry, guard, trust, folders, sources, folder, said: RefCell::default(), made: RefCell::default() }
+        let registry = guard.with_isolation(Registry::new(searched, check));
+        Models {
+            registry,
+            guard,
+            trust,
+            folders,
+            sources,
+            folder,
+            reported: RefCell::default(),
+            made: RefCell::default(),
+        }
     }
 
-    /// A library beside the scene is no more than another input, until the command line says
-    /// otherwise.
+    /// A library beside the scene is only an input, unless the command line permits loading it.
     fn check_library(&self, library: &str) -> Result<(), Diagnostic> {
         let [installed, of_scenes] = &self.folders;
         let is_allowed = self.trust.allows_plugins_of_scenes() || self.trust.names_library(library);
@@ -105,7 +114,7 @@ impl<'s> Models<'s> {
         }
         match of_scenes.find(library) {
             Ok(file) => Err(Diagnostic::error(format!(
-                "library \"{}\" stands beside the scene and is not loaded: a scene is input, not a program",
+                "library \"{}\" is beside the scene and is not loaded: a scene is input, not a program",
                 file.display()
             ))
             .hint("--allow-plugins loads libraries beside the scene, --plugin-path DIR those of a folder")),
@@ -113,19 +122,19 @@ impl<'s> Models<'s> {
         }
     }
 
-    /// The registry, which counts what plugins returned wrongly.
+    /// The registry, which counts invalid results of plugins.
     pub(crate) fn registry(&self) -> &Registry {
         &self.registry
     }
 
-    /// The registry alone.
+    /// Takes the registry.
     pub(crate) fn into_registry(self) -> Registry {
         self.registry
     }
 
     fn warn(&self, diagnostic: &Diagnostic) {
         let text = diagnostic.render(self.sources);
-        if self.said.borrow_mut().insert(text.clone()) {
+        if self.reported.borrow_mut().insert(text.clone()) {
             say(&text);
         }
     }
@@ -177,7 +186,7 @@ impl ModelSource for Models<'_> {
     }
 }
 
-/// Where a token stands; the material where it stands nowhere of its own.
+/// The span of a token; that of the material if the token has none.
 fn token_span(request: &ModelRequest<'_>, token: Token) -> Option<radsight_diag::Span> {
     let first_number = 2 + request.words.len();
     let index = match token {
@@ -189,7 +198,7 @@ fn token_span(request: &ModelRequest<'_>, token: Token) -> Option<radsight_diag:
     request.tokens.get(index).copied().or(request.span)
 }
 
-/// Says what plugins returned wrongly.
+/// Reports invalid results of plugins.
 pub(crate) fn report_faults(registry: Option<&Registry>) {
     let Some(registry) = registry else { return };
     for line in registry.take_messages() {

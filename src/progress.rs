@@ -1,14 +1,14 @@
-//! A bar with the time that is left, on a terminal; silence in a pipe.
+//! A progress bar with the remaining time, on a terminal only.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use radsight_output::interrupt;
 use std::io::IsTerminal;
 
-/// Shows how far the rays are.
+/// Shows the progress of rays.
 pub(crate) struct Bar(ProgressBar);
 
 impl Bar {
-    /// A bar named by what is being done.
+    /// A bar with the name of a stage.
     pub(crate) fn new(what: &'static str) -> Bar {
         let bar = ProgressBar::new(0);
         if std::io::stderr().is_terminal() {
@@ -21,7 +21,7 @@ impl Bar {
         Bar(bar)
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub(crate) fn finish(&self) {
         self.0.finish_and_clear();
     }

@@ -1,4 +1,4 @@
-//! Rays from a stream of numbers.
+//! Reads rays from a stream of numbers.
 
 use crate::failure::{Failure, reason};
 use glam::DVec3;
@@ -6,7 +6,7 @@ use radsight_pinhole::stream::NumberFormat;
 use radsight_render::Ray;
 use std::io::{ErrorKind, Read};
 
-/// A ray of the stream; `ray` is `None` for a direction of zero, which Radiance takes as "flush".
+/// A ray of the stream; `ray` is `None` for a direction of zero, which means "flush" in Radiance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InputRay {
     pub(crate) origin: DVec3,
@@ -25,14 +25,14 @@ pub(crate) struct RayReader<R> {
     start: usize,
     ended: bool,
     rays: u64,
-    /// Where they come from, for messages.
+    /// Name of the source, for messages.
     source: String,
 }
 
-/// Bytes that are asked for at a time.
+/// Number of bytes per read.
 const READ_SIZE: usize = 1 << 16;
 
-/// The longest number in text.
+/// Longest number in text, bytes.
 const LONGEST_WORD: usize = 4096;
 
 impl<R: Read> RayReader<R> {
@@ -45,7 +45,8 @@ impl<R: Read> RayReader<R> {
         RayReader { input, format, buffer: Vec::new(), start: 0, ended: false, rays: 0, source }
     }
 
-    /// Reads up to `most` rays; fewer only at the end of the stream or before a mistake. Waits for no more than one ray when the writer waits for its answer.
+    /// Reads up to `most` rays; fewer only at the end of the stream or before a mistake. Blocks for
+    /// one ray at most, if the writer waits for its result.
     pub(crate) fn read(&mut self, most: usize, rays: &mut Vec<InputRay>) -> Result<(), Failure> {
         rays.clear();
         while rays.len() < most {
@@ -136,7 +137,7 @@ impl<R: Read> RayReader<R> {
     }
 
     fn number(&self, text: &str) -> Result<Option<f64>, Failure> {
-        text.parse().map(Some).map_err(|_| self.wrong(&format!("\"{text}\" is no number")))
+        text.parse().map(Some).map_err(|_| self.wrong(&format!("\"{text}\" is not a number")))
     }
 
     fn fill(&mut self) -> Result<(), Failure> {

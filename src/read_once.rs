@@ -1,7 +1,7 @@
-//! Files that the command line or a scene names, each read once: what a pipe gave is kept for who
-//! asks again.
+//! Files named on the command line or in a scene, each read once: the content of a pipe is kept for
+//! repeated access.
 //!
-//! Every file that is read is noted, so that no output goes over it (`output.rs`).
+//! Every file read is recorded, so that no output replaces it (`output.rs`).
 
 use radsight_output::inputs;
 use std::collections::BTreeMap;
@@ -10,14 +10,12 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What came out of pipes and devices, by their names. A second reading would wait for ever or find
-/// nothing.
+/// The content of pipes and devices by name. Reading them again would block or find nothing.
 static KEPT: Mutex<BTreeMap<PathBuf, Arc<[u8]>>> = Mutex::new(BTreeMap::new());
 
 /// Opens a file for reading.
 ///
-/// The error is `InvalidInput` for the file that standard output goes to: it would grow while it is
-/// read.
+/// The error is `InvalidInput` for the file of standard output: it would grow while it is read.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
     let file = File::open(path)?;
     if file.metadata()?.is_dir() {
@@ -30,7 +28,7 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
     Ok(file)
 }
 
-/// The bytes of a file, read to where they stay.
+/// The bytes of a file, read without a copy.
 pub(crate) fn shared(path: &Path) -> io::Result<Arc<[u8]>> {
     if let Some(bytes) = kept(path) {
         return Ok(bytes);
@@ -42,14 +40,14 @@ pub(crate) fn shared(path: &Path) -> io::Result<Arc<[u8]>> {
     }
     let length = usize::try_from(found.len()).unwrap_or(0);
     let mut bytes: Arc<[u8]> = std::iter::repeat_n(0, length).collect();
-    file.read_exact(Arc::get_mut(&mut bytes).expect("nobody else knows it yet"))?;
-    // A file that grows meanwhile, or that the system makes up while it is read, has more.
+    file.read_exact(Arc::get_mut(&mut bytes).expect("it is not shared yet"))?;
+    // The file may have grown, or the system may generate it while it is read.
     let mut rest = Vec::new();
     file.read_to_end(&mut rest)?;
     Ok(if rest.is_empty() { bytes } else { [&bytes, &rest[..]].concat().into() })
 }
 
-/// The bytes of a file, for who changes them.
+/// The bytes of a file, mutable.
 pub(crate) fn owned(path: &Path) -> io::Result<Vec<u8>> {
     if let Some(bytes) = kept(path) {
         return Ok(bytes.to_vec());
@@ -63,7 +61,7 @@ pub(crate) fn owned(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The first bytes of a file, at most so many.
+/// The first bytes of a file, at most `most`.
 pub(crate) fn beginning(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     if let Some(bytes) = kept(path) {
         return Ok(bytes.iter().take(most as usize).copied().collect());

@@ -1,7 +1,7 @@
-//! Radiance's options of rendering, which begin with one dash and two letters.
+//! Radiance's rendering options, which consist of one dash and two letters.
 //!
-//! Most of the options with which Radiance steers its approximations of direct light and highlights are accepted and change nothing:
-//! radsight computes those integrals.
+//! Most options that control Radiance's approximations of direct light and highlights are accepted
+//! and have no effect: radsight computes those integrals.
 
 use crate::args::Reading;
 use crate::disk::{Commands, DiskLoader};
@@ -15,22 +15,23 @@ use radsight_loader::{FileKind, Loader};
 use radsight_render::{AmbientSurfaces, BackFaces, Caustics, Lights, PathLimit, Quantity, RenderOptions, Sampling};
 use std::cmp::Ordering;
 
-/// Options with one number that steer approximations which radsight does not make.
+/// Options with one number that control approximations which radsight does not make.
 const WITHOUT_EFFECT: [&str; 5] = ["-dj", "-dt", "-dc", "-dp", "-ss"];
 
-/// The weight of Radiance's ambient value among gathered ones: ours stands only where nothing is gathered.
+/// The weight of Radiance's ambient value: in radsight the value is used only where indirect light
+/// is not computed.
 const AMBIENT_WEIGHT: &str = "-aw";
 
-/// Takes the options of rendering out of a command line and gives them with what is left.
+/// Removes the rendering options from a command line and returns them with the rest.
 ///
-/// Commands whose own arguments could look like such options do not come here.
+/// Commands whose own arguments could look like such options do not use this.
 pub(crate) fn take(words: &[String]) -> Result<(RenderOptions, Vec<String>), Failure> {
     let mut options = RenderOptions::default();
     let mut rest = Vec::new();
     let mut at = 0;
     while at < words.len() {
         let used = match words[at].as_str() {
-            // Programs that take options so keep no irradiance cache in a file.
+            // Programs that parse options this way keep no irradiance cache in a file.
             "-af" => number::<String>(&words[at..], "-af", "a file").map(|_| 2)?,
             _ => take_one(&words[at..], &mut options)?,
         };
@@ -42,7 +43,8 @@ pub(crate) fn take(words: &[String]) -> Result<(RenderOptions, Vec<String>), Fai
     Ok((options, rest))
 }
 
-/// Takes one option of rendering from the front; gives how many words it used, 0 for something else.
+/// Parses one rendering option at the front; returns the number of words it used, 0 for another
+/// option.
 pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<usize, Failure> {
     let word = words[0].as_str();
     if let Some(visible) = switched(word, "-bv", options.back_faces == BackFaces::Visible) {
@@ -75,11 +77,11 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             Ok(2)
         }
         "-ds" => {
-            options.source_sampling = number(words, word, "a size over a distance, 0 or more")?;
+            options.source_sampling = number(words, word, "a ratio of size to distance, 0 or more")?;
             Ok(2)
         }
         "-st" => {
-            options.highlight_threshold = number(words, word, "a share from 0 to 1")?;
+            options.highlight_threshold = number(words, word, "a number from 0 to 1")?;
             Ok(2)
         }
         "--caustics" => {
@@ -87,7 +89,7 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             Ok(1)
         }
         "-dr" => {
-            options.mirror_sources = number(words, word, "a number of relays, 0 or more")?;
+            options.mirror_sources = number(words, word, "a depth of virtual sources, 0 or more")?;
             Ok(2)
         }
         "-cs" => {
@@ -130,7 +132,7 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             }
             Ok(2)
         }
-        // The radius of photon maps, which without one means nothing.
+        // The search radius of photon maps, without effect.
         "-am" => number::<f64>(words, word, "a number").map(|_| 2),
         "-ap" => Err(Failure::usage("option \"-ap\": photon maps are not supported")),
         _ if WITHOUT_EFFECT.contains(&word) || word == AMBIENT_WEIGHT => {
@@ -142,12 +144,12 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
     }
 }
 
-/// Gives how many words of `-cs` are used.
+/// Parses `-cs`; returns the number of words it used.
 fn sampling(options: &mut RenderOptions, bands: usize, range_nm: [f64; 2]) -> Result<usize, Failure> {
     let [first, last] = range_nm;
     options.sampling = Sampling::new(bands, range_nm).ok_or_else(|| {
         let what = format!("{bands} bands from {first} to {last} nm");
-        Failure::usage(format!("impossible sampling: {what}, expected 3 bands or more and a range of 50 nm or more"))
+        Failure::usage(format!("invalid sampling: {what}, expected 3 bands or more and a range of 50 nm or more"))
     })?;
     Ok(2)
 }
@@ -173,7 +175,8 @@ fn color(words: &[String], expected: &str, color: &mut Rgb) -> Result<usize, Fai
     Ok(4)
 }
 
-/// Adds a name to those of `-ae` or `-ai`; as in Radiance the first of the other kind starts a new list.
+/// Adds a name to those of `-ae` or `-ai`; as in Radiance, the first of the other kind starts a new
+/// list.
 fn name_surfaces(options: &mut RenderOptions, only: bool, name: String) {
     match &mut options.ambient_surfaces {
         AmbientSurfaces::Only(names) if only => names.push(name),
@@ -183,35 +186,36 @@ fn name_surfaces(options: &mut RenderOptions, only: bool, name: String) {
     }
 }
 
-/// The words of a file, which is looked for in `RAYPATH`.
+/// The words of a file in `RAYPATH`.
 pub(crate) fn names_in_file(option: &str, file: &str) -> Result<Vec<String>, Failure> {
     let loaded = DiskLoader::new(Commands::Refused).load(file, FileKind::Other);
     let loaded = loaded.map_err(|error| Failure::input(format!("option \"{option}\": {error}")))?;
     Ok(names_in(&loaded.bytes))
 }
 
-/// Modifiers' names in a text, which may stand in quotation marks.
+/// Names of modifiers in a text, optionally quoted.
 pub(crate) fn names_in(text: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(text);
     text.split_whitespace().map(|name| name.trim_matches(['"', '\'']).to_owned()).collect()
 }
 
-/// Takes `-i` from the front: whether the irradiance of the surfaces is wanted; gives how many words it used.
+/// Parses `-i` at the front: whether irradiance of surfaces is requested; returns the number of
+/// words it used.
 pub(crate) fn take_irradiance(words: &[String], options: &mut RenderOptions) -> usize {
     let Some(on) = switched(&words[0], "-i", options.quantity == Quantity::SurfaceIrradiance) else { return 0 };
     options.quantity = if on { Quantity::SurfaceIrradiance } else { Quantity::Radiance };
     1
 }
 
-/// Takes one option of ours that Radiance's programs do not have: how scenes are read, what they
-/// may cause, and the seed.
+/// Parses one option that Radiance's programs do not have: reading of scenes, permissions, and the
+/// seed.
 pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut RenderOptions) -> Result<usize, Failure> {
     let before = reading.plugin_guard.clone();
     let used = reading.plugin_guard.take(words)?;
     if used > 0 {
         if reading.trust.word_origin() == Origin::File && reading.plugin_guard.allows_more_than(&before) {
             return Err(Failure::input(format!(
-                "option \"{}\" comes from a file and is not obeyed\nhint: only the command line itself may allow plugins more",
+                "option \"{}\" comes from a file and is ignored\nhint: only the command line may raise limits of plugins",
                 words[..used].join(" ")
             )));
         }
@@ -221,7 +225,7 @@ pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut Re
     match word {
         "-af" => {
             let name: String = number(words, word, "a file for the irradiance cache")?;
-            // As in Radiance no name is no file.
+            // As in Radiance, an empty name means no file.
             reading.ambient_file = match name.is_empty() {
                 true => None,
                 false => Some(reading.trust.output(&name, Existing::AmbientValues)?),
@@ -237,7 +241,8 @@ pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut Re
     Ok(2)
 }
 
-/// Takes one option that defines something for all functions of the scene: `-f FILE`, and `-e TEXT` if the text is a definition.
+/// Parses one option with definitions for all functions of the scene: `-f FILE`, or `-e TEXT` if
+/// the text is a definition.
 pub(crate) fn take_definition(words: &[String], reading: &mut Reading) -> Result<usize, Failure> {
     let word = words[0].as_str();
     let (name, text) = match (word, words.get(1)) {

@@ -1,14 +1,14 @@
-//! How a run went: what the time was spent on, and what the renderer decided.
+//! The record of a run: times and decisions of the renderer.
 
 use radsight_render::RenderPlan;
 use radsight_report::{Decision, RunRecord, Stage};
 use std::time::Instant;
 
-/// Measures the stages of a run, one after the other.
+/// Measures consecutive stages of a run.
 pub(crate) struct Stopwatch {
     stages: Vec<Stage>,
     started: Instant,
-    /// Of the present stage.
+    /// Start of the current stage.
     begun: Instant,
     processor_s: Option<f64>,
 }
@@ -25,7 +25,7 @@ impl Stopwatch {
         self.started
     }
 
-    /// Ends a stage, of this name, and begins the next.
+    /// Ends the current stage, with its name, and starts the next.
     pub(crate) fn lap(&mut self, name: &str) {
         let (now, processor_s) = (Instant::now(), processor_seconds());
         let spent = processor_s.zip(self.processor_s).map(|(now, before)| now - before);
@@ -34,7 +34,7 @@ impl Stopwatch {
         (self.begun, self.processor_s) = (now, processor_s);
     }
 
-    /// A record of the stages so far, of the program's words and of what the plan decided.
+    /// A record of the stages so far, of the program's words and of the plan's decisions.
     pub(crate) fn record(&self, plan: &RenderPlan, command: &[String]) -> RunRecord {
         let decision = |decision: &radsight_render::PlanDecision| Decision {
             what: decision.what.clone(),
@@ -57,7 +57,8 @@ impl Stopwatch {
     }
 }
 
-/// Processor time of this process and of those that it ran and that ended, s; `None` where the system does not say.
+/// Processor time of this process and its finished children, s; `None` if the system does not
+/// report it.
 #[cfg(unix)]
 fn processor_seconds() -> Option<f64> {
     use nix::sys::resource::{UsageWho, getrusage};

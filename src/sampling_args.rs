@@ -1,10 +1,11 @@
-//! How many rays are spent on a value: `--samples N`, or `--error E` for as many as that takes.
+//! The sampling budget of a value: `--samples N`, or `--error E`.
 
 use crate::failure::Failure;
 use crate::render_args::number;
 use radsight_film::{MAX_SAMPLES, SamplingBudget};
 
-/// Takes one such option from the front; gives how many words it used, 0 for something else. `most` limits the rays for an error.
+/// Parses one such option at the front; returns the number of words it used, 0 for another option.
+/// `most` limits the rays for an error.
 pub(crate) fn take_one(
     words: &[String],
     most: u32,
@@ -19,11 +20,11 @@ pub(crate) fn take_one(
             samples @ 1..=MAX_SAMPLES => *sampling_budget = Some(SamplingBudget::Samples(samples)),
             other => return refused(other.to_string(), format!("1 to {MAX_SAMPLES}")),
         },
-        "--error" => match number(words, word, "a share above 0, such as 0.02")? {
+        "--error" => match number(words, word, "a relative error above 0, such as 0.02")? {
             error if error > 0.0 && f64::is_finite(error) => {
                 *sampling_budget = Some(SamplingBudget::Error { error, most })
             }
-            error => return refused(error.to_string(), "a share above 0, such as 0.02".to_owned()),
+            error => return refused(error.to_string(), "a relative error above 0, such as 0.02".to_owned()),
         },
         _ => return Ok(0),
     }

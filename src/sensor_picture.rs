@@ -1,4 +1,4 @@
-//! What a sensor makes of a stored exposure, as PNG files.
+//! The sensor's response to a stored exposure, as PNG files.
 
 use crate::failure::Failure;
 use radsight_picture::{
@@ -7,7 +7,7 @@ use radsight_picture::{
 use radsight_report::GreyPicture;
 use radsight_sensor::{Bayer, BitDepth, Demosaic, Sensor};
 
-/// Writes an image of components of one width, with a header.
+/// Writes an image with integer components, with a header.
 type Writer<T> = fn(&Image<T>, Option<&Header>) -> Result<Vec<u8>, PictureError>;
 
 /// The values that a sensor reads out.
@@ -19,7 +19,7 @@ pub(crate) struct SensorPicture {
 }
 
 impl SensorPicture {
-    /// Reads out an exposure in J/m²; `seed` chooses the noise.
+    /// Reads out an exposure in J/m²; `seed` selects the noise.
     pub(crate) fn new(sensor: &Sensor, exposure: &Image<f32>, seed: u64) -> SensorPicture {
         let exposures: Vec<f64> = exposure.data().iter().map(|value| f64::from(*value)).collect();
         let greys = sensor.greys(&exposures, seed);
@@ -31,20 +31,20 @@ impl SensorPicture {
         self.png(self.greys.clone(), 1, (write_png_grey8, write_png_grey16), header)
     }
 
-    /// The grey values themselves, for a page.
+    /// The grey values, for a report page.
     pub(crate) fn into_greys(self) -> Result<GreyPicture, Failure> {
         let values = Image::new(self.width, self.height, 1, self.greys);
         let values = values.map_err(|error| Failure::fault(error.to_string()))?;
         Ok(GreyPicture { values, largest: self.bits.largest() })
     }
 
-    /// The demosaiced picture of what stands behind a mosaic.
+    /// The demosaiced colour picture.
     pub(crate) fn color_png(&self, mosaic: Bayer, header: &Header) -> Result<Vec<u8>, Failure> {
         let colors = mosaic.demosaic(&self.greys, self.width, Demosaic::GradientCorrected, self.bits.largest());
         self.png(colors, 3, (write_png_rgb8, write_png_rgb16), header)
     }
 
-    /// The file, with eight bits a component where these hold all values.
+    /// Encodes the picture with eight bits per component if they suffice.
     fn png(
         &self,
         values: Vec<u16>,

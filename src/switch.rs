@@ -1,4 +1,4 @@
-//! Radiance's switches: an option that turns something over, with `+` or `1` on, with `-` or `0` off.
+//! Radiance's switches: an option that toggles a state; `+` or `1` turns it on, `-` or `0` off.
 
 /// The new state of a switch; `None` if the word is another option.
 pub(crate) fn switched(word: &str, name: &str, now: bool) -> Option<bool> {

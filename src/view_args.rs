@@ -1,11 +1,12 @@
-//! View options on a command line.
+//! View options on the command line.
 
 use crate::failure::Failure;
 use crate::input::read_file;
 use crate::render_args::number;
 use radsight_picture::{View, ViewOptions};
 
-/// Takes one view option, a view file (`-vf`) among them, from the front; gives how many words it used, 0 for something else.
+/// Parses one view option at the front, including `-vf`; returns the number of words it used, 0 for
+/// another option.
 pub(crate) fn take_one(words: &[String], view: &mut ViewOptions) -> Result<usize, Failure> {
     if words[0] == "-vf" {
         let path: String = number(words, "-vf", "a view file")?;
@@ -29,7 +30,7 @@ pub(crate) fn take_one(words: &[String], view: &mut ViewOptions) -> Result<usize
     }
 }
 
-/// Reads a view file, or the view of a picture, upon a view.
+/// Applies a view file, or the view of a picture, to a view.
 pub(crate) fn read_view_file(path: &str, view: &mut ViewOptions) -> Result<(), Failure> {
     let bytes = read_file(path, "view file")?;
     view.apply_file(&bytes).map_err(|error| Failure::input(format!("view file \"{path}\": {error}")))

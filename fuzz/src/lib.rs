@@ -22,7 +22,7 @@ use radsight_matrix::{Matrix, Stored, Transform, Wanted, bsdf_matrix};
 use radsight_measured::{MeasuredBsdf, Side};
 use radsight_parse::{Input, ReadOptions, UnusedModifiers, bounds, cube, read_scene, write_scene, xform};
 use radsight_picture::{FloatMatrix, Header, Image, Picture, View, ViewOptions, read_image};
-use radsight_rad_project::{Cube, Date, How, Rif, Site};
+use radsight_rad_project::{Cube, Date, How, Project, Site};
 use radsight_report::{Page, ProgressLog, Quantity, RunRecord};
 use radsight_scene_generators::WavefrontMesh;
 
@@ -233,18 +233,18 @@ impl Site for SomeFiles {
 /// A project (`.rif`): all its steps, and its values as they are printed and read again.
 pub fn project(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
-    let Ok(mut rif) = Rif::read("room.rif", &text) else { return };
-    if rif.check().is_err() {
+    let Ok(mut project) = Project::read("room.rif", &text) else { return };
+    if project.check().is_err() {
         return;
     }
     for view in [None, Some("1"), Some("def"), Some("-vp 1 2 3")] {
         let how = How { view: view.map(str::to_owned), show_views: true, ..How::default() };
-        let Ok(steps) = rif.clone().steps(&how, &SomeFiles) else { continue };
+        let Ok(steps) = project.clone().steps(&how, &SomeFiles) else { continue };
         for step in steps {
             let _ = (step.outputs().len(), step.command_line());
         }
     }
-    if let Ok(mut again) = Rif::read("room.rif", &rif.explained()) {
+    if let Ok(mut again) = Project::read("room.rif", &project.explained()) {
         let _ = again.check();
     }
 }

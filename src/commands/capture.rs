@@ -121,9 +121,9 @@ fn check_budget(arguments: &Capture) -> Outcome {
         return Err(Failure::usage("option \"--samples\" is 0, expected at least 1"));
     }
     match arguments.error {
-        Some(error) if !(error.is_finite() && error > 0.0) => {
-            Err(Failure::usage(format!("option \"--error\" is {error}, expected a share above 0, such as 0.005")))
-        }
+        Some(error) if !(error.is_finite() && error > 0.0) => Err(Failure::usage(format!(
+            "option \"--error\" is {error}, expected a relative error above 0, such as 0.005"
+        ))),
         _ => Ok(()),
     }
 }

@@ -1,4 +1,4 @@
-//! `radsight check`: every mistake of a scene.
+//! `radsight check`: reports every mistake of a scene.
 
 use crate::args::Check;
 use crate::failure::{Failure, Outcome, render, say};

@@ -1,4 +1,4 @@
-//! `radsight explain`: what a capture computes, and what it skips and why.
+//! `radsight explain`: prints what a capture computes, and what it skips and why.
 
 use crate::args::Explain;
 use crate::commands::capture::DEFAULT_ERROR;
@@ -12,10 +12,11 @@ use radsight_pinhole::Rays;
 use radsight_render::{RenderOptions, Renderer, Skip};
 use std::time::{Duration, Instant};
 
-/// Rays a pixel whose time is measured.
+/// Number of rays per pixel for the measurement.
 const MEASURED_SAMPLES: u32 = 4;
 
-/// Times that each way is measured, in turns; the least counts, which other work on the machine disturbs least.
+/// Number of alternating measurements of each variant; the smallest time is used, since it is least
+/// disturbed by other processes.
 const TURNS: u32 = 5;
 
 /// Runs the command.
@@ -31,20 +32,20 @@ pub(crate) fn run(arguments: &Explain, render: RenderOptions) -> Outcome {
     let mut text = String::new();
     for decision in decisions {
         text.push_str(&format!("{}: {}", decision.what, decision.why));
-        // Several decisions may leave out the same kind of work; it is measured once, as a whole.
+        // Several decisions may skip the same kind of work; it is measured once.
         if let Some(skip) = decision.skip.filter(|skip| arguments.measure && !measured.contains(skip)) {
             measured.push(skip);
             let options = RenderOptions { skipping: render.skipping.without(skip), ..render.clone() };
             let other = plan(&arguments.scenes, Some(&camera), &arguments.reading, options)?;
             let share = share_saved(&camera, &renderer, &Renderer::new(other.plan))?;
-            text.push_str(&format!("; leaving out {} saves {:.1} % of the time", skip.words(), 100.0 * share));
+            text.push_str(&format!("; skipping {} saves {:.1} % of the time", skip.words(), 100.0 * share));
         }
         text.push('\n');
     }
     write_standard_output(text.as_bytes())
 }
 
-/// The share of the second renderer's time that the first one does not need.
+/// The share of the second renderer's time that the first one saves.
 fn share_saved(camera: &CameraFile, skipping: &Renderer, computing: &Renderer) -> Result<f64, Failure> {
     let mut least = [Duration::MAX; 2];
     for _ in 0..TURNS {

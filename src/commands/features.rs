@@ -1,10 +1,10 @@
-//! What the programs that trace rays say of themselves to scripts: `-version`, and `-features` with those that a script
-//! needs.
+//! Information for scripts about the ray-tracing programs: `-version`, and `-features` with
+//! required features.
 
 use crate::failure::{Failure, Outcome};
 use crate::output::write_standard_output;
 
-/// What all three can do, by Radiance's names for it.
+/// The features of all three programs, by Radiance's names.
 const TRACING: [&str; 19] = [
     "VirtualSources",
     "SecondarySources",
@@ -27,7 +27,7 @@ const TRACING: [&str; 19] = [
     "AmbientValueSharing",
 ];
 
-/// What one of them can do beside.
+/// The features of single programs.
 const OWN: [(&str, &[&str]); 3] = [
     (
         "rpict",
@@ -74,13 +74,13 @@ const OWN: [(&str, &[&str]); 3] = [
     ),
 ];
 
-/// What `-version` answers, wherever it stands among the options: scripts look for Radiance's name and the version that
-/// they need.
+/// The answer to `-version` anywhere among the options: scripts search it for Radiance's name and
+/// the required version.
 pub(super) fn version() -> Failure {
     Failure::answer(concat!("RADIANCE 6.0a (radsight ", env!("CARGO_PKG_VERSION"), ")\n"))
 }
 
-/// Answers `-features` as the first word; `None` where something else is asked.
+/// Answers `-features` as the first word; `None` for other command lines.
 pub(super) fn answer(words: &[String]) -> Option<Outcome> {
     let (name, asked) = (words.first()?.as_str(), words.get(1)?.as_str());
     let (_, own) = OWN.iter().find(|(program, _)| *program == name)?;
@@ -97,7 +97,8 @@ pub(super) fn answer(words: &[String]) -> Option<Outcome> {
     }
 }
 
-/// Checks a feature that is needed: its name, perhaps with some of its kinds after `=`. Of a name alone its kinds are told.
+/// Checks a required feature: its name, optionally with some of its kinds after `=`. For a name
+/// alone, prints its kinds.
 fn check(program: &str, needed: &str, mut features: impl Iterator<Item = &'static str>) -> Outcome {
     let (name, kinds) = needed.split_once('=').map_or((needed, None), |(name, kinds)| (name, Some(kinds)));
     let found =

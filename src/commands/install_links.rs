@@ -1,5 +1,5 @@
-//! `radsight install-links`: links by whose name the program becomes one of Radiance's, with manual pages and
-//! completions of the same names.
+//! `radsight install-links`: links with the names of Radiance's programs, with manual pages and
+//! completions.
 
 use crate::args::{InstallLinks, Program};
 use crate::failure::{Failure, Outcome, reason};
@@ -10,7 +10,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Each of our pages and completions says this word; a file without it is somebody else's.
+/// Each of our pages and completions contains this word; a file without it is not ours.
 const MARK: &str = "radsight";
 
 /// Runs the command.
@@ -24,7 +24,7 @@ pub(crate) fn run(arguments: &InstallLinks) -> Outcome {
             Ok(found) if found.file_type().is_symlink() => {
                 fs::remove_file(&link).map_err(|error| fault(&link, &error))?;
             }
-            Ok(_) => return Err(Failure::input(format!("\"{}\" exists and is no link", link.display()))),
+            Ok(_) => return Err(Failure::input(format!("\"{}\" exists and is not a link", link.display()))),
             Err(_) => {}
         }
         make_link(&program, &link).map_err(|error| fault(&link, &error))?;
@@ -68,14 +68,14 @@ fn write_own_pages(share: &Path) -> Outcome {
     Ok(())
 }
 
-/// Writes a page, in place of an older one of ours.
+/// Writes a page, replacing an older one of ours.
 fn write_page(path: &Path, bytes: &[u8]) -> Outcome {
     if let Some(folder) = path.parent() {
         make_folder(folder)?;
     }
     if fs::read(path).is_ok_and(|old| !old.windows(MARK.len()).any(|word| word == MARK.as_bytes())) {
         return Err(Failure::input(format!(
-            "\"{}\" exists and is not radsight's\nhint: --share names another folder, --only-links leaves the pages out",
+            "\"{}\" exists and was not written by radsight\nhint: --share names another folder, --only-links omits the pages",
             path.display()
         )));
     }

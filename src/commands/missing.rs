@@ -1,15 +1,15 @@
-//! Radiance's programs that radsight does not stand in for, and what to do instead.
+//! Radiance's programs that radsight does not replace, and their alternatives.
 
 use crate::failure::Failure;
 
-/// The programs, and what is said of them.
+/// The programs, and the messages about them.
 const MISSING: [(&[&str], &str); 10] = [
     (&["rvu", "rview", "rholo"], "expected rpict, which renders the same view: add -x, -y and -o"),
     (
         &["mkpmap", "pmapdump"],
-        "there are no photon maps: highlights find light by way of mirrors and bodies in rpict itself",
+        "radsight has no photon maps: rpict --caustics samples light by way of mirrors and glass",
     ),
-    (&["lookamb", "ambpos"], "there are no files of ambient values"),
+    (&["lookamb", "ambpos"], "radsight has no files of ambient values"),
     (&["tmesh2rad", "robjutil"], "expected obj2rad or obj2mesh"),
     (
         &["gensdaymtx", "genssky"],
@@ -67,7 +67,7 @@ const MISSING: [(&[&str], &str); 10] = [
     ),
 ];
 
-/// The error of a program that is asked for by name and is none of ours.
+/// The error of a program that is called by name and not provided.
 pub(super) fn refused(name: &str) -> Option<Failure> {
     let (_, instead) = MISSING.iter().find(|(names, _)| names.contains(&name))?;
     Some(Failure::usage(format!("{name} is not part of radsight: {instead}")))

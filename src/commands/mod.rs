@@ -1,4 +1,4 @@
-//! The subcommands, a file each.
+//! The subcommands, one file each.
 
 mod calibrate;
 mod capture;
@@ -38,7 +38,8 @@ use crate::trust::{Origin, Trust};
 use radsight_options::help;
 use radsight_render::RenderOptions;
 
-/// Runs a program of Radiance's, if it is one that radsight can stand in for, or says what to do instead; `words[0]` is its name.
+/// Runs a program of Radiance's if radsight provides it, or prints an alternative; `words[0]` is
+/// its name.
 pub(crate) fn run_radiance_program(words: &[String], trust: &Trust) -> Option<Outcome> {
     let name = words.first()?.as_str();
     if let (Some(program), Some("--help")) = (radsight_options::program(name), words.get(1).map(String::as_str)) {
@@ -95,7 +96,7 @@ pub(crate) fn run(program: Program, render: RenderOptions, trust: &Trust) -> Out
         Command::Retro(command) => retro::run(&command),
         Command::Calibrate(arguments) => calibrate::run(&arguments, trust),
         Command::Plugin(_) | Command::InstallLinks(_) if trust.origin() == Origin::File => Err(Failure::input(
-            "plugin and install-links are not run with words of a file\nhint: only the command line itself may call them",
+            "plugin and install-links cannot be called from a file\nhint: call them on the command line",
         )),
         Command::Plugin(arguments) => plugin::run(&arguments),
         Command::InstallLinks(arguments) => install_links::run(&arguments),

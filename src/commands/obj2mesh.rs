@@ -1,7 +1,9 @@
-//! `obj2mesh`: Wavefront text into a mesh that a `mesh` primitive places.
+//! `obj2mesh`: compiles Wavefront text to a mesh for the `mesh` primitive.
 //!
-//! `obj2mesh [-n limit] [-r resolution] [-a material file] [-l library file] [-w] [-v] [file.obj [file.rtm]]`: with material files (`-a`, `-l`), which become part of the mesh,
-//! triangles have the materials that `usemtl` names, else those of their groups. `-n` and `-r` are those of `oconv`. `-v` says what the mesh has.
+//! `obj2mesh [-n limit] [-r resolution] [-a material file] [-l library file] [-w] [-v] [file.obj
+//! [file.rtm]]`: material files (`-a`, `-l`) become part of the mesh; triangles then have the
+//! materials named by `usemtl`, else those of their groups. `-n` and `-r` are those of `oconv`.
+//! `-v` prints statistics of the mesh.
 
 use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
@@ -19,10 +21,10 @@ use radsight_picture::Header;
 use radsight_scene_generators::WavefrontMesh;
 use std::collections::HashMap;
 
-/// How far the cube stays from the mesh, scene units; as in Radiance.
+/// Margin of the bounding cube, scene units; as in Radiance.
 const CUBE_MARGIN: f64 = 1e-5;
 
-/// Triangles that a cube may have without being split (`-n`), unless another number is asked for.
+/// Default number of triangles above which a cube is subdivided (`-n`).
 const FEW: usize = 9;
 
 /// The command line.
@@ -45,11 +47,10 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     if mesh.triangles.is_empty() {
         return Err(wrong("no triangle with an area".to_owned()));
     }
-    for (count, what) in
-        [(mesh.unknown_statements, "statements of no known kind"), (mesh.degenerate, "triangles without area")]
+    for (count, what) in [(mesh.unknown_statements, "unknown statements"), (mesh.degenerate, "triangles without area")]
     {
         if count > 0 {
-            request.warn(&format!("{count} {what} are left out"));
+            request.warn(&format!("{count} {what} are skipped"));
         }
     }
     let objects = request.objects()?;
@@ -57,7 +58,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let cube = cube(&mesh);
     let Built { tree, left_out } = octree(&mesh, cube, &request.build)?;
     if left_out > 0 {
-        request.warn(&format!("{left_out} triangles too many in one place are left out there"));
+        request.warn(&format!("{left_out} triangles are left out where too many overlap"));
     }
     let mut header = Header::new("RADIANCE");
     header.push_command(words.all().into_iter().filter(|word| output == "-" || *word != output));
@@ -117,13 +118,14 @@ impl Request {
             return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
         }
         if !read.numbering.of_surfaces.is_empty() {
-            return Err(Failure::input("obj2mesh: a file of materials has surfaces, expected materials alone"));
+            return Err(Failure::input("obj2mesh: a file of materials has surfaces, expected only materials"));
         }
         Ok(read.numbering.primitives)
     }
 }
 
-/// For each material of the mesh the index of the last object of that name; `None` where there are no material files.
+/// For each material of the mesh, the index of the last object with that name; `None` without
+/// material files.
 fn materials(mesh: &WavefrontMesh, objects: &[Object<'_>]) -> Result<Vec<Option<u32>>, String> {
     if objects.is_empty() {
         return Ok(vec![None; mesh.materials.len()]);
@@ -152,7 +154,7 @@ fn points(mesh: &WavefrontMesh) -> impl Iterator<Item = DVec3> {
     mesh.triangles.iter().flat_map(|triangle| triangle.points.map(DVec3::from_array))
 }
 
-/// The cube around the mesh.
+/// The bounding cube of the mesh.
 fn cube(mesh: &WavefrontMesh) -> Cube {
     let low = points(mesh).fold(DVec3::INFINITY, DVec3::min);
     let high = points(mesh).fold(DVec3::NEG_INFINITY, DVec3::max);

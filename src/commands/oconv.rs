@@ -1,8 +1,8 @@
-//! `oconv`: scenes into an octree.
+//! `oconv`: compiles scenes to an octree.
 
 use crate::failure::{Failure, Outcome, render, say};
 use crate::input::{read, read_file, scene_inputs, use_default_threads};
-use crate::option_table::{options_of, recognised, unknown_option};
+use crate::option_table::{options_of, parse_option, unknown_option};
 use crate::output::write_file;
 use crate::trust::Trust;
 use glam::DVec3;
@@ -12,10 +12,10 @@ use radsight_octree::BuildOptions;
 use radsight_parse::{Input, KeepPrimitives, Purpose, Read, ReadOptions, bounds, cube};
 use radsight_picture::Header;
 
-/// How much a given cube grows on each side, scene units; as in Radiance.
+/// Margin added to a given cube on each side, scene units; as in Radiance.
 const CUBE_MARGIN: f64 = 1e-5;
 
-/// What the command line says.
+/// The parsed arguments.
 struct Arguments {
     /// `-i`
     octree: Option<String>,
@@ -26,7 +26,7 @@ struct Arguments {
     is_frozen: bool,
     /// `-w`
     is_quiet: bool,
-    /// `-o`, ours alone: a file that appears whole; `-` for standard output.
+    /// `-o`, radsight's own: a file that appears whole; `-` for standard output.
     output: String,
     trust: Trust,
     files: Vec<String>,
@@ -61,7 +61,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     use_default_threads()?;
     let built = radsight_octree::build(&read.scene, &read.numbering.of_surfaces, cube, &arguments.build);
     if built.left_out > 0 {
-        arguments.warn(&format!("{} surfaces too many in one place are left out there", built.left_out));
+        arguments.warn(&format!("{} surfaces are left out where too many overlap", built.left_out));
     }
     let content = if is_frozen {
         OctreeContent::Objects(read.numbering.primitives)
@@ -79,7 +79,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     write_file(&arguments.output, &bytes)
 }
 
-/// What is kept of the octree of `-i`.
+/// The data of the octree of `-i`.
 struct Old {
     cube: Cube,
     /// Empty if it is frozen.
@@ -125,7 +125,7 @@ impl Arguments {
                     Failure::usage(format!("oconv: missing value of \"{word}\"; usage: {}", program.synopsis))
                 })
             };
-            match recognised(program, word)?.option.name {
+            match parse_option(program, word)?.option.name {
                 "-i" => arguments.octree = Some(value()?.clone()),
                 "-b" => {
                     let mut number = || number::<f64>(word, value()?);
@@ -163,7 +163,7 @@ impl Arguments {
         Ok(read)
     }
 
-    /// The cube that is asked for, or the one around the scene.
+    /// The requested cube, or the bounding cube of the scene.
     fn cube(&self, old: Option<&Old>, scene: &Scene) -> Result<Cube, Failure> {
         let Some(given) = self.cube.or(old.map(|old| old.cube).filter(|cube| cube.size > 0.0)) else {
             return Ok(cube(scene).unwrap_or_default());
@@ -188,7 +188,7 @@ fn number<T: std::str::FromStr>(option: &str, word: &str) -> Result<T, Failure> 
     word.parse().map_err(|_| Failure::usage(format!("oconv: option \"{option}\" is \"{word}\", expected a number")))
 }
 
-/// Where the octree comes from, that of `-i` included.
+/// The history of the octree, including that of `-i`.
 fn header(words: &[String], history: &Header) -> Header {
     let mut header = Header::new("RADIANCE");
     history.lines().for_each(|line| header.push_line(&String::from_utf8_lossy(line)));

@@ -12,10 +12,10 @@ use radsight_pinhole::stream::{ExposureStream, NumberFormat, RayStream};
 use radsight_pinhole::{BandWeights, Rays};
 use std::io::{self, BufWriter, Read, Write};
 
-/// Rays that are encoded at a time.
+/// Number of rays encoded at a time.
 const RAYS_AT_A_TIME: u64 = 4096;
 
-/// Bytes that are read at a time.
+/// Number of bytes read at a time.
 const BYTES_AT_A_TIME: usize = 1 << 16;
 
 /// Runs the command.
@@ -68,7 +68,7 @@ fn shift(arguments: &Shift) -> Outcome {
     check_steady(&file, &arguments.camera)?;
     if !file.camera.is_plain_pinhole() {
         return Err(Failure::input(format!(
-            "\"{}\": whole-pixel shifts are for a hole before an upright sensor, without diffraction, lens or distortion",
+            "\"{}\": whole-pixel shifts need a pinhole parallel to the sensor, without diffraction, lens or distortion",
             arguments.camera
         )));
     }
@@ -116,11 +116,11 @@ fn set_up(arguments: &CameraRays) -> Result<(CameraFile, Rays, NumberFormat), Fa
     Ok((file, rays, format))
 }
 
-/// Radiances that come from elsewhere are not told by lamps.
+/// Radiances from other programs have no information about flicker.
 fn check_steady(file: &CameraFile, path: &str) -> Outcome {
     match file.flickering.is_empty() {
         true => Ok(()),
-        false => Err(Failure::input(format!("\"{path}\" has [flicker], which only capture can apply"))),
+        false => Err(Failure::input(format!("\"{path}\" has [flicker], which only capture supports"))),
     }
 }
 

@@ -1,4 +1,4 @@
-//! `radsight plugin`: start, list, check and plot BRDF plugins.
+//! `radsight plugin`: creates, lists, checks and plots BRDF plugins.
 
 use crate::args::{Plugin, PluginCheck, PluginList, PluginNew, PluginPlot};
 use crate::failure::{Failure, Outcome, reason, say};
@@ -14,7 +14,7 @@ use radsight_parse::BrdfReplacement;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// The hidden words that lead to the child of a check.
+/// The hidden words that start the child process of a check.
 const CHILD_WORDS: [&str; 2] = ["plugin", "check-child"];
 
 /// Runs the command.
@@ -38,7 +38,7 @@ fn new(arguments: &PluginNew) -> Outcome {
         (None, _) => Language::Rust {
             sources: own_sources().ok_or_else(|| {
                 Failure::usage(
-                    "the sources of this program are not at hand: name their folder with --sdk-path, or use --c",
+                    "the sources of this program are not found\nhint: name their folder with --sdk-path, or use --c",
                 )
             })?,
         },
@@ -68,7 +68,7 @@ fn absolute(folder: &Path) -> Result<PathBuf, Failure> {
 fn plot(arguments: &PluginPlot) -> Outcome {
     let library = library_file(&arguments.library, &arguments.plugin_path)?;
     let guard = guarded()?;
-    let registry = guard.place(Registry::new(search(&arguments.plugin_path), SelfCheck::Off));
+    let registry = guard.with_isolation(Registry::new(search(&arguments.plugin_path), SelfCheck::Off));
     let wrong = |error: radsight_brdf_host::Error| Failure::input(error.to_string());
     let library = registry.library_file(&library).map_err(wrong)?;
     let example = parse_model(&arguments.model)?;
@@ -92,7 +92,8 @@ fn list(arguments: &PluginList) -> Outcome {
     let search = search(&arguments.plugin_path);
     let mut text = String::new();
     for (name, path) in search.libraries() {
-        // Folders may hold other shared libraries: only what is a plugin is listed, and what is nearly one is complained of.
+        // Folders may hold other shared libraries: only plugins are listed, and invalid plugins are
+        // reported.
         match Library::load(&path) {
             Ok(library) => {
                 text.push_str(&format!("{name}  ({})\n", path.display()));
@@ -135,14 +136,14 @@ fn check(arguments: &PluginCheck) -> Outcome {
     Err(Failure::input(format!("\"{}\" failed: {}", report.library.display(), report.failures().join(", "))))
 }
 
-/// A model as the command line writes it: `MODEL` or `MODEL(number,…)`.
+/// A model as typed: `MODEL` or `MODEL(number,…)`.
 fn parse_model(text: &str) -> Result<Example, Failure> {
     let parsed = BrdfReplacement::parse(&format!("material=library:{text}"))
-        .map_err(|_| Failure::usage(format!("\"{text}\" is no model, expected MODEL or MODEL(number,…)")))?;
+        .map_err(|_| Failure::usage(format!("\"{text}\" is not a model, expected MODEL or MODEL(number,…)")))?;
     Ok(Example { model: parsed.model, words: parsed.words, numbers: parsed.numbers })
 }
 
-/// The guard over plugins that this process loads, as the environment wants it.
+/// The guard over plugins in this process, as configured by the environment.
 fn guarded() -> Result<PluginGuard, Failure> {
     let guard = PluginGuard::default();
     guard.guard_program().map_err(Failure::fault)?;
@@ -153,7 +154,7 @@ fn search(folders: &[PathBuf]) -> SearchPath {
     search_path(folders, &SearchPath::default())
 }
 
-/// A file that exists, or a library that is found by its name.
+/// A file that exists, or a library found by its name.
 fn library_file(name: &str, folders: &[PathBuf]) -> Result<PathBuf, Failure> {
     if Path::new(name).is_file() {
         return Ok(PathBuf::from(name));

@@ -1,8 +1,8 @@
-//! `rad`: finished pictures from a `.rif` file.
+//! `rad`: renders the pictures of a `.rif` file.
 
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::input::{read, read_file, scene_inputs};
-use crate::option_table::{options_of, recognised, unknown_option};
+use crate::option_table::{options_of, parse_option, unknown_option};
 use crate::output::{Output, write_file, write_standard_output};
 use crate::render_args::number;
 use crate::trust::{Existing, Origin, Refusal, Trust, own_program};
@@ -12,18 +12,18 @@ use radsight_output::interrupt::{ActionGuard, at_signal};
 use radsight_output::leftovers;
 use radsight_parse::{Input, ReadOptions, cube};
 use radsight_picture::{Unfinished, ViewOptions};
-use radsight_rad_project::{Cube, Date, How, NamedBy, OutputFile, OutputKind, Rif, Site, Step};
+use radsight_rad_project::{Cube, Date, How, NamedBy, OutputFile, OutputKind, Project, Site, Step};
 use radsight_scene_generators::shell_words::{Stage, split};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// What the command line says.
+/// The parsed arguments.
 #[derive(Debug, Default)]
 struct Arguments {
     how: How,
-    /// `-n`, and `-t`, which runs nothing either.
+    /// `-n`, and `-t`, which runs nothing, either.
     is_dry: bool,
     /// `-s`
     is_silent: bool,
@@ -34,7 +34,7 @@ struct Arguments {
     threads: Option<usize>,
     file: String,
     assignments: Vec<String>,
-    /// What the command line lets files cause.
+    /// Permissions that the command line gives to files.
     trust: Trust,
 }
 
@@ -42,21 +42,21 @@ struct Arguments {
 pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let mut arguments = Arguments::read(words, trust)?;
     let text = read_file(&arguments.file, "file")?;
-    let wrong = |error: radsight_rad_project::RifError| Failure::input(format!("rad: {error}"));
-    let mut rif = Rif::read(&arguments.file, &String::from_utf8_lossy(&text)).map_err(wrong)?;
+    let wrong = |error: radsight_rad_project::ProjectError| Failure::input(format!("rad: {error}"));
+    let mut project = Project::read(&arguments.file, &String::from_utf8_lossy(&text)).map_err(wrong)?;
     for assignment in &arguments.assignments {
-        if !rif.assign(assignment).map_err(wrong)? {
+        if !project.assign(assignment).map_err(wrong)? {
             say(&format!("rad: bad variable assignment: {assignment} (ignored)\n"));
         }
     }
-    for warning in rif.check().map_err(wrong)? {
+    for warning in project.check().map_err(wrong)? {
         if !arguments.no_warnings {
             say(&format!("rad: warning - {warning}\n"));
         }
     }
-    let steps = rif.steps(&arguments.how, &Disk { trust: arguments.trust.clone() }).map_err(wrong)?;
+    let steps = project.steps(&arguments.how, &Disk { trust: arguments.trust.clone() }).map_err(wrong)?;
     if arguments.explains {
-        write_standard_output(rif.explained().as_bytes())?;
+        write_standard_output(project.explained().as_bytes())?;
     }
     arguments.check_outputs(&steps, &text)?;
     steps.iter().try_for_each(|step| arguments.take(step))
@@ -73,7 +73,7 @@ impl Arguments {
                 at += used;
                 continue;
             }
-            recognised(program, word)?;
+            parse_option(program, word)?;
             match word.as_str() {
                 "-s" => arguments.is_silent = true,
                 "-n" => arguments.is_dry = true,
@@ -99,13 +99,13 @@ impl Arguments {
             at += 1;
         }
         let mut rest = words[at..].iter().cloned();
-        let missing = || Failure::usage(format!("rad: no file is named; usage: {}", program.synopsis));
+        let missing = || Failure::usage(format!("rad: no file is given; usage: {}", program.synopsis));
         arguments.file = rest.next().ok_or_else(missing)?;
         arguments.assignments = rest.collect();
         Ok(arguments)
     }
 
-    /// Checks all files that the project names, before anything is done, and allows those to the
+    /// Checks all files that the project names before anything is done, and permits those to the
     /// programs that are run.
     fn check_outputs(&mut self, steps: &[Step], text: &[u8]) -> Outcome {
         let is_done = |step: &&Step| !self.is_dry || matches!(step, Step::WriteOptions(..));
@@ -121,7 +121,7 @@ impl Arguments {
                 NamedBy::CommandLine if trust.origin() == Origin::File => {
                     trust.output_of_file(&output.name, existing(output, project))?;
                 }
-                // Whoever made the folder may have put a link there.
+                // The owner of the folder may have put a link there.
                 NamedBy::CommandLine => trust.check_link(&output.name)?,
             }
             trust.allow_output(output.name.clone());
@@ -135,24 +135,24 @@ impl Arguments {
             Step::ShowView(options) => write_standard_output(format!("VIEW={}\n", whole_view(options)?).as_bytes()),
             Step::Run { .. } => self.run(step),
             Step::Touch(OutputFile { name, .. }) => {
-                self.tell(&format!("touch {name}"))?;
+                self.announce(&format!("touch {name}"))?;
                 self.unless_dry(name, |name| File::options().append(true).open(name)?.set_modified(SystemTime::now()))
             }
             Step::Remove(OutputFile { name, .. }) => {
-                self.tell(&format!("rm -f {name}"))?;
+                self.announce(&format!("rm -f {name}"))?;
                 self.unless_dry(name, |name| fs::remove_file(name))
             }
             Step::Rename(from, to) => {
                 let (from, to) = (&from.name, &to.name);
-                self.tell(&format!("mv {from} {to}"))?;
+                self.announce(&format!("mv {from} {to}"))?;
                 self.unless_dry(from, |from| fs::rename(from, to))
             }
-            // Real rad writes this file even when it only says what it would do.
+            // Real rad writes this file even in a dry run.
             Step::WriteOptions(file, text) => write_file(&file.name, text.as_bytes()),
         }
     }
 
-    fn tell(&self, line: &str) -> Outcome {
+    fn announce(&self, line: &str) -> Outcome {
         if self.is_silent { Ok(()) } else { write_standard_output(format!("\t{line}\n").as_bytes()) }
     }
 
@@ -167,17 +167,17 @@ impl Arguments {
         let Step::Run { command, output, removed_on_failure, .. } = step else { return Ok(()) };
         let output = output.as_ref().map(|file| file.name.as_str());
         if self.is_dry {
-            return self.tell(&step.command_line());
+            return self.announce(&step.command_line());
         }
-        // A small picture made first fills a file of ambient values, which radsight has no use for.
+        // The overture fills an ambient file, which radsight does not need.
         if output == Some("/dev/null") {
             return Ok(());
         }
-        self.tell(&step.command_line())?;
+        self.announce(&step.command_line())?;
         let words = words(command)?;
         let done = match Path::new(&words[0]).file_name().and_then(|name| name.to_str()) {
             Some("mkpmap") => {
-                self.note("mkpmap is not run: light is followed without photon maps");
+                self.note("mkpmap is not run: radsight needs no photon maps");
                 Ok(())
             }
             Some(name @ ("oconv" | "mkillum" | "rpict" | "pfilt")) => self.run_own(name, &words[1..], output),
@@ -206,11 +206,11 @@ impl Arguments {
         if let (Some(threads), "rpict" | "mkillum") = (self.threads, name) {
             command.args(["-n", &threads.to_string()]);
         }
-        // What rpict writes to a file of its own survives an interruption.
+        // The output file of rpict survives an interruption.
         let own = output.filter(|_| name == "rpict").zip(words.split_last());
         match own {
             Some((path, (octree, options))) => {
-                // It is older than the octree, or has no row.
+                // The file is older than the octree, or has no row.
                 if fs::symlink_metadata(path).is_ok_and(|found| found.is_file()) {
                     fs::remove_file(path).map_err(|error| Failure::write(&format!("\"{path}\""), &error))?;
                 }
@@ -229,12 +229,12 @@ impl Arguments {
         if status.success() {
             return output.map_or(Ok(()), Output::commit);
         }
-        // What is wrong was said by the program itself.
+        // The program itself has reported its mistake.
         Err(Failure::input(format!("rad: {name} failed ({status})")))
     }
 }
 
-/// Ends a program with this one, so that it saves what it has done.
+/// Ends a child program with this one, so that it saves its work.
 #[cfg(unix)]
 fn end_at_signal(child: &Child) -> Option<ActionGuard> {
     use nix::sys::signal::{Signal, kill};
@@ -261,7 +261,7 @@ fn at_line(refusal: &Refusal, file: &str, text: &[u8], line: usize) -> Failure {
     Failure::diagnostics(&[refusal.at(span)], &sources)
 }
 
-/// What a file has to be that is there already where the project names one.
+/// The required kind of an existing file that the project names.
 fn existing<'a>(output: &OutputFile, project: &'a str) -> Existing<'a> {
     match &output.kind {
         OutputKind::Octree => Existing::Octree,
@@ -271,7 +271,7 @@ fn existing<'a>(output: &OutputFile, project: &'a str) -> Existing<'a> {
         OutputKind::Options => Existing::Options,
         OutputKind::AmbientValues => Existing::AmbientValues,
         OutputKind::Messages => Existing::Messages,
-        // No more than its date is changed.
+        // Only its date is changed.
         OutputKind::PhotonMap => Existing::Replaced,
     }
 }
@@ -303,11 +303,11 @@ fn whole_view(options: &str) -> Result<String, Failure> {
     Ok(view_args::checked(view)?.options().to_full_string())
 }
 
-/// Ends the names of pictures in the making.
+/// Suffix of unfinished pictures.
 const UNFINISHED: &str = ".unf";
 
-/// When a picture in the making was changed last, or what a killed run has left of it. One that has
-/// no row is as none.
+/// The last modification of an unfinished picture, or of the leftover of a killed run. One without
+/// a row counts as none.
 fn unfinished_date(name: &str) -> Date {
     let has_rows = |path: &PathBuf| {
         let bytes = fs::read(path).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `radsight report`: one page of a picture, its error, and how it was made.
+//! `radsight report`: one page about a picture, its error, and how it was made.
 
 use crate::args::{ErrorMapKind, QuantityName, Report};
 use crate::failure::{Failure, Outcome};
@@ -13,7 +13,8 @@ use radsight_picture::{
 };
 use radsight_report::{ErrorMap, GreyPicture, Page, ProgressLog, Quantity, ReportError, RunRecord};
 
-/// The line of an error map's header that says whether its values are `absolute` or `relative`.
+/// The header variable of an error map that gives the meaning of its values: `absolute` or
+/// `relative`.
 pub(crate) const ERROR_MAP: &str = "ERRORMAP";
 
 /// Runs the command.
@@ -60,16 +61,16 @@ struct Shown {
     image: Image<f32>,
     header: Header,
     values: Values,
-    /// What is to be known of it.
+    /// A note about the picture.
     note: Option<String>,
 }
 
-/// What the numbers of a file are.
+/// The meaning of a file's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Values {
-    /// Light in some unit.
+    /// A physical quantity.
     Measured,
-    /// Whole numbers from 0 to white.
+    /// Integers from 0 to white.
     Displayed,
 }
 
@@ -94,7 +95,7 @@ impl Shown {
         Ok(Shown { image: without_alpha(image, format), header, values, note })
     }
 
-    /// One in Radiance's own formats: radiances in red, green and blue, whatever it stores.
+    /// A picture in one of Radiance's formats, converted to radiances in red, green and blue.
     fn of_picture(bytes: &[u8]) -> Result<Shown, PictureError> {
         let (picture, note) = match Picture::read(bytes) {
             Ok(picture) => (picture, None),
@@ -108,7 +109,7 @@ impl Shown {
     }
 }
 
-/// What an interrupted program has left, which says so in its header; what is missing is black.
+/// The picture of an interrupted program, as its header declares; missing pixels are black.
 fn partial_picture(bytes: &[u8]) -> Option<(Picture, Option<String>)> {
     let unfinished = Unfinished::read(bytes).ok().filter(|found| found.header.variable("PARTIAL").is_some())?;
     let (scanlines, all) = (unfinished.scanlines, unfinished.resolution.scanlines());
@@ -118,11 +119,11 @@ fn partial_picture(bytes: &[u8]) -> Option<(Picture, Option<String>)> {
     let mut whole = bytes[..start + unfinished.pixels.len()].to_vec();
     whole.resize(whole.len() + 4 * length * (all - scanlines), 0);
     let picture = Picture::read(&whole).ok()?;
-    let note = format!("the picture is partial: {scanlines} of {all} scanlines are there, the others are black");
+    let note = format!("the picture is partial: {scanlines} of {all} scanlines are complete, the others are black");
     Some((picture, Some(note)))
 }
 
-/// PNG and EXR may have a fourth component, or a second one beside grey, which is no light.
+/// Removes the alpha component that PNG and EXR may have.
 fn without_alpha(image: Image<f32>, format: FileFormat) -> Image<f32> {
     let components = match (format, image.components()) {
         (FileFormat::Matrix | FileFormat::Npy, _) => return image,
@@ -134,7 +135,8 @@ fn without_alpha(image: Image<f32>, format: FileFormat) -> Image<f32> {
     Image::new(image.width(), image.height(), components, data).expect("some components of every pixel")
 }
 
-/// What the values are: as the command line says, or else as the format and the number of components tell.
+/// The quantity of the values: from the command line, or else from the format and the number of
+/// components.
 fn quantity(arguments: &Report, shown: &Shown) -> Quantity {
     match arguments.quantity {
         Some(QuantityName::Radiance) => Quantity::Radiance,
@@ -147,13 +149,13 @@ fn quantity(arguments: &Report, shown: &Shown) -> Quantity {
     }
 }
 
-/// What the picture's own header says.
+/// Adds the data of the picture's header.
 fn of_header(mut page: Page, shown: &Shown) -> Result<Page, ReportError> {
     let header = &shown.header;
     if let Ok(Some(view)) = ViewOptions::from_header(header) {
         page = page.fact("view", view.to_full_string());
     }
-    // Radiances of XYZE pictures and spectra are in the standard primaries by now.
+    // Radiances of XYZE pictures and spectra were converted to the standard primaries.
     let is_xyz = header.format().is_some_and(|format| format.contains("xyze"));
     if let (Ok(Some(primaries)), false) = (header.primaries(), is_xyz) {
         page = page.primaries(&primaries);
@@ -167,7 +169,7 @@ fn of_header(mut page: Page, shown: &Shown) -> Result<Page, ReportError> {
     if let Ok(aspect) = header.pixel_aspect()
         && aspect != 1.0
     {
-        // Radiance's PIXASPECT is the height over the width of a pixel.
+        // Radiance's PIXASPECT is the height divided by the width of a pixel.
         page = page.pixel_aspect(aspect)?;
     }
     for (variable, name) in [("CAPDATE", "date in the header"), ("SOFTWARE", "software"), ("OWNER", "owner")] {
@@ -189,7 +191,7 @@ fn check_pixels(file: &CameraFile, image: &Image<f32>, path: &str) -> Outcome {
     )))
 }
 
-/// What the camera file says.
+/// Adds the data of the camera file.
 pub(crate) fn of_camera(page: Page, file: &CameraFile, path: &str, text: &[u8]) -> Result<Page, ReportError> {
     let [across, along] = file.camera.pixel_pitch_m();
     let page = page.fact("camera", file.summary()).pixel_aspect((along / across).clamp(1e-3, 1e3))?;
@@ -200,17 +202,19 @@ fn read_map(path: &str, what: &str) -> Result<ReadImage, Failure> {
     read_image(&read_file(path, what)?).map_err(|error| Failure::input(format!("{what} \"{path}\": {error}")))
 }
 
-/// Absolute or relative: as the command line says, or else the map's header, or else what our programs write for such a picture.
+/// Absolute or relative: from the command line, or else the map's header, or else the default of
+/// our programs for such a picture.
 fn error_map(read: ReadImage, asked: Option<ErrorMapKind>, components: usize) -> ErrorMap {
-    let said = read.header.as_ref().and_then(|header| header.variable(ERROR_MAP)).map(|kind| kind.trim() == "relative");
+    let is_relative =
+        read.header.as_ref().and_then(|header| header.variable(ERROR_MAP)).map(|kind| kind.trim() == "relative");
     let is_relative = match asked {
         Some(kind) => matches!(kind, ErrorMapKind::Relative),
-        None => said.unwrap_or(components == 3),
+        None => is_relative.unwrap_or(components == 3),
     };
     if is_relative { ErrorMap::Relative(read.image) } else { ErrorMap::Absolute(read.image) }
 }
 
-/// A grey PNG; the largest value is that of the camera's sensor, where that is given.
+/// Reads a grey PNG; the largest value is that of the camera's sensor, if given.
 fn read_grey(path: &str, camera: Option<&CameraFile>) -> Result<GreyPicture, Failure> {
     let png = read_png(&read_file(path, "grey picture")?);
     let png = png.map_err(|error| Failure::input(format!("grey picture \"{path}\": {error}")))?;
@@ -219,7 +223,7 @@ fn read_grey(path: &str, camera: Option<&CameraFile>) -> Result<GreyPicture, Fai
     Ok(GreyPicture { values: png.values, largest })
 }
 
-/// Reads a run record; a mistake has its place.
+/// Reads a run record; a mistake is reported with its position.
 fn read_record(path: &str) -> Result<RunRecord, Failure> {
     let bytes = read_file(path, "run record")?;
     RunRecord::from_json(&bytes).map_err(|error| match error {

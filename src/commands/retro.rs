@@ -1,4 +1,5 @@
-//! `radsight retro`: retroreflectors in the terms of their trade, coefficients R_A in cd/(lx m²) at angles in degrees.
+//! `radsight retro`: retroreflectors in the terms of photometry: coefficients R_A in cd/(lx m²),
+//! angles in degrees.
 
 mod csv;
 
@@ -14,26 +15,27 @@ use radsight_retro::{
 use radsight_sensor::plot::{self, Mark, Scale};
 use std::fmt::Write;
 
-/// What `radsight retro` does.
+/// The subcommands of `radsight retro`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Retro {
     /// Lists the models and their parameters
     Models,
     /// Prints R_A of a model as CSV
     Table(Table),
-    /// Draws R_A of a model against the observation angle as SVG on standard output, with measured rows if asked
+    /// Plots R_A of a model against the observation angle as SVG on standard output, optionally
+    /// with measured rows
     Plot(Plot),
     /// Fits a model to measured R_A by least squares: parameters, their intervals, residuals
     Fit(FitData),
     /// Converts R_A to BRDF values in 1/sr, or back
     Convert(Convert),
-    /// Prints the minimum R_A of a type of sheeting, such as III, as CSV; of all types without a name
+    /// Prints the minimum R_A of a sheeting type, such as III, as CSV; of all types without a name
     Minimum(Minimum),
     /// Prints a Radiance material of a model, or of measured R_A, for a scene
     Material(MaterialText),
 }
 
-/// A model as a scene writes it.
+/// A model as written in a scene.
 #[derive(Args, Debug)]
 pub(crate) struct ModelWords {
     /// Name of the model
@@ -72,10 +74,10 @@ pub(crate) struct Table {
 pub(crate) struct Plot {
     #[command(flatten)]
     model: ModelWords,
-    /// Entrance angles, degrees, a curve each
+    /// Entrance angles, degrees, one curve each
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, default_values_t = [5.0, 30.0, 45.0])]
     entrance: Vec<f64>,
-    /// Measured rows to draw beside it: observation, entrance, [rotation,] R_A
+    /// Measured rows to plot: observation, entrance, [rotation,] R_A
     #[arg(long, value_name = "DATA.csv")]
     data: Option<String>,
     /// Largest observation angle, degrees
@@ -94,7 +96,7 @@ pub(crate) struct FitData {
     /// Its word, such as `paint` for glass_bead
     #[arg(long)]
     word: Option<String>,
-    /// Least absolute residuals in cd/(lx m²), not relative ones
+    /// Minimise absolute residuals in cd/(lx m²) instead of relative ones
     #[arg(long)]
     absolute: bool,
 }
@@ -104,7 +106,7 @@ pub(crate) struct Convert {
     /// Rows of observation, entrance, [rotation,] value; degrees
     #[arg(value_name = "DATA.csv")]
     data: String,
-    /// What the values become
+    /// The target quantity
     #[arg(long, value_enum)]
     to: Quantity,
 }
@@ -119,7 +121,7 @@ pub(crate) enum Quantity {
 
 #[derive(Args, Debug)]
 pub(crate) struct Minimum {
-    /// Such as III
+    /// Name of the type, such as III
     #[arg(value_name = "TYPE")]
     name: Option<String>,
 }
@@ -170,7 +172,8 @@ fn sheeting(words: &ModelWords) -> Result<Sheeting, Failure> {
     model(&words.model, &further, &words.numbers).map_err(|error| unknown_model(&words.model, error.to_string()))
 }
 
-/// A command-line mistake about a model, with the nearest name where there is no such model.
+/// An error about a model on the command line, with the most similar name if there is no such
+/// model.
 fn unknown_model(name: &str, message: String) -> Failure {
     let is_known = MODELS.iter().any(|model| model.name == name);
     let hint = if is_known { None } else { hint_nearest(name, MODELS.iter().map(|model| model.name)) };
@@ -227,7 +230,7 @@ fn plot_text(arguments: &Plot) -> Result<String, Failure> {
             .collect(),
     };
     let mut curves: Vec<plot::Curve> = arguments.entrance.iter().map(line).collect();
-    // What is darker than a hundred-thousandth of the brightest only stretches the axis.
+    // Values below a hundred-thousandth of the maximum only stretch the axis.
     let brightest = curves.iter().flat_map(|curve| &curve.values).map(|[_, value]| *value).fold(0.0, f64::max);
     curves.iter_mut().for_each(|curve| curve.values.retain(|[_, value]| *value >= 1e-5 * brightest));
     if !rows.is_empty() {
@@ -252,7 +255,7 @@ fn rows_of(path: &str, column: Column) -> Result<Vec<Row>, Failure> {
 
 fn fit_text(arguments: &FitData) -> Result<String, Failure> {
     if !MODELS.iter().any(|model| model.name == arguments.model) {
-        return Err(unknown_model(&arguments.model, format!("there is no model \"{}\"", arguments.model)));
+        return Err(unknown_model(&arguments.model, format!("unknown model \"{}\"", arguments.model)));
     }
     let rows = rows_of(&arguments.data, Column::Coefficient)?;
     let words: Vec<String> = arguments.word.iter().cloned().collect();
@@ -279,7 +282,7 @@ fn report(found: &Fit, rows: &[Row]) -> String {
     text
 }
 
-/// As data sheets write them: without the rounding of the way through radians.
+/// Angles as in data sheets, without the rounding of the conversion to radians.
 fn angles_text(at: Geometry) -> String {
     let degrees = |angle: f64| (angle.to_degrees() * 1e9).round() / 1e9;
     format!("{},{},{}", degrees(at.observation), degrees(at.entrance), degrees(at.rotation))

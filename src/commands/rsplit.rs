@@ -1,8 +1,10 @@
-//! `rsplit [-ih] [-iH] [-on N] [-f|-a] [-x XR -y YR] { [-oh] [-oH] [-oFORM[N]] [-tC] OUTPUT … }`: the fields of standard input to several outputs, in turns.
+//! `rsplit [-ih] [-iH] [-on N] [-f|-a] [-x XR -y YR] { [-oh] [-oH] [-oFORM[N]] [-tC] OUTPUT … }`:
+//! distributes the fields of standard input to several outputs in turn.
 //!
-//! An output is a file, `-`, a command after `!`, or `.` for what nobody wants. It takes `N` fields of a form: text (`-oa`) that ends with C (`-t`; a line),
-//! or numbers of 4 (`-of`, `-oi`), 8 (`-od`), 2 (`-ow`) or 1 byte (`-ob`). Options hold for the outputs after them; `-oh` and `-oH` give them the header and
-//! the resolution, which the input may have (`-ih`, `-iH`).
+//! An output is a file, `-`, a command after `!`, or `.` to discard fields. It takes `N` fields:
+//! text (`-oa`) that ends with C (`-t`; a line), or numbers of 4 (`-of`, `-oi`), 8 (`-od`), 2
+//! (`-ow`) or 1 byte (`-ob`). Options apply to the outputs after them; `-oh` and `-oH` add the
+//! header and the resolution, which the input may have (`-ih`, `-iH`).
 
 mod options;
 
@@ -18,7 +20,7 @@ use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, Stdio};
 
-/// The lines of a header that say how its own data are stored.
+/// Header variables that describe the storage of the data.
 const STORED: [&str; 5] = ["FORMAT=", "NROWS=", "NCOLS=", "NCOMP=", "BigEndian="];
 
 /// Runs the program; `words[0]` is its name.
@@ -37,7 +39,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     if let (Some(asked), Some(pixels)) = (options.records, pixels)
         && asked != pixels
     {
-        say(&format!("rsplit: warning - -on asks for {asked} records, the resolution for {pixels}\n"));
+        say(&format!("rsplit: warning - -on requests {asked} records, but the resolution {pixels}\n"));
     }
     let mut written = 0;
     while most.is_none_or(|most| written < most) && outputs.put_record(&options, &mut input)? {
@@ -50,12 +52,12 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     Ok(())
 }
 
-/// The lines of a header but those that say how data are stored.
+/// The lines of a header without those that describe the storage.
 fn read_header(input: &mut impl BufRead) -> Result<Header, Failure> {
     let mut header = Header::default();
     loop {
         let line = read_line(input)?.ok_or_else(|| {
-            Failure::input("rsplit: the header of standard input does not end (-ih), expected an empty line after it")
+            Failure::input("rsplit: the header of standard input (-ih) has no end, expected an empty line")
         })?;
         let line = String::from_utf8_lossy(&line);
         let line = line.trim_end_matches(['\n', '\r']);
@@ -86,11 +88,11 @@ fn unreadable(error: &io::Error) -> Failure {
     Failure::input(format!("rsplit: cannot read standard input: {}", reason(error)))
 }
 
-/// Where parts of the input go.
+/// The outputs of the parts.
 struct Outputs {
-    /// One for each part that is wanted; standard output is there once.
+    /// One per requested part; standard output occurs once.
     sinks: Vec<Sink>,
-    /// The sink of each part, if it has one.
+    /// The output of each part, if it has one.
     of_part: Vec<Option<usize>>,
     field: Vec<u8>,
 }
@@ -102,14 +104,14 @@ struct Sink {
     child: Option<Child>,
 }
 
-/// What a part is written to.
+/// The destination of a part.
 enum Target {
     Command(ChildStdin),
-    /// A file that is added to.
+    /// A file to append to.
     Appended(File),
-    /// What goes over a file of its name.
+    /// An output that replaces a file of its name.
     Over(Output),
-    /// What only makes a file that is not there.
+    /// An output that must not exist.
     New(Output),
 }
 
@@ -131,7 +133,7 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Writes what stands before the data.
+    /// Writes the headers.
     fn begin(
         &mut self,
         options: &Options,
@@ -142,7 +144,8 @@ impl Outputs {
         for place in 0..self.sinks.len() {
             let parts = || options.parts.iter().zip(&self.of_part).filter(|(_, sink)| **sink == Some(place));
             let components: usize = parts().map(|(part, _)| part.count).sum();
-            // The first part says what standard output gets; the last one in what form.
+            // The first part determines whether standard output gets a header, the last one its
+            // format.
             let (Some((first, _)), Some((last, _))) = (parts().next(), parts().next_back()) else { continue };
             let sink = &mut self.sinks[place];
             if first.header {
@@ -162,7 +165,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// Gives each part its fields; `false` when the input ends.
+    /// Writes one record of each part; `false` at the end of the input.
     fn put_record(&mut self, options: &Options, input: &mut impl BufRead) -> Result<bool, Failure> {
         for (part, sink) in options.parts.iter().zip(&self.of_part) {
             self.field.clear();
@@ -195,9 +198,9 @@ impl Outputs {
                 }
                 continue;
             };
-            // The command's input ends here.
+            // End the command's input.
             drop(flushed);
-            // A command may end before its input; its status says whether it should have.
+            // A command may end before its input; its status tells whether that is a failure.
             let status = child.wait().map_err(|error| Failure::fault(format!("rsplit: {name}: {}", reason(&error))))?;
             if !status.success() {
                 return Err(Failure::input(format!("rsplit: command \"{}\" failed: {status}", &name[1..])));
@@ -231,7 +234,9 @@ impl Sink {
 
     fn put(&mut self, bytes: &[u8]) -> Outcome {
         self.writer.write_all(bytes).map_err(|error| match self.child {
-            Some(_) => Failure::input(format!("rsplit: command \"{}\" ended before its input", &self.name[1..])),
+            Some(_) => {
+                Failure::input(format!("rsplit: command \"{}\" ended before the end of its input", &self.name[1..]))
+            }
             None => Failure::write(&shown(&self.name), &error),
         })
     }
@@ -259,7 +264,8 @@ fn shown(name: &str) -> String {
     if name == "-" { "standard output".to_owned() } else { format!("\"{name}\"") }
 }
 
-/// The fields of a part with their ends, and a line's end after them; `false` when the input ends before.
+/// The fields of a part with their separators, and the line end after them; `false` if the input
+/// ends before.
 fn take_text(part: &Part, input: &mut impl BufRead, text: &mut Vec<u8>) -> io::Result<bool> {
     for _ in 0..part.count {
         if !take_field(part.separator, input, text)? {
@@ -272,14 +278,15 @@ fn take_text(part: &Part, input: &mut impl BufRead, text: &mut Vec<u8>) -> io::R
     Ok(true)
 }
 
-/// Text up to what ends it, with that. Where white space ends it a line does, too; where blanks do any does, and those before it do not count.
+/// Text up to and including its separator. A line end also counts as white space; leading white
+/// space is skipped if the separator is a blank.
 fn take_field(separator: u8, input: &mut impl BufRead, text: &mut Vec<u8>) -> io::Result<bool> {
     let is_blank = |byte: u8| byte.is_ascii_whitespace() || byte == 0x0b;
     let begin = text.len();
     loop {
         let available = input.fill_buf()?;
         if available.is_empty() {
-            // The last field may have no end.
+            // The last field may have no separator.
             let found = text.len() > begin;
             if found {
                 text.push(separator);

@@ -1,9 +1,9 @@
-//! Radiance's programs that make or change scene text: the generators, `xform`, `getbbox`.
+//! Radiance's programs that generate or change scene text: the generators, `xform`, `getbbox`.
 
 use crate::disk::DiskLoader;
 use crate::failure::{Failure, Outcome, reason, render, say};
 use crate::input::{read, scene_inputs};
-use crate::option_table::{options_of, recognised, unknown_option};
+use crate::option_table::{options_of, parse_option, unknown_option};
 use crate::output::{standard_output, write_file, write_standard_output};
 use crate::trust::{Existing, Trust};
 use glam::DVec3;
@@ -14,7 +14,7 @@ use std::cell::{OnceCell, RefCell};
 use std::io::{self, IsTerminal, Read, Write, stdin};
 use std::rc::Rc;
 
-/// Programs of the shell that scenes call too, but that nobody wants replaced.
+/// Shell programs that scenes call; they need no replacement on the command line.
 const OF_THE_SHELL: [&str; 3] = ["cat", "echo", "zcat"];
 
 /// The names of the programs.
@@ -23,11 +23,11 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     generators.chain(["xform", "getbbox"])
 }
 
-/// Programs that write what the commands of the scenes they read have written.
+/// Programs that output the files written by commands in their scenes.
 const OF_SCENES: [&str; 2] = ["xform", "replmarks"];
 
-/// Runs a program; `argv[0]` is its name. What the scenes may cause is said right after that, in
-/// all these programs.
+/// Runs a program; `argv[0]` is its name. Permissions of scenes follow the name in all these
+/// programs.
 pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {
     let mut trust = trust.clone();
     let mut argv = argv.to_vec();
@@ -56,7 +56,7 @@ pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {
     }
 }
 
-/// Standard output of a program that answers while it reads. Keeps why a write failed.
+/// Standard output of a streaming program. Keeps the reason of a failed write.
 #[derive(Default)]
 struct StreamingOutput {
     failed: Option<io::Error>,
@@ -82,7 +82,7 @@ impl StreamingOutput {
     }
 }
 
-/// Standard input, if it is piped in: a program that is typed at a terminal must not wait for it.
+/// Standard input, if it is piped: a program called at a terminal must not wait for it.
 #[derive(Default)]
 pub(super) struct Piped(OnceCell<Result<Vec<u8>, LoadError>>);
 
@@ -91,14 +91,14 @@ impl StandardInput for Piped {
         self.0.get_or_init(read_piped).as_deref().map_err(LoadError::clone)
     }
 
-    /// A filter waits for what is typed, too.
+    /// A filter also waits for typed input.
     fn reader(&self) -> Result<Box<dyn Read + '_>, LoadError> {
         refuse_own_output()?;
         Ok(Box::new(stdin().lock()))
     }
 }
 
-/// What is written would be read again, for ever.
+/// The output would be read again, forever.
 fn refuse_own_output() -> Result<(), LoadError> {
     match radsight_output::inputs::is_standard_input_standard_output() {
         true => Err(LoadError::OwnOutput { path: "standard input".to_owned() }),
@@ -116,7 +116,7 @@ fn read_piped() -> Result<Vec<u8>, LoadError> {
     Ok(bytes)
 }
 
-/// Writes what a program has made, or tells why it has not.
+/// Writes the output of a program, or reports its error.
 pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> Outcome {
     let output = made.map_err(|error| {
         let says_its_name = error.program() == Some(name);
@@ -132,7 +132,7 @@ pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> 
     }
     for (file, bytes) in &output.files {
         match OF_SCENES.contains(&name) {
-            // A scene may be read again: what its commands wrote then is there already.
+            // If a scene is read again, the files of its commands already exist.
             true if holds(file, bytes) => continue,
             _ if file == "-" => write_standard_output(bytes)?,
             true => write_file(&trust.output_of_file(file, Existing::Kept)?, bytes)?,
@@ -142,13 +142,13 @@ pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> 
     write_standard_output(&output.standard_output)
 }
 
-/// Whether a file holds this already. A pipe is not waited for.
+/// Whether a file already has this content. Pipes are not read.
 fn holds(file: &str, bytes: &[u8]) -> bool {
     let is_file = |found: std::fs::Metadata| found.is_file() && found.len() == bytes.len() as u64;
     std::fs::symlink_metadata(file).is_ok_and(is_file) && std::fs::read(file).is_ok_and(|found| found == bytes)
 }
 
-/// The numbers that real `getbbox` begins with, and prints of a scene without surfaces.
+/// The initial bounds of real `getbbox`, which it prints for a scene without surfaces.
 const NO_BOUNDS: f64 = 1e10;
 
 fn getbbox(words: &[String], trust: &Trust) -> Outcome {
@@ -156,7 +156,7 @@ fn getbbox(words: &[String], trust: &Trust) -> Outcome {
     let (mut has_header, mut is_quiet) = (true, false);
     let program = options_of("getbbox");
     for option in words.iter().take_while(is_option) {
-        match recognised(program, option)?.option.name {
+        match parse_option(program, option)?.option.name {
             "-h" => has_header = false,
             "-w" => is_quiet = true,
             _ => return Err(unknown_option(program, option)),
@@ -164,7 +164,7 @@ fn getbbox(words: &[String], trust: &Trust) -> Outcome {
     }
     let files: Vec<String> = words.iter().skip_while(is_option).cloned().collect();
     let files = if files.is_empty() { vec!["-".to_owned()] } else { files };
-    let options = ReadOptions { purpose: Purpose::Places, ..ReadOptions::default() };
+    let options = ReadOptions { purpose: Purpose::Bounds, ..ReadOptions::default() };
     let read = read(scene_inputs(&files, None, trust)?, trust.commands(), &options);
     if read.has_errors() {
         return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
@@ -189,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_look_as_c_prints_them() {
+    fn numbers_are_formatted_as_in_c() {
         for (value, text) in [
             (0.0, "0"),
             (0.0175, "0.0175"),

@@ -11,7 +11,7 @@ use radsight_picture::read_image;
 use radsight_sensor::characterise::{Series, evaluate, html, measure, table};
 use radsight_sensor::{EvenLight, Sensor as SensorModel};
 
-/// The most pixels whose pictures are taken: a part of a large sensor tells as much.
+/// Largest side of the measured area, pixels: a part of a large sensor suffices.
 const MOST_PIXELS_A_SIDE: u32 = 256;
 
 /// Runs the command.
@@ -25,13 +25,15 @@ pub(crate) fn run(arguments: &Sensor, trust: &Trust) -> Outcome {
     }
     let sensor = file.sensor.ok_or_else(|| Failure::input(format!("\"{}\" has no [sensor]", arguments.camera)))?;
     let read = read_image(&read_standard_input()?)
-        .map_err(|error| Failure::input(format!("standard input is no exposure: {error}")))?;
+        .map_err(|error| Failure::input(format!("standard input is not an exposure: {error}")))?;
     if read.image.components() != 1 {
         let found = read.image.components();
         return Err(Failure::input(format!("the exposure has {found} components, expected 1 (J/m²)")));
     }
     if let Some(bad) = read.image.data().iter().find(|value| !(value.is_finite() && **value >= 0.0)) {
-        return Err(Failure::input(format!("the exposure has the value {bad}, expected finite ones from 0 on (J/m²)")));
+        return Err(Failure::input(format!(
+            "the exposure has the value {bad}, expected finite values of at least 0 (J/m²)"
+        )));
     }
     let mut header = read.header.map(|header| header.history()).unwrap_or_default();
     let own = history();
@@ -44,11 +46,9 @@ pub(crate) fn run(arguments: &Sensor, trust: &Trust) -> Outcome {
     write_standard_output(&picture.grey_png(&header)?)
 }
 
-/// Why there are no colours.
+/// The error of a colour picture without a mosaic.
 pub(crate) fn no_mosaic(camera: &str) -> Failure {
-    Failure::input(format!(
-        "\"{camera}\" has no mosaic of colour filters\nhint: for example mosaic = \"RGGB\" in [sensor]"
-    ))
+    Failure::input(format!("\"{camera}\" has no colour filter mosaic\nhint: for example mosaic = \"RGGB\" in [sensor]"))
 }
 
 fn characterise(arguments: &Sensor, file: &CameraFile) -> Outcome {
@@ -56,7 +56,7 @@ fn characterise(arguments: &Sensor, file: &CameraFile) -> Outcome {
     let sensor = match &file.sensor {
         Some(SensorModel::Emva1288(sensor)) => *sensor,
         Some(_) => {
-            let message = format!("\"{name}\" has no sensor with photon noise, by which it could be measured");
+            let message = format!("\"{name}\" has no sensor with photon noise, which the measurement needs");
             return Err(Failure::input(format!(
                 "{message}\nhint: response = \"emva1288\"; calibrate fits a power law"
             )));

@@ -1,8 +1,8 @@
-//! `vwrays`: the rays of a view's pixels, for `rtrace`.
+//! `vwrays`: generates the rays of a view's pixels, for `rtrace`.
 
 use crate::failure::{Failure, Outcome};
 use crate::input::read_file;
-use crate::option_table::{check_words, options_of, recognised};
+use crate::option_table::{check_words, options_of, parse_option};
 use crate::output::{StandardOutput, standard_output, write_standard_output};
 use crate::render_args::number;
 use crate::view_args;
@@ -13,13 +13,13 @@ use radsight_pinhole::stream::NumberFormat;
 use radsight_sampling::RaySampler;
 use std::io::{self, BufRead, BufWriter, Write};
 
-/// Digits after the point of a number in text.
+/// Decimals of a number in text.
 const DIGITS: usize = 5;
 
-/// The longest number that a pixel's coordinates are read from.
+/// Longest pixel coordinate in text, bytes.
 const LONGEST_LINE: usize = 4096;
 
-/// What is asked.
+/// The parsed options.
 #[derive(Debug)]
 struct Options {
     view: ViewOptions,
@@ -73,12 +73,12 @@ impl Options {
             depths: None,
         };
         if words.is_empty() {
-            return Err(Failure::usage("vwrays: no option and no picture, expected view options or a picture"));
+            return Err(Failure::usage("vwrays: no view is given, expected view options or a picture"));
         }
         let program = options_of("vwrays");
         let mut at = 0;
         while at < words.len() && words[at].starts_with('-') {
-            let found = recognised(program, &words[at])?;
+            let found = parse_option(program, &words[at])?;
             let used = options.take(&words[at..])?;
             check_words(program, &found, &words[at], used)?;
             at += used;
@@ -86,9 +86,9 @@ impl Options {
         let mut files = words[at..].iter().cloned();
         (options.picture, options.depths) = (files.next(), files.next());
         match files.next() {
-            Some(file) => {
-                Err(Failure::usage(format!("vwrays: \"{file}\" is too much, expected a picture and its depths")))
-            }
+            Some(file) => Err(Failure::usage(format!(
+                "vwrays: unexpected argument \"{file}\", expected a picture and its depths"
+            ))),
             None => Ok(options),
         }
     }
@@ -128,7 +128,7 @@ impl Options {
         Ok(1)
     }
 
-    /// View and size of the picture, if one is named.
+    /// View and size of the picture, if one is given.
     fn picture_resolution(&mut self) -> Result<Option<Resolution>, Failure> {
         let Some(path) = &self.picture else { return Ok(None) };
         let bytes = read_file(path, "picture")?;
@@ -140,16 +140,16 @@ impl Options {
     }
 }
 
-/// Writes the rays of pixels.
+/// Generates and writes the rays of pixels.
 struct Rays {
     options: Options,
     lens: ViewCamera,
     resolution: Resolution,
-    /// Distances in the order of the picture's scanlines.
+    /// Distances in scanline order of the picture.
     depths: Option<Vec<f32>>,
     out: BufWriter<StandardOutput>,
     record: Vec<u8>,
-    /// How many pixels were asked for before.
+    /// Number of pixels requested so far.
     pixel: u64,
 }
 
@@ -176,7 +176,7 @@ impl Rays {
         self.flush()
     }
 
-    /// The rays of the pixels whose coordinates, from the lower left, stand on standard input.
+    /// The rays of pixels whose coordinates, from the lower left, are read from standard input.
     fn of_input(&mut self) -> Outcome {
         let mut input = io::stdin().lock();
         let mut words = Vec::new();
@@ -206,7 +206,7 @@ impl Rays {
         }
     }
 
-    /// Where the distance of a pixel stands.
+    /// Index of a pixel's distance.
     fn depth_index(&self, x: f64, y: f64) -> Result<usize, Failure> {
         let (width, height) = (self.resolution.width, self.resolution.height);
         let is_inside = (0.0..width as f64).contains(&(x + 0.5)) && (0.0..height as f64).contains(&(y + 0.5));
@@ -249,8 +249,8 @@ impl Rays {
     }
 }
 
-/// What is written for a ray: with a depth the way back from what is seen, with an aft clipping plane a direction as long as the way
-/// to it, zeros where the view shows nothing.
+/// The record of a ray. With a depth, it is the ray back from the visible point; with an aft
+/// clipping plane, the direction has the length to the plane; zeros outside the projection.
 fn record(ray: Option<CameraRay>, depth: Option<f64>) -> [DVec3; 2] {
     let Some(CameraRay { origin, direction, length }) = ray else { return [DVec3::ZERO; 2] };
     match (depth, length) {
@@ -263,7 +263,7 @@ fn record(ray: Option<CameraRay>, depth: Option<f64>) -> [DVec3; 2] {
 fn coordinate(word: &str) -> Result<f64, Failure> {
     match word.parse() {
         Ok(value) if f64::is_finite(value) => Ok(value),
-        _ => Err(Failure::input(format!("vwrays: standard input: \"{word}\" is no pixel coordinate"))),
+        _ => Err(Failure::input(format!("vwrays: standard input: \"{word}\" is not a pixel coordinate"))),
     }
 }
 

@@ -1,13 +1,14 @@
-//! Command lines as Radiance's programs read them: options of one letter or a few, each with its values after it.
+//! Parses command lines in the style of Radiance's programs: short options, each followed by its
+//! values.
 
 use crate::disk::Commands;
 use crate::failure::Failure;
-use crate::option_table::{options_of, recognised, unknown_option};
+use crate::option_table::{options_of, parse_option, unknown_option};
 use crate::trust::{Existing, OutputName, Trust};
 use radsight_options::{OptionForm, Program};
 use radsight_picture::{RgbPrimaries, leading_number};
 
-/// The words of a command line, taken one after another.
+/// A cursor over the words of a command line.
 #[derive(Clone, Debug)]
 pub(crate) struct Words<'a> {
     all: &'a [String],
@@ -26,17 +27,17 @@ impl<'a> Words<'a> {
         self.trust
     }
 
-    /// Whether commands may run that stand in the place of a file.
+    /// Whether commands may run in place of files.
     pub(crate) fn commands(&self) -> Commands {
         self.trust.own_commands()
     }
 
-    /// A file to be written; `-` for standard output.
+    /// An output file; `-` for standard output.
     pub(crate) fn output(&self, name: &str) -> Result<OutputName, Failure> {
         if name == "-" { Ok(OutputName::standard_output()) } else { self.trust.output(name, Existing::Kept) }
     }
 
-    /// The file to be written that is the value of an option.
+    /// The output file given as the value of an option.
     pub(crate) fn output_value(&mut self, option: &str, expected: &str) -> Result<OutputName, Failure> {
         let name = self.value(option, expected)?;
         self.output(name)
@@ -46,19 +47,19 @@ impl<'a> Words<'a> {
         &self.all[0]
     }
 
-    /// The next word if it is an option, as the table has it: `-` with something after it.
+    /// The next word if it is an option of the table: `-` followed by more.
     pub(crate) fn option(&mut self) -> Result<Option<&'a str>, Failure> {
         let word = self.next_if(|word| word.len() > 1 && word.starts_with('-'));
         word.map(|word| self.meant(word)).transpose()
     }
 
-    /// What an option means by the table: its name where Radiance's program looks at no more letters, else the word.
+    /// The name of an option if it is identified by its first letters, otherwise the word.
     pub(crate) fn meant(&self, word: &'a str) -> Result<&'a str, Failure> {
-        let option = recognised(self.table, word)?.option;
+        let option = parse_option(self.table, word)?.option;
         Ok(if option.form == OptionForm::Beginning { option.name } else { word })
     }
 
-    /// The next word if it is one that is wanted.
+    /// The next word if it satisfies a condition.
     pub(crate) fn next_if(&mut self, wanted: impl Fn(&str) -> bool) -> Option<&'a str> {
         let word = self.all.get(self.at).filter(|word| wanted(word))?;
         self.at += 1;
@@ -84,7 +85,7 @@ impl<'a> Words<'a> {
         self.number_in(word, option)
     }
 
-    /// The whole number after an option; a fraction is cut off.
+    /// The integer after an option; a fraction is truncated.
     pub(crate) fn integer(&mut self, option: &str) -> Result<i64, Failure> {
         Ok(self.number(option)? as i64)
     }
@@ -100,7 +101,7 @@ impl<'a> Words<'a> {
         Ok(RgbPrimaries::from_array(chromaticities))
     }
 
-    /// The number that a word is.
+    /// Parses a word as a number.
     pub(crate) fn number_in(&self, word: &str, option: &str) -> Result<f64, Failure> {
         self.parsed(word, option, "a number")
     }
@@ -114,7 +115,7 @@ impl<'a> Words<'a> {
         Err(Failure::usage(format!("{program}: option \"{option}\" is followed by \"{word}\", expected {expected}")))
     }
 
-    /// The words that are left.
+    /// The remaining words.
     pub(crate) fn rest(&self) -> &'a [String] {
         &self.all[self.at..]
     }
@@ -124,12 +125,12 @@ impl<'a> Words<'a> {
         self.all.iter().map(String::as_str).collect()
     }
 
-    /// The name and the words that were taken: what goes to a header.
+    /// The name and the consumed words, for a header.
     pub(crate) fn taken(&self) -> Vec<&'a str> {
         self.all[..self.at].iter().map(String::as_str).collect()
     }
 
-    /// The one file that is named after the options; `-` for none.
+    /// The single file after the options; `-` if there is none.
     pub(crate) fn one_file(&self) -> Result<&'a str, Failure> {
         match self.rest() {
             [] => Ok("-"),
@@ -138,7 +139,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The files to read and to write; `-` for what is not named.
+    /// The input and output files; `-` for missing ones.
     pub(crate) fn input_and_output(&self) -> Result<(&'a str, &'a str), Failure> {
         match self.rest() {
             [] => Ok(("-", "-")),
@@ -149,7 +150,7 @@ impl<'a> Words<'a> {
     }
 
     pub(crate) fn too_many(&self, word: &str) -> Failure {
-        Failure::usage(format!("{}: \"{word}\" is one file too many", self.program()))
+        Failure::usage(format!("{}: unexpected argument \"{word}\"", self.program()))
     }
 
     pub(crate) fn unknown(&self, option: &str) -> Failure {

@@ -1,5 +1,4 @@
-//! Which files that are there already may be replaced where a file names them: what the same work
-//! made before.
+//! Which existing files may be replaced if a file names them: results of the same work.
 
 use crate::ambient_file;
 use crate::failure::MESSAGES_MARK;
@@ -9,36 +8,36 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// A file is told by so much of its beginning.
+/// Number of bytes by which a file's kind is recognised.
 const BEGINNING: u64 = 1 << 16;
 
-/// What a file that is there already has to be, so that it may be replaced.
+/// The kind of existing file that may be replaced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Existing<'a> {
-    /// It stays, whatever it is.
+    /// None: existing files are kept.
     Kept,
-    /// Any regular file may be replaced: the command line says so (`-fo`).
+    /// Any regular file: the command line allows it (`-fo`).
     Replaced,
-    /// An octree, which is made again from its scene.
+    /// An octree, which can be compiled again from its scene.
     Octree,
-    /// A picture or matrix whose header says that the project or receiver of this name made it.
+    /// A picture or matrix whose header names this project or receiver.
     MadeBy(&'a str),
     /// Distances of `rpict -z`.
     Distances,
-    /// Options of rendering, as `rad` writes them (`OPTFILE`).
+    /// Rendering options, as `rad` writes them (`OPTFILE`).
     Options,
     /// Values of `-af`.
     AmbientValues,
-    /// Messages of our programs, to whose end more are added.
+    /// Messages of our programs, which are appended.
     Messages,
-    /// Scene text of `mkillum`.
+    /// Scene text from `mkillum`.
     IllumScene,
-    /// A data file of `mkillum`.
+    /// A data file from `mkillum`.
     IllumData,
 }
 
 impl Existing<'_> {
-    /// Whether this file may be replaced. A file that cannot be read may not.
+    /// Whether this file may be replaced. An unreadable file may not.
     pub(super) fn may_replace(self, path: &Path) -> bool {
         match self {
             Existing::Kept => return false,
@@ -47,7 +46,7 @@ impl Existing<'_> {
         }
         let mut start = Vec::new();
         let read = File::open(path).and_then(|file| file.take(BEGINNING).read_to_end(&mut start));
-        // What was begun and never written to holds nothing that could be lost.
+        // A file that was created and never written holds nothing to lose.
         read.is_ok() && (start.is_empty() || self.is_kind_of(&start))
     }
 
@@ -68,17 +67,17 @@ impl Existing<'_> {
 
     pub(super) fn why_kept(self) -> String {
         let expected = match self {
-            Existing::Kept | Existing::Replaced => return "it is there already".to_owned(),
+            Existing::Kept | Existing::Replaced => return "it exists".to_owned(),
             Existing::Octree => "an octree".to_owned(),
-            Existing::MadeBy(project) => format!("what \"{project}\" made"),
+            Existing::MadeBy(project) => format!("made by \"{project}\""),
             Existing::Distances => "distances of rpict -z".to_owned(),
-            Existing::Options => "options of rendering".to_owned(),
+            Existing::Options => "rendering options".to_owned(),
             Existing::AmbientValues => "ambient values".to_owned(),
             Existing::Messages => "messages of rpict".to_owned(),
-            Existing::IllumScene => "scene text of mkillum".to_owned(),
-            Existing::IllumData => "data of mkillum".to_owned(),
+            Existing::IllumScene => "scene text from mkillum".to_owned(),
+            Existing::IllumData => "data from mkillum".to_owned(),
         };
-        format!("it is there already, and is not {expected}")
+        format!("it exists and is not {expected}")
     }
 }
 
@@ -90,17 +89,16 @@ fn has_format(start: &[u8], format: &str) -> bool {
     header(start).is_some_and(|header| header.format().is_some_and(|found| found == format))
 }
 
-/// The variable of a header that names the project or receiver for which a picture or matrix was
-/// made.
+/// The header variable with the project or receiver for which a picture or matrix was made.
 pub(crate) const PROJECT: &str = "RADPROJECT";
 
-/// Whether the header says that it was made for this project.
+/// Whether the header names this project.
 fn is_made_by(start: &[u8], project: &str) -> bool {
     let line = format!("{PROJECT}= {project}");
     header(start).is_some_and(|header| header.lines().any(|found| found == line.as_bytes()))
 }
 
-/// Whether bytes are distances in the machine's single precision, which no text is.
+/// Whether bytes are distances in native single precision, which no text is.
 fn are_distances(start: &[u8]) -> bool {
     let (numbers, rest) = start.as_chunks::<{ size_of::<f32>() }>();
     let is_distance = |bytes: &[u8; 4]| {
@@ -110,7 +108,7 @@ fn are_distances(start: &[u8]) -> bool {
     rest.is_empty() && !is_text(start) && numbers.iter().all(is_distance)
 }
 
-/// Whether each line begins with an option of rendering, as `rad` writes them.
+/// Whether each line begins with a rendering option, as `rad` writes them.
 fn are_options(start: &[u8]) -> bool {
     let is_option =
         |line: &str| line.strip_prefix('-').is_some_and(|name| name.starts_with(|c: char| c.is_ascii_alphabetic()));
@@ -130,7 +128,7 @@ fn is_illum_data(start: &[u8]) -> bool {
 }
 
 fn is_text(start: &[u8]) -> bool {
-    // The last character may be cut.
+    // The last character may be truncated.
     match std::str::from_utf8(start) {
         Ok(text) => !text.contains('\0'),
         Err(error) => error.error_len().is_none() && !start.contains(&0),
@@ -146,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_are_told_by_what_they_hold() {
+    fn files_are_recognised_by_their_content() {
         let picture = b"#?RADIANCE\nrpict -vp 0 0 0\nRADPROJECT= room.rif\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n";
         let octree = b"#?RADIANCE\noconv room.rad\nFORMAT=Radiance_octree\n\n\x01";
         let precious = b"years of work";

@@ -1,12 +1,11 @@
-//! What the command line allows input files to cause: the one gate before commands, libraries and
-//! files that are written.
+//! The permissions of input files: the single gate before commands, libraries and output files.
 //!
-//! A scene, a receiver, a project or a file of options may ask for all three. [`Trust`] is made in
-//! `main` and grows by the options of the command line alone: [`Trust::take`] refuses to grow while
-//! the word in hand comes from a file. Nothing else makes a [`CommandPermit`], and [`shell`] and
-//! [`program`] start nothing without one. A name that a file gives to an output becomes a name to
-//! be written by [`Trust::output`] and [`Trust::output_of_file`] alone. `docs/security.md` has the
-//! rules.
+//! A scene, a receiver, a project or an option file may request all three. [`Trust`] is created in
+//! `main` and grows only by options of the command line: [`Trust::take`] refuses to grow while the
+//! current word comes from a file. Only [`Trust`] creates a [`CommandPermit`], and [`shell`] and
+//! [`program`] start nothing without one. A name that a file gives to an output becomes an
+//! [`OutputName`] only in [`Trust::output`] and [`Trust::output_of_file`]. `docs/security.md` has
+//! the rules.
 
 mod existing;
 mod outputs;
@@ -22,32 +21,32 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// This program once more, with words that a file gives, and no more allowed than here.
+/// This program with words of a file, and the same permissions.
 pub(crate) fn own_program(trust: &Trust) -> io::Result<Command> {
     let mut command = Command::new(std::env::current_exe()?);
     command.args(trust.words_for_file());
     Ok(command)
 }
 
-/// What makes all words after the program's name those of a file. Options of trust count before it.
+/// Marks all words after the program's name as those of a file. Permission options before it apply.
 pub(crate) const WORDS_OF_FILE: &str = "--words-of-file";
 
-/// Who wrote the words of a command line.
+/// The origin of the words of a command line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Origin {
-    /// The user, at the command line.
+    /// The user on the command line.
     CommandLine,
-    /// Somebody else, in a file.
+    /// The author of a file.
     #[default]
     File,
 }
 
-/// What the command line allows files to cause. As it is made by default it allows nothing.
+/// The permissions that the command line gives to files. The default permits nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trust {
-    /// Who wrote the words that this process was started with.
+    /// The origin of the words of this process.
     process: Origin,
-    /// Who wrote the word in hand.
+    /// The origin of the current word.
     word: Origin,
     grants: Grants,
 }
@@ -64,15 +63,15 @@ struct Grants {
     replacements: Vec<String>,
     /// `--allow-outputs`
     all_outputs: bool,
-    /// `--allow-output`: what a program that calls this one has looked at already.
+    /// `--allow-output`: files that the calling program has checked.
     outputs: Vec<String>,
     /// Folders of files on the command line that may name outputs beside them.
     folders: Vec<PathBuf>,
-    /// `--project`: the file of `rad` or the receiver for which something is made.
+    /// `--project`: the project of `rad`, or the receiver, for which the work is done.
     project: Option<String>,
 }
 
-/// Whether commands that a file names may run.
+/// Whether commands named in files may run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Commands {
     #[default]
@@ -80,11 +79,11 @@ pub(crate) enum Commands {
     Allowed(CommandPermit),
 }
 
-/// The permission to start a process. Only [`Trust`] makes one.
+/// The permission to start a process. Only [`Trust`] creates one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CommandPermit(());
 
-/// A shell with a command that it runs.
+/// A shell that runs a command.
 pub(crate) fn shell(_permit: CommandPermit, command: &str) -> Command {
     let mut shell = Command::new("sh");
     shell.args(["-c", command]);
@@ -97,9 +96,9 @@ pub(crate) fn program(_permit: CommandPermit, name: &OsStr) -> Command {
 }
 
 impl Trust {
-    /// What the words of this process allow before its program reads them, and the words that the
-    /// program reads. A process that is told [`WORDS_OF_FILE`] has words of a file: then the
-    /// options before that count, and none behind it.
+    /// The permissions of this process before its program parses its words, and the words for the
+    /// program. After [`WORDS_OF_FILE`] come words of a file: only options before it change
+    /// permissions.
     pub(crate) fn of_process(words: Vec<String>) -> Result<(Trust, Vec<String>), Failure> {
         let own = Trust { process: Origin::CommandLine, word: Origin::CommandLine, ..Trust::default() };
         let mut given = own.clone();
@@ -117,12 +116,13 @@ impl Trust {
         Ok((own, words))
     }
 
-    /// The same for words that a file holds.
+    /// The same permissions for words of a file.
     pub(crate) fn for_file(&self) -> Trust {
         Trust { process: Origin::File, word: Origin::File, grants: self.grants.clone() }
     }
 
-    /// Lets a file on the command line name new files in its own folder, which need not be below the current one.
+    /// Lets a file on the command line name new files in its own folder, which need not be below
+    /// the current one.
     pub(crate) fn allow_outputs_beside(&mut self, file: &str) {
         let folder = Path::new(file).parent().map(|folder| match folder.as_os_str().is_empty() {
             true => PathBuf::from("."),
@@ -133,8 +133,8 @@ impl Trust {
         }
     }
 
-    /// The options that give another process of radsight the same trust, and say that the words
-    /// after them are those of a file.
+    /// The options that give another process of radsight the same permissions, and mark the words
+    /// after them as those of a file.
     pub(crate) fn words_for_file(&self) -> Vec<String> {
         let Grants {
             commands,
@@ -162,23 +162,23 @@ impl Trust {
         words
     }
 
-    /// Says who wrote the next word. A process whose words are those of a file has no others.
+    /// Sets the origin of the next word. A process with words of a file has no others.
     pub(crate) fn reads_word_of(&mut self, origin: Origin) {
         self.word = if self.process == Origin::File { Origin::File } else { origin };
     }
 
-    /// Who wrote the word in hand.
+    /// The origin of the current word.
     pub(crate) fn word_origin(&self) -> Origin {
         self.word
     }
 
-    /// Who wrote the words that this process was started with.
+    /// The origin of the words of this process.
     pub(crate) fn origin(&self) -> Origin {
         self.process
     }
 
-    /// Takes one option of trust from the front; gives how many words it used, 0 for something
-    /// else.
+    /// Parses one permission option at the front; returns the number of words it used, 0 for
+    /// another option.
     pub(crate) fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
         let mut grants = self.grants.clone();
@@ -220,7 +220,7 @@ impl Trust {
         };
         if self.word == Origin::File && grants != self.grants {
             return Err(Failure::input(format!(
-                "option \"{}\" comes from a file and is not obeyed\nhint: only the command line itself may give it",
+                "option \"{}\" comes from a file and is ignored\nhint: only the command line may give it",
                 words[..used].join(" ")
             )));
         }
@@ -228,33 +228,32 @@ impl Trust {
         Ok(used)
     }
 
-    /// Allows exactly one file to be written, which was looked at by [`Trust::output_of_file`].
+    /// Permits one output file, which [`Trust::output_of_file`] has checked.
     pub(crate) fn allow_output(&mut self, name: String) {
         add(&mut self.grants.outputs, name);
     }
 
-    /// Says for which project or receiver the work is done, for the headers of what is made.
+    /// Sets the project or receiver for which the work is done, for output headers.
     pub(crate) fn work_for(&mut self, project: &str) {
         self.grants.project = Some(project.to_owned());
     }
 
-    /// The project that this is done for.
+    /// The project for which this is done.
     pub(crate) fn project(&self) -> Option<&str> {
         self.grants.project.as_deref()
     }
 
-    /// Whether commands that files name may run.
+    /// Whether commands named in files may run.
     pub(crate) fn commands(&self) -> Commands {
         self.grants.commands
     }
 
-    /// Whether commands that files name run.
+    /// Whether commands named in files run.
     pub(crate) fn runs_commands(&self) -> bool {
         self.grants.commands != Commands::Refused
     }
 
-    /// Whether commands may run that the words of the command line name, as after `!` in the place
-    /// of a file.
+    /// Whether commands named on the command line may run, as after `!` in place of a file.
     pub(crate) fn own_commands(&self) -> Commands {
         match self.process {
             Origin::CommandLine => Commands::Allowed(CommandPermit(())),
@@ -262,7 +261,7 @@ impl Trust {
         }
     }
 
-    /// Checks a word that may name a command after `!`, by who wrote it.
+    /// Checks a word that may name a command after `!`, by its origin.
     pub(crate) fn check_command(&self, word: &str) -> Result<(), Failure> {
         match (self.word, self.grants.commands) {
             (Origin::File, Commands::Refused) if word.starts_with('!') => Err(refused_command(&word[1..])),
@@ -281,7 +280,7 @@ impl Trust {
         replacements.into_iter().any(|replacement| replacement.library == library)
     }
 
-    /// Whether a library beside the scene may be one to load: all of them are, or some are named.
+    /// Whether some library beside the scene may be loaded: all of them, or named ones.
     pub(crate) fn may_load_beside_scenes(&self) -> bool {
         self.grants.plugins_of_scenes || !self.grants.replacements.is_empty()
     }
@@ -298,7 +297,7 @@ impl Trust {
 }
 
 impl Commands {
-    /// The permission, for a command that is named in the error.
+    /// The permission; an error names the command.
     pub(crate) fn permit(self, command: &str) -> Result<CommandPermit, Failure> {
         match self {
             Commands::Allowed(permit) => Ok(permit),

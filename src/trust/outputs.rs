@@ -1,4 +1,4 @@
-//! Names of files to be written, where a file gives them.
+//! Names of output files that come from files.
 
 use super::{Commands, Existing, Origin, Trust};
 use crate::failure::{Failure, reason};
@@ -9,17 +9,17 @@ use std::ops::Deref;
 use std::path::{Component, Path, PathBuf};
 
 const HINT: &str =
-    "--allow-outputs lets input files name any file to be written; else it is a new one below the current folder";
+    "--allow-outputs lets input files name any output; by default only new files below the current folder";
 
 const COMMAND_HINT: &str = "--allow-commands lets input files run commands";
 
-/// The file that keeps nothing.
+/// The null device.
 const NOWHERE: &str = "/dev/null";
 
-/// What a shell reads as more than a part of a name.
+/// Characters with a meaning in a shell.
 const SHELL_SIGNS: [char; 13] = ['`', '$', ';', '|', '&', '<', '>', '"', '\'', '\\', '*', '?', '#'];
 
-/// The name of a file that may be written. [`Trust`] makes it of what the command line or a file says.
+/// The name of an output file. [`Trust`] creates it from a name on the command line or in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct OutputName(String);
 
@@ -29,7 +29,7 @@ impl OutputName {
         OutputName("-".to_owned())
     }
 
-    /// With a number in the place that a pattern has for it.
+    /// The name with a number in place of its pattern.
     pub(crate) fn numbered(&self, number: impl Fn(&str) -> String) -> OutputName {
         OutputName(number(&self.0))
     }
@@ -43,7 +43,7 @@ impl Deref for OutputName {
     }
 }
 
-/// Why a file that an input names is not written.
+/// Why an output named by an input file is not written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Refusal {
     name: String,
@@ -56,7 +56,7 @@ impl Refusal {
         format!("\"{}\" comes from a file and is not written: {}", self.name, self.why)
     }
 
-    /// At the place in a file that names the output.
+    /// The diagnostic at the span that names the output.
     pub(crate) fn at(&self, span: Span) -> Diagnostic {
         Diagnostic::error(self.message()).at(span).hint(self.hint)
     }
@@ -69,21 +69,20 @@ impl From<Refusal> for Failure {
 }
 
 impl Trust {
-    /// The name of a file to be written that the word in hand gives: any where the user wrote the
-    /// word.
+    /// The output file named by the current word: any file if the user wrote the word.
     pub(crate) fn output(&self, name: &str, existing: Existing<'_>) -> Result<OutputName, Failure> {
         if self.word == Origin::CommandLine {
             return Ok(OutputName(name.to_owned()));
         }
-        // What numbers make of a pattern is not known here, and could be there already.
+        // The expanded names of a pattern are unknown here, and could exist.
         if name.contains('%') && !self.allows_output(name) {
             return Err(refused(name, "it is a pattern").into());
         }
         Ok(self.output_of_file(name, existing)?)
     }
 
-    /// The name, or the pattern of names, of files that are written only where none is there: any
-    /// where the user wrote the word.
+    /// The name, or pattern of names, of files that must not exist: any name if the user wrote the
+    /// word.
     pub(crate) fn new_output(&self, name: &str) -> Result<OutputName, Failure> {
         match self.word {
             Origin::CommandLine => Ok(OutputName(name.to_owned())),
@@ -91,8 +90,8 @@ impl Trust {
         }
     }
 
-    /// The name of a file to be written that a file gives: a new one below the current folder, or
-    /// one that is there already and of the kind that may be replaced.
+    /// The output file named by a file: a new one below the current folder, or an existing one of a
+    /// kind that may be replaced.
     pub(crate) fn output_of_file(&self, name: &str, existing: Existing<'_>) -> Result<OutputName, Refusal> {
         if self.allows_output(name) || name == NOWHERE {
             return Ok(OutputName(name.to_owned()));
@@ -115,7 +114,7 @@ impl Trust {
         }
     }
 
-    /// The name of a file to be written that the user gives, with a word of a file put into it.
+    /// The output file named by the user, with a word of a file inserted.
     pub(crate) fn output_with_part(&self, name: &str, part: Option<&str>) -> Result<OutputName, Refusal> {
         part.map_or(Ok(()), |part| self.check_name_part(part))?;
         Ok(OutputName(name.to_owned()))
@@ -126,14 +125,14 @@ impl Trust {
         Refusal { hint: COMMAND_HINT, ..refused(name, "it is a command") }
     }
 
-    /// Checks that a file which is not named by a file is at least no symbolic link, where the
-    /// folder may be somebody else's.
+    /// Checks that a file not named by a file is at least not a symbolic link, where the folder may
+    /// belong to somebody else.
     pub(crate) fn check_link(&self, name: &str) -> Result<(), Refusal> {
         let is_link = fs::symlink_metadata(name).is_ok_and(|found| found.is_symlink());
         if is_link && !self.allows_output(name) { Err(refused(name, "it is a symbolic link")) } else { Ok(()) }
     }
 
-    /// Checks a word of a file that becomes a part of the name that the user gives to an output.
+    /// Checks a word of a file that becomes a part of the user's output name.
     fn check_name_part(&self, part: &str) -> Result<(), Refusal> {
         let check = match part.contains('/') {
             true => Err("it names a folder"),
@@ -142,7 +141,7 @@ impl Trust {
         if self.grants.all_outputs { Ok(()) } else { check.map_err(|why| refused(part, why)) }
     }
 
-    /// Checks a word of a file that becomes a part of a command of the user's.
+    /// Checks a word of a file that becomes a part of the user's command.
     pub(crate) fn check_command_part(&self, part: &str) -> Result<(), Failure> {
         let is_plain = !part.is_empty()
             && !part.starts_with('-')
@@ -156,26 +155,26 @@ impl Trust {
         }
     }
 
-    /// Checks an option that lets files be written over, by who wrote it.
+    /// Checks an option that permits overwriting, by its origin.
     pub(crate) fn check_overwriting(&self, option: &str) -> Result<(), Failure> {
         if self.word == Origin::CommandLine || self.grants.all_outputs {
             return Ok(());
         }
         Err(Failure::input(format!(
-            "option \"{option}\" comes from a file and is not obeyed\nhint: the command line itself may give it, or --allow-outputs"
+            "option \"{option}\" comes from a file and is ignored\nhint: the command line may give it, or --allow-outputs"
         )))
     }
 
-    /// Whether a file is in the folder of a file on the command line that may name outputs there.
+    /// Whether a file is in the folder of a command-line file that may name outputs there.
     fn is_beside_its_file(&self, path: &Path) -> bool {
         let name = path.file_name().and_then(|name| name.to_str());
         let folder = path.parent().filter(|_| path.is_absolute()).and_then(|folder| fs::canonicalize(folder).ok());
-        // `..` as the last part is no name.
+        // `..` as the last part is not a name.
         name.is_some_and(|name| check_parts(name).is_ok())
             && folder.is_some_and(|folder| self.grants.folders.contains(&folder))
     }
 
-    /// Whether the command line allows this file, whatever it is.
+    /// Whether the command line permits this file.
     fn allows_output(&self, name: &str) -> bool {
         self.grants.all_outputs || self.grants.outputs.iter().any(|known| known == name)
     }
@@ -185,24 +184,24 @@ fn refused(name: &str, why: &str) -> Refusal {
     Refusal { name: name.to_owned(), why: why.to_owned(), hint: HINT }
 }
 
-/// Whether a name goes down from the current folder, by folders and a file that are not hidden and
-/// look like no option.
+/// Whether a name leads down from the current folder, by folders and a file that are not hidden and
+/// do not look like an option.
 fn check_parts(name: &str) -> Result<(), &'static str> {
     if name.is_empty() || name.contains(char::is_control) {
-        return Err("it is no file name");
+        return Err("it is not a file name");
     }
     if name.starts_with(['!', '|']) {
         return Err("it is a command");
     }
-    // Scripts go over what they find in a folder.
+    // Scripts may process all files of a folder.
     if name.contains(SHELL_SIGNS) {
-        return Err("it has signs of a shell");
+        return Err("it has characters with a meaning in a shell");
     }
     for part in Path::new(name).components() {
         match part {
             Component::CurDir => {}
             Component::Normal(part) => {
-                let part = part.to_str().ok_or("it is no file name")?;
+                let part = part.to_str().ok_or("it is not a file name")?;
                 if part.starts_with('.') {
                     return Err("it is hidden");
                 }
@@ -218,7 +217,7 @@ fn check_parts(name: &str) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// Whether the file's folder lies below the current one when symbolic links are followed.
+/// Whether the file's folder lies below the current one after following symbolic links.
 fn check_folder(path: &Path) -> Result<(), String> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let real = |path: &Path| -> Result<PathBuf, String> {
@@ -238,12 +237,12 @@ mod tests {
     #[test]
     fn names_that_lead_elsewhere_are_refused() {
         for (name, why) in [
-            ("", "it is no file name"),
-            ("a\nb", "it is no file name"),
+            ("", "it is not a file name"),
+            ("a\nb", "it is not a file name"),
             ("!touch x", "it is a command"),
             ("|touch x", "it is a command"),
-            ("$(touch x)", "it has signs of a shell"),
-            ("a;b", "it has signs of a shell"),
+            ("$(touch x)", "it has characters with a meaning in a shell"),
+            ("a;b", "it has characters with a meaning in a shell"),
             ("../x", "it is not below the current folder"),
             ("src/../x", "it is not below the current folder"),
             ("/tmp/x", "it is not below the current folder"),
@@ -254,7 +253,7 @@ mod tests {
             ("-", "it looks like an option"),
             ("src", "it is a folder"),
             ("no_such_folder/x", "folder \"no_such_folder\": no such file or directory"),
-            ("Cargo.toml", "it is there already"),
+            ("Cargo.toml", "it exists"),
         ] {
             let refusal = Trust::default().output_of_file(name, Existing::Kept).unwrap_err();
             assert_eq!(refusal.why, why, "{name}");

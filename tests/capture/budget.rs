@@ -1,16 +1,17 @@
-//! What asks for more threads or work than can be had ends with a clear message, and soon.
+//! Requests for too many threads or too much work end quickly with a clear message.
 
 use crate::program::{Folder, Run, command, run_with};
 use std::fmt::Write;
 
-/// The input is wrong.
+/// Exit code of wrong input.
 const INPUT: i32 = 1;
-/// A limit or a fault stopped the work.
+/// Exit code of a limit or a fault.
 const FAULT: i32 = 3;
 
 const VIEW: [&str; 14] = ["-vp", "0", "-4", "0", "-vd", "0", "1", "0", "-x", "4", "-y", "4", "-pj", "0"];
 
-/// A lamp, and a ball of the last of `count` mixtures that mix the one before with itself.
+/// A lamp, and a ball with the last of `count` mixtures, each of which mixes the previous one with
+/// itself.
 fn doubling_mixtures(count: usize) -> String {
     let mut scene = "void light lamp\n0\n0\n3 9e6 9e6 9e6\nlamp source l\n0\n0\n4 0 -1 1 .01\n\
                      void plastic m0\n0\n0\n5 .5 .5 .5 0 0\n"

@@ -1,4 +1,4 @@
-//! Cameras beyond the plain pinhole, and sensors, through the program.
+//! Camera models beyond the pinhole, and sensors, through the program.
 
 use crate::program::{Folder, Run, command, run_with};
 
@@ -7,7 +7,7 @@ const CAMERA: &str = "[camera]\nposition_m = [0.0, 0.0, 0.48]\ndirection = [0.0,
 const HOLE: &str = "focal_distance_mm = 6.75\npinhole_diameter_mm = 0.1\n";
 const LINEAR: &str = "[sensor]\nresponse = \"emva1288\"\nquantum_efficiency = 0.6\ngain_dn_per_e = 0.2\nfull_well_e = 15000\n\
     read_noise_e = 8\ndark_offset_dn = 50\nbits = 12\n";
-/// A lamp over a floor of two colours with an edge through the picture.
+/// A lamp over a floor of two colours, with their edge in the picture.
 const SCENE: &str = "void plastic red 0 0 5 .6 .2 .1 0 0\nvoid plastic blue 0 0 5 .05 .2 .7 0 0\nvoid light lamp 0 0 3 900 900 900\n\
     red polygon left 0 0 12 -1 -1 0 .013 -1 0 .013 1 0 -1 1 0\nblue polygon right 0 0 12 .013 -1 0 1 -1 0 1 1 0 .013 1 0\n\
     lamp sphere bulb 0 0 4 .3 .2 .9 .02\n";
@@ -23,7 +23,7 @@ fn run(folder: &Folder, words: &[&str], input: &[u8]) -> Run {
     run_with(command(words).current_dir(folder.path("")), input)
 }
 
-/// The chain of programs gives the bits of the one command, whatever the camera is.
+/// The chain of programs gives the bits of the single command, for every camera model.
 #[test]
 fn rays_tracing_and_averaging_apart_give_the_exposure_of_capture() {
     let matrix =
@@ -57,7 +57,7 @@ fn rays_tracing_and_averaging_apart_give_the_exposure_of_capture() {
 }
 
 #[test]
-fn a_specimen_that_was_drawn_can_be_captured_again() {
+fn a_sampled_specimen_can_be_captured_again() {
     let tolerances = "[tolerances]\nspecimen = 3\ncamera_turn_deg = 1.0\nsensor_shift_um = 80\nled_tilt_deg = 2\nled_intensity_percent = 10\n";
     let rig = "[rig]\nleds = 6\nring_diameter_mm = 30\nled_diameter_mm = 5\nled_intensity_w_per_sr = 0.05\nled_cone_deg = 40\n";
     let drawn = format!("{CAMERA}{HOLE}{rig}{tolerances}{LINEAR}");
@@ -87,7 +87,8 @@ fn colours_behind_a_mosaic_come_back() {
     let png = radsight_picture::read_png(&std::fs::read(folder.path("color.png")).unwrap()).unwrap();
     assert_eq!((png.bits, png.values.components()), (16, 3));
     let image = png.values;
-    // The middle of the left half is red, that of the right half blue, in the ratios of the paints above the dark level.
+    // The centre of the left half is red, that of the right half blue, in the ratios of the paints
+    // above the dark level.
     let mean = |columns: std::ops::Range<usize>, color: usize| {
         let pixels = (4..16).flat_map(|row| columns.clone().map(move |column| (row, column)));
         let values: Vec<f64> =
@@ -102,7 +103,7 @@ fn colours_behind_a_mosaic_come_back() {
     assert_eq!(alone.values, image, "the grey picture need not be asked for");
     let refused = run(&folder, &["capture", "plain.toml", "scene.rad", "-o", "a.png", "--color", "b.png"], b"");
     assert_eq!(refused.code, 1);
-    assert!(refused.messages.contains("has no mosaic of colour filters"), "{}", refused.messages);
+    assert!(refused.messages.contains("has no colour filter mosaic"), "{}", refused.messages);
 }
 
 #[test]

@@ -1,9 +1,10 @@
-//! `pinhole rays | rtrace | pinhole average | sensor` gives the same bits as `capture`, whatever the number of threads.
+//! `pinhole rays | rtrace | pinhole average | sensor` gives the same bits as `capture`, for any
+//! number of threads.
 
 use crate::pictures::{exposure, exposure_file, greys};
 use crate::program::{self, Folder, command, gripps, pipeline, radsight};
 
-/// What both ways compute.
+/// The results of both ways.
 struct Job {
     camera: String,
     scenes: Vec<String>,
@@ -12,7 +13,7 @@ struct Job {
 }
 
 impl Job {
-    /// Picture and exposure of the one command.
+    /// Picture and exposure of the single command.
     fn fused(&self, threads: &str) -> (Vec<u16>, Vec<u32>) {
         let folder = Folder::new();
         let (picture, matrix) = (folder.word("x.png"), folder.word("x.mtx"));
@@ -33,7 +34,7 @@ impl Job {
             scenes.push(folder.file("rig.rad", rig.output));
         }
         let rays = ["--samples", self.samples, "--seed", self.seed];
-        // Of Radiance's defaults `capture` does not take the threshold of highlights.
+        // `capture` does not use Radiance's default of the specular threshold.
         let mut trace = vec!["rtrace", "-h", "-fdd", "-st", "0", "-n", threads, "--seed", self.seed];
         trace.extend(scenes.iter().map(String::as_str));
         let average = pipeline(vec![
@@ -162,7 +163,7 @@ fn a_scene_in_millimetres() {
     let sheet = folder.file("sheet.rad", format!("!xform -s 1000 {}\n", gripps("sheet-retro.rad")));
     let job = Job { camera, scenes: vec![sheet], samples: "8", seed: "1" };
     job.check();
-    // The unit is the scene's affair: the picture is that of the same scene in metres.
+    // The unit belongs to the scene: the picture equals that of the same scene in metres.
     let scenes = vec![gripps("sheet-retro.rad")];
     let metres = Job { camera: folder.word("camera.toml"), scenes, samples: "8", seed: "1" }.fused("2").0;
     let far = job.fused("2").0.iter().zip(&metres).filter(|(a, b)| a.abs_diff(**b) > 1).count();

@@ -1,4 +1,4 @@
-//! Lamps that flicker, under a global and a rolling shutter, through the program.
+//! Flickering lamps under a global and a rolling shutter, through the program.
 
 use crate::program::{Folder, Run, command, run_with};
 use std::f64::consts::PI;
@@ -30,7 +30,7 @@ fn capture(camera: &str, scene: &str, effort: &[&str]) -> Run {
     run_with(command(&[&words[..], effort].concat()).current_dir(folder.path("")), b"")
 }
 
-/// Exposures in the order of the file, which ends with them.
+/// Exposures in file order, at the end of the file.
 fn exposures(camera: &str, scene: &str, effort: &[&str]) -> Vec<f64> {
     let bytes = capture(camera, scene, effort).done();
     let numbers = &bytes[bytes.len() - 4 * ROWS * COLUMNS..];
@@ -55,7 +55,8 @@ fn a_rolling_shutter_shows_the_bands_of_the_waveform_integral() {
     for model in ["finite", "diffraction"] {
         let effort = ["--samples", "8"];
         let both = exposures(&camera(model, ROLLING, FLICKER), &lit, &effort);
-        // What rays draw must be alike: a steady lamp in [flicker] keeps a diffracting camera to its whole pattern.
+        // Rays must be sampled alike: a steady lamp in [flicker] makes a diffracting camera use its
+        // full pattern.
         let still = FLICKER.replace("0.6", "0");
         let whole = exposures(&camera(model, ROLLING, &still), &lit, &effort);
         let steady = exposures(

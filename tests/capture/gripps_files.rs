@@ -1,4 +1,4 @@
-//! The files of `radiance-scenes/gripps` fit together.
+//! The files of `radiance-scenes/gripps` are consistent.
 
 use crate::program::{Folder, gripps, radsight};
 

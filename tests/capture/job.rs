@@ -1,4 +1,4 @@
-//! `radsight job`: parts in files, merged to what one process gives, and what is refused.
+//! `radsight job`: parts in files, merged to the result of one process, and rejected parts.
 
 use crate::program::{Folder, ROOM, gripps, radsight, radsight_with};
 use radsight_picture::read_image;
@@ -44,7 +44,7 @@ fn parts_of_a_capture_merge_to_its_bits() {
 }
 
 #[test]
-fn tasks_of_an_array_share_one_job_and_what_is_missing_is_told() {
+fn tasks_of_an_array_share_one_job_and_missing_parts_are_reported() {
     let folder = Folder::new();
     let job = picture_job(&folder, 4);
     let (first, second) = (folder.word("0.mtx"), folder.word("1.mtx"));
@@ -58,7 +58,7 @@ fn tasks_of_an_array_share_one_job_and_what_is_missing_is_told() {
     assert!(merged.code == 0 && merged.messages.contains("estimated error"), "{}", merged.messages);
     radsight(&["job", "run", &job, "--part", "0/2", "-o", &first]).done();
     radsight(&["job", "merge", &second, &first, "-o", &picture]).done();
-    // A single task, which has all rows.
+    // A single task with all rows.
     let all = folder.word("all.mtx");
     radsight(&["job", "run", &job, "-o", &all, "--threads", "1"]).done();
     radsight(&["job", "merge", &all, "-o", &whole]).done();
@@ -152,7 +152,7 @@ fn parts_share_an_irradiance_cache_that_is_made_once() {
 }
 
 #[test]
-fn mistakes_in_jobs_have_their_place_and_run_nothing() {
+fn mistakes_in_jobs_have_their_position_and_run_nothing() {
     let folder = Folder::new();
     let out = folder.word("out.mtx");
     let run = |text: &str| radsight(&["job", "run", &folder.file("bad.json", text), "-o", &out]);

@@ -1,4 +1,4 @@
-//! Pictures that a real camera takes: from the camera file to the grey values.
+//! Pictures of a real camera: from the camera file to the grey values.
 
 #[path = "../pictures/mod.rs"]
 mod pictures;

@@ -1,7 +1,8 @@
-//! OpenCV, an independent program, finds simulated targets and calibrates the camera that the pictures were made with.
+//! OpenCV, an independent program, finds simulated targets and recovers the camera that rendered
+//! them.
 //!
-//! Needs Python with OpenCV (`pip install opencv-python`): the program named by `RADSIGHT_PYTHON`, else `python3`. Without it the
-//! tests say so and pass.
+//! Needs Python with OpenCV (`pip install opencv-python`): the program named by `RADSIGHT_PYTHON`,
+//! else `python3`. Without it the tests print a note and pass.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -10,14 +11,16 @@ const COLUMNS: u32 = 9;
 const ROWS: u32 = 6;
 const SPACING: f64 = 0.025;
 
-/// fx, fy, cx, cy, k1, k2 of the camera that is to be found; pixels are not square, and the principal point is not in the middle.
+/// fx, fy, cx, cy, k1, k2 of the camera to be recovered; pixels are not square, and the principal
+/// point is off the centre.
 const CAMERA: [f64; 6] = [420.0, 430.0, 165.3, 116.4, -0.20, 0.05];
 
 const MATRIX: &str = "image_width: 320\nimage_height: 240\ndistortion_model: plumb_bob\n\
     camera_matrix: {rows: 3, cols: 3, data: [420.0, 0, 165.3, 0, 430.0, 116.4, 0, 0, 1]}\n\
     distortion_coefficients: {rows: 1, cols: 5, data: [-0.20, 0.05, 0, 0, 0]}\n";
 
-/// Places of the camera (metres) about the target, each with the point at which it looks and its up.
+/// Camera positions (metres) about the target, each with the point of interest and the up
+/// direction.
 const POSES: [([f64; 3], [f64; 2], [f64; 2]); 10] = [
     ([0.00, 0.00, 0.45], [0.00, 0.00], [0.0, 1.0]),
     ([0.20, 0.02, 0.38], [0.01, 0.00], [0.1, 1.0]),
@@ -49,7 +52,7 @@ fn camera_text([x, y, z]: [f64; 3], [at_x, at_y]: [f64; 2], [up_x, up_y]: [f64; 
     )
 }
 
-/// Python, where it has OpenCV. Asked before any picture is made.
+/// Python, if it has OpenCV. Checked before any picture is rendered.
 fn python_with_opencv() -> Option<Command> {
     let python = std::env::var_os("RADSIGHT_PYTHON").unwrap_or_else(|| "python3".into());
     let has_opencv = Command::new(&python).args(["-c", "import cv2, numpy"]).output();
@@ -95,7 +98,7 @@ fn calibrated(pattern: &str) -> Option<(Vec<[f64; 2]>, f64, f64)> {
     Some((pairs[..6].to_vec(), error, pictures))
 }
 
-/// What OpenCV finds is within three of its own standard deviations of the camera.
+/// OpenCV's estimates are within three of its own standard deviations of the camera.
 #[test]
 fn opencv_finds_the_camera_that_made_pictures_of_a_chessboard() {
     let Some((found, error, pictures)) = calibrated("chessboard") else { return };
@@ -109,7 +112,8 @@ fn opencv_finds_the_camera_that_made_pictures_of_a_chessboard() {
     }
 }
 
-/// Centres of perspective ellipses are not the images of the dots' centres, which OpenCV leaves out: at this size less than its deviations.
+/// Centres of perspective ellipses are not the images of the dots' centres, which OpenCV ignores:
+/// at this size the difference is below its deviations.
 #[test]
 fn opencv_finds_the_camera_that_made_pictures_of_dots() {
     let Some((found, error, pictures)) = calibrated("dots") else { return };

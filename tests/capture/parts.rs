@@ -1,13 +1,15 @@
-//! Captures of parts on retroreflective sheeting, to an error, against plain sampling at 65,536 rays a pixel.
+//! Captures of parts on retroreflective sheeting to a requested error, compared with plain sampling
+//! at 65,536 rays per pixel.
 //!
-//! `tests/gripps/truth/part-*.pfm` and `tall-washer.pfm` were made once by `radsight capture tests/gripps/part.toml … --samples 65536` before
-//! lights were looked for in mirrors, so that neither strategy tested here had a share in them.
+//! `tests/gripps/truth/part-*.pfm` and `tall-washer.pfm` were made once by `radsight capture
+//! tests/gripps/part.toml … --samples 65536` before lights were sampled through mirrors, so neither
+//! tested strategy influenced them.
 
 use crate::pictures::{Difference, exposure_file, show};
 use crate::program::{Folder, gripps, radsight, root};
 use radsight_picture::Image;
 
-/// Seeds over which a mean is taken.
+/// Seeds over which the mean is taken.
 const SEEDS: u32 = 6;
 
 fn file(name: &str) -> String {
@@ -26,7 +28,8 @@ fn captures(part: &str, error: &str) -> Vec<Image<f32>> {
     (0..SEEDS).map(capture).collect()
 }
 
-/// The asked error is the true one, and the mean over seeds is nearer by as much as independent errors are.
+/// The requested error equals the true one, and the mean over seeds is closer, as for independent
+/// errors.
 fn check(name: &str, part: &str, error: f64) {
     let truth = exposure_file(&root().join(format!("tests/gripps/truth/{name}.pfm")));
     let captures = captures(part, &error.to_string());

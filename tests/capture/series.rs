@@ -1,4 +1,4 @@
-//! `radsight capture --variants`: every picture is the one that a capture alone makes.
+//! `radsight capture --variants`: every picture equals that of a single capture.
 
 use crate::pictures::{Difference, exposure_file, show};
 use crate::program::{Folder, gripps, radsight, root};
@@ -28,7 +28,8 @@ impl Series {
         names.iter().map(|name| exposure_file(&self.folder.path(&format!("series-{name}.pfm")))).collect()
     }
 
-    /// A capture alone, with some words of the camera file replaced and the part's text moved.
+    /// A single capture, with some words of the camera file replaced and the part's text
+    /// transformed.
     fn alone(&self, replaced: [&str; 2], pose: &str, error: &str) -> Image<f32> {
         let camera = std::fs::read_to_string(file("part.toml")).expect("a camera file");
         assert!(camera.contains(replaced[0]));
@@ -60,7 +61,8 @@ fn sensor_and_exposure_time_change_no_bit_of_a_picture() {
     assert!(d.data().iter().zip(a.data()).all(|(d, a)| (d - 2.0 * a).abs() <= 1e-6 * a));
 }
 
-/// The asked error holds with parts elsewhere, and what their light does not touch is shared.
+/// The requested error holds with moved parts, and pixels that their light does not affect are
+/// shared.
 #[test]
 fn pictures_of_a_moving_part_are_those_of_captures_alone() {
     let poses = ["", "-t -.02 0 0", "-t .015 -.025 0", "-t -.03 -.012 0 -ry 12 -t .03 .012 .006"];
@@ -82,13 +84,13 @@ fn pictures_of_a_moving_part_are_those_of_captures_alone() {
 }
 
 #[test]
-fn mistakes_of_a_series_are_told_where_they_stand() {
+fn mistakes_of_a_series_are_reported_with_their_position() {
     let cases = [
         ("move tup\n-t 1 0 0\n", "the scene has no surface \"tup\" that could be moved"),
         ("move background\n-t 1 0 0\n", "\"background\" cannot be moved: its modifier \"to_viewer\""),
         ("rig.ring_diameter_mm\n-3\n", "\"ring_diameter_mm\" must be positive, not -3"),
         ("rig.ring_diameter\n3\n", "unknown key \"ring_diameter\""),
-        ("move top\n-s 2\n", "table.csv:2:1: error: a part keeps its size"),
+        ("move top\n-s 2\n", "table.csv:2:1: error: the transform is not rigid"),
     ];
     for (table, expected) in cases {
         let series = Series::new(table, &file("tall-washer.rad"));

@@ -1,22 +1,23 @@
-//! Captures of the paper's figures against `gripps/truth`: exposures from an independent brute-force integration over
-//! pixel × pinhole disk × LED disk.
+//! Compares captures of the paper's figures with `gripps/truth`: exposures from an independent
+//! brute-force integration over pixel × pinhole disk × LED disk.
 //!
-//! The bounds are for the few samples of a test, half as much again as was measured; the error falls as samples are added.
+//! The tolerances are for the few samples of a test, 1.5 times the measured values; the error falls
+//! with more samples.
 
 use crate::pictures::{Difference, exposure_file, greys, paper_grey, show};
 use crate::program::{Folder, gripps, radsight, root};
 use radsight_picture::Image;
 
-/// What a figure is captured from, and how right it must be.
+/// The inputs of a figure, and its tolerances.
 struct Figure {
     number: u32,
     scenes: &'static [&'static str],
     samples: &'static str,
-    /// Of rms(E − T) / mean(T).
+    /// Tolerance of rms(E − T) / mean(T).
     rms: f64,
     /// The same without the worst thousandth of the pixels.
     rms_of_most: f64,
-    /// Of |mean(E) / mean(T) − 1|.
+    /// Tolerance of |mean(E) / mean(T) − 1|.
     mean: f64,
 }
 
@@ -59,7 +60,7 @@ fn an_asked_error_is_the_true_error() {
     let captured = capture(11, RETRO, &["--error", "0.01"]);
     let difference = Difference::new(&captured.exposure, &captured.truth);
     assert!(difference.rms < 0.013, "asked for 1 %, got {difference:?}");
-    // An estimate that is far too careful wastes the time of whoever asked.
+    // A far too large error estimate would waste the user's time.
     assert!(difference.rms > 0.002, "asked for 1 %, got {difference:?}");
 }
 

@@ -1,35 +1,36 @@
-//! How one picture agrees with another: the mean, and the distribution of differences over blocks of pixels.
+//! Compares pictures by their means and by the distribution of differences over blocks of pixels.
 
 use radsight_picture::Image;
 use std::fmt;
 
-/// A block agrees when it is within this share of the reference.
+/// A block agrees if it is within this relative difference of the reference.
 const TOLERANCE: f64 = 0.05;
 
-/// Or within so many standard errors of the reference's own noise.
+/// Or within this many standard errors of the reference's noise.
 const STANDARD_ERRORS: f64 = 3.0;
 
-/// Blocks darker than this share of the mean are compared with it instead.
+/// Blocks darker than this, relative to the mean, are compared with it instead.
 const DARK: f64 = 0.01;
 
-/// What is known of a reference's own noise.
+/// The known noise of a reference.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Noise<'a> {
-    /// Nothing: what a plane through each block leaves over is taken for it.
+    /// Unknown: the residual of a plane fitted to each block is used.
     Unknown,
     /// The standard error of each value, independent of its neighbours'.
     OfValues(&'a Image<f32>),
-    /// Other pictures by the same command.
+    /// Other pictures from the same command.
     Repeats(&'a [Image<f32>]),
 }
 
 impl<'a> Noise<'a> {
-    /// By these other pictures, if there are any.
+    /// From these other pictures, if there are any.
     pub(crate) fn of(repeats: &'a [Image<f32>]) -> Self {
         if repeats.is_empty() { Noise::Unknown } else { Noise::Repeats(repeats) }
     }
 
-    /// Standard deviation of the means of pictures by the same command, as a share: that of its blocks says nothing of what they have in common.
+    /// Relative standard deviation of the means of pictures from the same command: the noise of
+    /// blocks does not include their common error.
     fn of_means(self, expected: &Image<f32>) -> f64 {
         let Noise::Repeats(repeats) = self else { return 0.0 };
         let means: Vec<f64> = repeats.iter().chain([expected]).map(mean).collect();
@@ -42,15 +43,15 @@ impl<'a> Noise<'a> {
 /// A comparison.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Agreement {
-    /// Mean over mean, less one.
+    /// Ratio of the means, minus 1.
     pub(crate) mean: f64,
-    /// Standard error of the reference's mean, as a share of it.
+    /// Relative standard error of the reference's mean.
     pub(crate) mean_error: f64,
-    /// Share of the blocks that agree within 5 %, 0…1.
+    /// Share of the blocks that agree within 5 %, 0 to 1.
     pub(crate) within: f64,
-    /// Share of the blocks that agree within 5 % or the reference's noise, 0…1.
+    /// Share of the blocks that agree within 5 % or the reference's noise, 0 to 1.
     pub(crate) blocks: f64,
-    /// The difference that 95 % of the blocks stay below, as a share.
+    /// The 95th percentile of the relative differences of blocks.
     pub(crate) percentile_95: f64,
 }
 
@@ -78,7 +79,8 @@ impl Agreement {
         }
     }
 
-    /// What issue and manual ask: the mean within 1 % (or the reference's noise), 95 % of the blocks.
+    /// The acceptance criterion: the mean within 1 % (or the reference's noise), and 95 % of the
+    /// blocks.
     pub(crate) fn is_good(&self) -> bool {
         self.mean.abs() <= f64::max(0.01, STANDARD_ERRORS * self.mean_error) && self.blocks >= 0.95
     }
@@ -97,12 +99,12 @@ impl fmt::Display for Agreement {
     }
 }
 
-/// How a block of one picture differs from that of another.
+/// The difference between a block of two pictures.
 struct Difference {
     block: Block,
-    /// Of what is expected.
+    /// Relative to the expected value.
     share: f64,
-    /// Standard error of what is expected.
+    /// Standard error of the expected value.
     error: f64,
     agrees: bool,
 }
@@ -134,7 +136,7 @@ pub(crate) fn outside(actual: &Image<f32>, expected: &Image<f32>, noise: Noise<'
     differences.into_iter().filter(|difference| !difference.agrees).map(|difference| difference.block).collect()
 }
 
-/// Whether a value is within the tolerance of one that is known to a standard error.
+/// Whether a value is within the tolerance of a reference with a standard error.
 pub(crate) fn is_near(actual: f64, expected: f64, error: f64) -> bool {
     (actual - expected).abs() <= f64::max(TOLERANCE * expected, STANDARD_ERRORS * error)
 }
@@ -153,7 +155,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// The block of `side` pixels that begins there, cut at the picture's edges.
+    /// The block of `side` pixels at a position, clipped at the picture's edges.
     pub(crate) fn new((left, top): (usize, usize), size: (usize, usize), side: usize) -> Block {
         Block { left, top, right: (left + side).min(size.0), bottom: (top + side).min(size.1) }
     }
@@ -163,8 +165,8 @@ impl Block {
         (0..size.1).step_by(side).flat_map(row)
     }
 
-    /// Standard deviation of the block's mean among pictures by the same command, as a share of it. The pictures are few, so the variances
-    /// of the blocks around count too.
+    /// Relative standard deviation of the block's mean among pictures from the same command. The
+    /// pictures are few, so the variances of the neighbouring blocks are included.
     fn spread_around(self, expected: &Image<f32>, repeats: &[Image<f32>], side: usize) -> f64 {
         let size = (expected.width(), expected.height());
         let floor = (DARK * mean(expected)).max(f64::MIN_POSITIVE);
@@ -184,7 +186,7 @@ impl Block {
         ((self.right - self.left) * (self.bottom - self.top)) as f64
     }
 
-    /// The mean over the bands of each pixel, with its place.
+    /// The mean over the bands of each pixel, with its position.
     fn pixels<'a>(&'a self, image: &'a Image<f32>) -> impl Iterator<Item = (f64, f64, f64)> + 'a {
         (self.top..self.bottom).flat_map(move |y| {
             (self.left..self.right).map(move |x| {
@@ -204,7 +206,7 @@ impl Block {
         self.pixels(noise).map(|(_, _, error)| error * error).sum::<f64>().sqrt() / self.count()
     }
 
-    /// Standard error of the block's mean, if all that a plane leaves over were noise.
+    /// Standard error of the block's mean, if the residual of the plane were pure noise.
     fn residual_error(&self, image: &Image<f32>) -> f64 {
         let count = self.count();
         if count < 4.0 {

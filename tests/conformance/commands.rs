@@ -1,8 +1,9 @@
-//! The commands of Radiance's own render tests, and what real Radiance made of them.
+//! The commands of Radiance's own render tests, and the results of real Radiance.
 //!
-//! Scenes and references are not part of this repository: `RADSIGHT_SHARED` names the folder that has them. The octrees are built by real Radiance's `rad`,
-//! so that only the rendering is compared. `RADSIGHT_ORACLE` names a folder for what takes real Radiance long: the same pictures again, and the truth of
-//! some blocks.
+//! Scenes and references are not part of this repository: `RADSIGHT_SHARED` names their folder. The
+//! octrees are built by real Radiance's `rad`, so that only the rendering is compared.
+//! `RADSIGHT_ORACLE` names a folder for slow results of real Radiance: repeated pictures, and the
+//! truth of some blocks.
 
 use crate::pictures_folder;
 use crate::program::{Folder, Run, finish_command, run_with};
@@ -17,15 +18,15 @@ use std::process::Command;
 pub(crate) struct Reference {
     scene: String,
     pub(crate) name: String,
-    /// Of processor time, of real `rpict`.
+    /// Processor time of real `rpict`.
     pub(crate) seconds: f64,
     options: Vec<String>,
     octree: String,
-    /// What real Radiance made of it.
+    /// The result of real Radiance.
     pub(crate) picture: Image<f32>,
 }
 
-/// Options of views, and of pictures alone, with how many words follow.
+/// Options of views and of pictures, with their numbers of values.
 const VIEW: [(&str, usize); 12] = [
     ("-vf", 1),
     ("-vp", 3),
@@ -42,11 +43,11 @@ const VIEW: [(&str, usize); 12] = [
 ];
 const PICTURE: [(&str, usize); 6] = [("-ps", 1), ("-pt", 1), ("-pj", 1), ("-pd", 1), ("-pm", 1), ("-dp", 1)];
 
-/// Of real `rpict -defaults`.
+/// Defaults of real `rpict -defaults`.
 const DEFAULT_JITTER: f64 = 0.67;
 
 impl Reference {
-    /// Those of the folder; `RADSIGHT_ONLY=mist,trans` for only these scenes.
+    /// The commands of the folder; `RADSIGHT_ONLY=mist,trans` selects scenes.
     pub(crate) fn all(shared: &Path) -> Vec<Reference> {
         let text = fs::read_to_string(shared.join("ref/renders/commands.tsv")).expect("the list of references");
         let read = |line: &str| {
@@ -65,18 +66,18 @@ impl Reference {
         text.lines().skip(1).filter(|line| wanted(line.split('\t').next().unwrap_or_default())).map(read).collect()
     }
 
-    /// The command with more options.
+    /// The command with additional options.
     pub(crate) fn words<'a>(&'a self, more: &'a str) -> Vec<&'a str> {
         let options = self.options.iter().map(String::as_str);
         options.chain(more.split_whitespace()).chain([self.octree.as_str()]).collect()
     }
 
-    /// Where our picture of it goes.
+    /// The path of our picture.
     pub(crate) fn our_path(&self) -> PathBuf {
         pictures_folder().join(format!("renders-{}.hdr", self.name))
     }
 
-    /// What the last run of `radiance_render_tests` made of it.
+    /// The path of the last picture from `radiance_render_tests`.
     pub(crate) fn our_picture(&self) -> Option<Image<f32>> {
         fs::read(self.our_path()).ok().map(|bytes| radiance_values(&bytes))
     }
@@ -85,13 +86,14 @@ impl Reference {
         (self.picture.width(), self.picture.height())
     }
 
-    /// The share of a pixel's width within which its ray goes (`-pj`): all of a lamp that ends near pixels' borders is seen by the pixels in whose middle it is.
+    /// The share of a pixel's width over which its ray is jittered (`-pj`): a lamp that ends near
+    /// pixel borders is seen only by pixels whose centre it covers.
     pub(crate) fn jitter(&self) -> f64 {
         let place = self.options.iter().rposition(|word| word == "-pj");
         place.map_or(DEFAULT_JITTER, |place| self.options[place + 1].parse().expect("a share"))
     }
 
-    /// The words of its view, and those that `rtrace` takes too.
+    /// The words of its view, and those that `rtrace` accepts as well.
     fn view_and_tracing(&self) -> [Vec<&str>; 2] {
         let [mut view, mut tracing] = [Vec::new(), Vec::new()];
         let mut rest = &self.options[1..];
@@ -121,25 +123,25 @@ pub(crate) fn radiance_values(bytes: &[u8]) -> Image<f32> {
     Picture::read(bytes).expect("a picture").radiance().expect("its radiance")
 }
 
-/// The folder for what takes real Radiance long.
+/// The folder for slow results of real Radiance.
 pub(crate) fn oracle() -> Option<PathBuf> {
     std::env::var_os("RADSIGHT_ORACLE").map(PathBuf::from).filter(|folder| folder.is_dir())
 }
 
-/// What real Radiance made of the command again: `NAME-1.hdr`, `NAME-2.hdr`…
+/// Repeated results of real Radiance: `NAME-1.hdr`, `NAME-2.hdr`…
 pub(crate) fn repeats(folder: &Path, reference: &Reference) -> Vec<Image<f32>> {
     let path = |count: u32| folder.join(format!("{}-{count}.hdr", reference.name));
     (1..).map_while(|count| fs::read(path(count)).ok()).map(|bytes| radiance_values(&bytes)).collect()
 }
 
-/// Whose `rtrace`.
+/// The program whose `rtrace` is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tracer {
     Real,
     Ours,
 }
 
-/// A copy of the scenes, in which octrees are built.
+/// A copy of the scenes in which octrees are built.
 pub(crate) struct Scenes<'a> {
     radiance: &'a Radiance,
     raypath: String,
@@ -165,7 +167,7 @@ impl Scenes<'_> {
         }
     }
 
-    /// The same even if it is there: what light comes through windows depends on random numbers (`mkillum`).
+    /// Builds it even if it exists: light through windows depends on random numbers (`mkillum`).
     pub(crate) fn build_anew(&self, reference: &Reference) {
         for octree in ["", "1"].map(|with_windows| format!("{}{with_windows}.oct", reference.scene)) {
             let octree = self.folder.path(&octree);
@@ -198,8 +200,8 @@ impl Scenes<'_> {
         }
     }
 
-    /// Rays through these places of the picture (in pixels from its top left corner), as 32-bit numbers. `vwrays` counts from the middle of the lowest left
-    /// pixel.
+    /// Rays through these positions of the picture (pixels from its top left corner), as 32-bit
+    /// numbers. `vwrays` counts from the centre of the lower left pixel.
     fn rays_through(&self, reference: &Reference, places: &[(f64, f64)]) -> Vec<u8> {
         let [view, _] = reference.view_and_tracing();
         let height = reference.size().1 as f64;
@@ -207,7 +209,7 @@ impl Scenes<'_> {
         self.real("vwrays", &[&["-i", "-ff"][..], &view].concat(), Some(text.as_bytes())).done()
     }
 
-    /// Radiance along rays through these places by `rtrace`, with more options.
+    /// Radiance along rays through these positions by `rtrace`, with additional options.
     pub(crate) fn radiance_at(
         &self,
         tracer: Tracer,

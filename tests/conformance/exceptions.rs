@@ -1,7 +1,8 @@
-//! Pictures of the render tests in which real Radiance approximates what is computed here, and what shows that ours is right (`docs/render-tests.md`).
+//! Pictures of the render tests where real Radiance approximates what radsight computes, and the
+//! evidence for our values (`docs/render-tests.md`).
 //!
-//! Most are shown right by the truth of the blocks that do not agree ([`crate::truth`]). Where rays of real Radiance approximate in the same way, it is asked
-//! for the same scene in another form.
+//! The evidence is mostly the truth of the blocks that differ ([`crate::truth`]). If rays of real
+//! Radiance make the same approximation, it renders the same scene in another form.
 
 use crate::blocks::{Agreement, Noise};
 use crate::commands::{Reference, Scenes, radiance_values};
@@ -9,20 +10,20 @@ use crate::shared;
 use radsight_test_support::Radiance;
 use std::fs;
 
-/// What shows that ours is right.
+/// The evidence for our values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shown {
-    /// Many rays in some of the blocks that do not agree ([`crate::truth`]).
+    /// Many rays in some of the blocks that differ ([`crate::truth`]).
     ManyRays,
-    /// The same in all blocks, where some do not tell.
+    /// The same in all blocks, if some are not sufficient.
     ManyRaysEverywhere,
-    /// Real Radiance, told what the solid angle of the sun's image is.
+    /// Real Radiance with the correct solid angle of the sun's image.
     SunsImage,
-    /// Single rays, with lights in the place of the sky (`tests/rendering/scattering.rs`).
+    /// Single rays, with lights in place of the sky (`tests/rendering/scattering.rs`).
     SingleRays,
 }
 
-/// Each with what shows it.
+/// The exceptions with their evidence.
 pub(crate) const EXCEPTIONS: [(&str, Shown); 11] = [
     ("mist_def", Shown::ManyRays),
     ("mixtex_def", Shown::ManyRaysEverywhere),
@@ -37,17 +38,17 @@ pub(crate) const EXCEPTIONS: [(&str, Shown); 11] = [
     ("trans2_win", Shown::SingleRays),
 ];
 
-/// How the exception of a picture is shown; `None` of those that must agree.
+/// The evidence for the exception of a picture; `None` if the pictures must agree.
 pub(crate) fn shown(picture: &str) -> Option<Shown> {
     EXCEPTIONS.iter().find(|(name, _)| *name == picture).map(|(_, shown)| *shown)
 }
 
-/// What each side of the prisms makes of the sun's solid angle: what rays through them find of its irradiance, as a share of that of a sun of unchanged
-/// width (`tests/rendering/light.rs`).
+/// The ratio by which each side of the prisms changes the sun's solid angle: the irradiance found
+/// by rays through them, relative to a sun of unchanged width (`tests/rendering/light.rs`).
 const SOLID_ANGLES: [(&str, f64); 2] = [("coef1 = ", 0.6726), ("coef2 = ", 0.8396)];
 
-/// Real Radiance gives the sun's image in a prism the sun's own solid angle. Shadow rays know the light that they look for (`DxA DyA DzA`), so the prism's
-/// functions can make up for it.
+/// Real Radiance uses the sun's own solid angle for its image in a prism. Shadow rays know their
+/// light (`DxA DyA DzA`), so the prism's functions can correct this.
 #[test]
 #[ignore = "renders with real Radiance; needs the pictures of radiance_render_tests"]
 fn prisms_agree_where_radiance_knows_the_suns_image() {

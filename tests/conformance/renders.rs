@@ -1,4 +1,4 @@
-//! Radiance's own render tests, against pictures that real Radiance made of them.
+//! Compares Radiance's own render tests with pictures of real Radiance.
 
 use crate::blocks::{Agreement, Noise};
 use crate::commands::{Reference, Scenes, oracle, radiance_values, repeats};
@@ -7,7 +7,8 @@ use radsight_test_support::Radiance;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// `RADSIGHT_RPICT="--samples 16"` adds these words to each command. Our pictures stay for [`crate::truth`].
+/// Renders all pictures. `RADSIGHT_RPICT="--samples 16"` adds these words to each command. Our
+/// pictures are kept for [`crate::truth`].
 #[test]
 #[ignore = "renders for minutes; run with --ignored --nocapture, in release"]
 fn radiance_render_tests() {
@@ -47,7 +48,8 @@ fn radiance_render_tests() {
     assert!(failed.is_empty(), "these do not agree: {failed:?}");
 }
 
-/// A line of the table of `docs/render-tests.md`: how our picture agrees with the reference, how another one of real Radiance's does, and both programs' seconds.
+/// A line of the table of `docs/render-tests.md`: agreement of our picture and of another picture
+/// of real Radiance with the reference, and both programs' seconds.
 fn row(ours: &Agreement, again: Option<&Agreement>, [seconds, of_real]: [f64; 2]) -> String {
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let mean = |agreement: &Agreement| format!("{:+.1} %", 100.0 * agreement.mean);
@@ -61,28 +63,30 @@ fn row(ours: &Agreement, again: Option<&Agreement>, [seconds, of_real]: [f64; 2]
     )
 }
 
-/// Where the processor time of real `rpict` is kept.
+/// The file with the processor time of real `rpict`.
 fn seconds_path(folder: &Path, reference: &Reference) -> PathBuf {
     folder.join(format!("{}-seconds", reference.name))
 }
 
-/// Processor time of real `rpict` for a picture, seconds: on this machine ([`repeat_references`]), or else that of the list of references.
+/// Processor time of real `rpict` for a picture, seconds: on this machine ([`repeat_references`]),
+/// or else from the list of references.
 fn seconds_of_real(reference: &Reference) -> f64 {
     let here = oracle().and_then(|folder| fs::read_to_string(seconds_path(&folder, reference)).ok());
     here.map_or(reference.seconds, |seconds| seconds.trim().parse().expect("seconds"))
 }
 
-/// Of all programs that were run and have ended, seconds; zero where the system does not tell (fields 16 and 17 of `/proc/self/stat`, in
-/// hundredths).
+/// Processor time of all ended child processes, seconds; zero if the system does not report it
+/// (fields 16 and 17 of `/proc/self/stat`, in hundredths).
 fn processor_time() -> f64 {
     let text = fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // The second field, the program's name in parentheses, may have white space.
+    // The second field, the program's name in parentheses, may contain white space.
     let fields = text.rsplit_once(')').map_or("", |(_, fields)| fields).split_whitespace();
     fields.skip(13).take(2).map(|ticks| ticks.parse::<f64>().map_or(f64::NAN, |ticks| ticks / 100.0)).sum()
 }
 
-/// Has real Radiance make each picture again, into the folder that `RADSIGHT_ORACLE` names, until there are `RADSIGHT_TIMES` (1): how they differ is
-/// the references' own noise. How long it took is kept, too.
+/// Renders each picture again with real Radiance, into the folder that `RADSIGHT_ORACLE` names,
+/// until there are `RADSIGHT_TIMES` (default 1): their differences are the references' noise. The
+/// processor time is stored as well.
 #[test]
 #[ignore = "renders with real Radiance, for an hour"]
 fn repeat_references() {

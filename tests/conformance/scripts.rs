@@ -1,7 +1,8 @@
-//! Scripts written for Radiance, run unchanged with radsight's links first in `PATH`, against what real Radiance made of them.
+//! Runs scripts written for Radiance unchanged, with radsight's links first in `PATH`, and compares
+//! with the results of real Radiance.
 //!
-//! Their commands ask for little, so real Radiance's pictures differ much between runs. `RADSIGHT_ORACLE` names a folder where more of them are kept, and those
-//! that many rays make (`docs/scenes.md`).
+//! The commands use few rays, so real Radiance's pictures vary much between runs. `RADSIGHT_ORACLE`
+//! names a folder with repeated pictures, and with pictures from many rays (`docs/scenes.md`).
 
 use crate::blocks::{Agreement, Noise};
 use crate::commands::{oracle, radiance_values};
@@ -14,13 +15,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-/// Of a block, pixels.
+/// Side of a block, pixels.
 const SIDE: usize = 8;
 
-/// What real `rpict` is asked for beside a script's words, for other random numbers in each run.
+/// Options of real `rpict` besides a script's words, for other random numbers in each run.
 const AGAIN: &str = "-u+";
 
-/// For the truth: a ray through every pixel, of which there are so many times as many each way; all lights in small pieces, nothing shared.
+/// Options for the truth: one ray per pixel at a multiple of the resolution; all lights in small
+/// pieces, no irradiance cache.
 const FINER: usize = 4;
 const UNBIASED: &str = "-u+ -ps 1 -pj 1 -dj 1 -ds .05 -dt 0 -lw 1e-6 -ss 1 -aa 0 -ad 12 -as 0";
 
@@ -52,7 +54,7 @@ fn scenes(shared: &Path) -> Vec<String> {
     scenes
 }
 
-/// A scene's folder, copied, and where its script's pictures go.
+/// A copy of a scene's folder, and the path of its script's pictures.
 struct Script {
     place: PathBuf,
     out: PathBuf,
@@ -73,7 +75,7 @@ impl Script {
     }
 }
 
-/// What real Radiance made of a scene, by name.
+/// The results of real Radiance for a scene, by name.
 fn references(shared: &Path, scene: &str) -> Vec<(String, Image<f32>)> {
     let files = fs::read_dir(shared.join("ref/scenes").join(scene)).into_iter().flatten().flatten();
     let read = |path: &Path| radiance_values(&fs::read(path).expect("the reference"));
@@ -84,13 +86,13 @@ fn references(shared: &Path, scene: &str) -> Vec<(String, Image<f32>)> {
     references
 }
 
-/// A picture of the same scene by real Radiance, if there is one.
+/// Another picture of the same scene by real Radiance, if there is one.
 fn kept(scene: &str, name: &str) -> Option<Image<f32>> {
     let path = oracle()?.join("scenes").join(scene).join(format!("{name}.hdr"));
     fs::read(path).ok().map(|bytes| radiance_values(&bytes))
 }
 
-/// Each block of some pixels becomes a pixel.
+/// Averages each block of pixels to one pixel.
 fn averaged(picture: &Image<f32>, size: (usize, usize)) -> Image<f32> {
     let scale = (picture.width() as f64 / size.0 as f64).round() as usize;
     let mut coarse = Image::filled(size.0, size.1, 3, 0.0f32).expect("a picture");
@@ -98,7 +100,7 @@ fn averaged(picture: &Image<f32>, size: (usize, usize)) -> Image<f32> {
         for x in 0..size.0 {
             let mut sum = [0.0; 3];
             for index in 0..scale * scale {
-                // Where pixels are not quite as high as wide a row may be missing.
+                // If pixels are not exactly square a row may be missing.
                 let row = (scale * y + index / scale).min(picture.height() - 1);
                 let pixel = picture.pixel(scale * x + index % scale, row);
                 sum.iter_mut().zip(pixel).for_each(|(sum, value)| *sum += value);
@@ -145,8 +147,8 @@ fn scripts_written_for_radiance() {
     assert!(failed.is_empty(), "these do not agree: {failed:?}");
 }
 
-/// Whether a picture agrees with the reference, or where it does not is nearer than the reference to the truth. Prints a line of the table of
-/// `docs/scenes.md`.
+/// Whether a picture agrees with the reference, or, where it does not, is closer to the truth than
+/// the reference. Prints a line of the table of `docs/scenes.md`.
 fn agrees(scene: &str, name: &str, actual: &Image<f32>, expected: &Image<f32>) -> bool {
     let again: Vec<_> = (1..).map_while(|count| kept(scene, &format!("{name}-{count}"))).collect();
     let noise = Noise::of(&again);
@@ -179,7 +181,8 @@ fn agrees(scene: &str, name: &str, actual: &Image<f32>, expected: &Image<f32>) -
     ours.is_good() || is_nearer
 }
 
-/// Has real Radiance run the scripts again with other random numbers, twice, into the folder that `RADSIGHT_ORACLE` names.
+/// Runs the scripts twice with real Radiance and other random numbers, into the folder that
+/// `RADSIGHT_ORACLE` names.
 #[test]
 #[ignore = "renders with real Radiance for minutes"]
 fn repeat_scripts() {
@@ -188,15 +191,15 @@ fn repeat_scripts() {
     }
 }
 
-/// Has it find the truth of their pictures.
+/// Computes the truth of their pictures with real Radiance.
 #[test]
 #[ignore = "renders with real Radiance for an hour"]
 fn find_the_truth_of_scripts() {
     keep_what_real_radiance_makes("truth", UNBIASED, FINER);
 }
 
-/// Runs the scripts with real Radiance, where each `rpict` gets more options and so many times as many pixels each way. Pictures are kept under the reference's name, a dash
-/// and the ending.
+/// Runs the scripts with real Radiance, where each `rpict` gets additional options and a multiple
+/// of the resolution. Pictures are named after the reference, a dash and the ending.
 fn keep_what_real_radiance_makes(ending: &str, options: &str, finer: usize) {
     let (Some(shared), Some(radiance), Some(kept)) = (shared(), Radiance::find(), oracle()) else { return };
     let (Some(library), Some(programs)) = (radiance.library(), radiance.programs()) else { return };
@@ -204,7 +207,7 @@ fn keep_what_real_radiance_makes(ending: &str, options: &str, finer: usize) {
     let wrapper = folder.path("bin");
     fs::create_dir(&wrapper).expect("a folder");
     let real = programs.join("rpict");
-    // The words are turned around once: sizes change on the way, and the options come before the octree.
+    // The words are reversed once: sizes change on the way, and the options precede the octree.
     let words = format!(
         "#!/bin/sh\ncount=$#\nfor word; do\n    case $last in -x|-y) word=$(({finer} * word));; esac\n    count=$((count - 1))\n    \
          [ $count -gt 0 ] || set -- \"$@\" {options}\n    shift\n    set -- \"$@\" \"$word\"\n    last=$word\ndone\nexec {} \"$@\"\n",

@@ -1,10 +1,11 @@
-//! Pictures for people: expected | difference | actual.
+//! Pictures for inspection: expected | difference | actual.
 
 use radsight_picture::{Image, write_png_rgb8};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Writes expected | difference | actual and says where. Red in the middle is too bright, blue too dark; full colour is 20 %.
+/// Writes expected | difference | actual and prints the path. Red in the middle is too bright, blue
+/// too dark; full colour is 20 %.
 pub(crate) fn write(folder: &Path, name: &str, actual: &Image<f32>, expected: &Image<f32>) -> PathBuf {
     fs::create_dir_all(folder).expect("a folder for pictures");
     let (width, height) = (expected.width(), expected.height());
@@ -27,7 +28,7 @@ fn three(pixel: &[f32]) -> [f64; 3] {
     [0, 1, 2].map(|band| f64::from(pixel[band.min(pixel.len() - 1)]))
 }
 
-/// Four times the median, or the largest value where most is black.
+/// Four times the median, or the largest value if most pixels are black.
 fn white(image: &Image<f32>) -> f64 {
     let mut values: Vec<f32> = image.data().to_vec();
     values.sort_by(f32::total_cmp);

@@ -1,8 +1,10 @@
-//! Who is nearer to the truth in the render tests: our pictures, or real Radiance's.
+//! Compares the errors of our pictures and real Radiance's in the render tests with the truth.
 //!
-//! Real `rpict` shares irradiance between places and interpolates between pixels, and ours shares it too. Real `rtrace -aa 0` does neither: with many rays
-//! through a block of pixels, each where `rpict` looks through it (`-pj`), it gives the block's radiance, and how well it is known. That is no truth where
-//! Radiance approximates in another way (`docs/differences.md`). What it finds is kept in the folder that `RADSIGHT_ORACLE` names.
+//! Real `rpict` caches irradiance and interpolates between pixels, and ours caches it, too. Real
+//! `rtrace -aa 0` does neither: many rays through a block of pixels, jittered as in `rpict`
+//! (`-pj`), give the block's radiance and its standard error. This is not the truth where Radiance
+//! makes another approximation (`docs/differences.md`). The results are kept in the folder that
+//! `RADSIGHT_ORACLE` names.
 
 use crate::blocks::{Block, Noise, is_near, outside};
 use crate::commands::{Reference, Scenes, Tracer, oracle, radiance_values, repeats};
@@ -15,27 +17,27 @@ use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Of a block, pixels.
+/// Side of a block, pixels.
 const SIDE: usize = 8;
 
-/// Rays through each pixel.
+/// Rays per pixel.
 const RAYS: usize = 100;
 
-/// In which blocks of a picture the truth is looked for.
+/// The blocks of a picture whose truth is computed.
 struct Look {
-    /// How many there are at most.
+    /// Largest number of blocks.
     blocks: usize,
-    /// What was found is kept in `PICTURE-KIND.tsv`.
+    /// Results are kept in `PICTURE-KIND.tsv`.
     kind: &'static str,
 }
 
-/// In any blocks.
+/// Any blocks.
 const ANYWHERE: Look = Look { blocks: 24, kind: "anywhere" };
 
-/// In blocks in which ours and the reference do not agree.
+/// Blocks in which ours and the reference differ.
 const OUTSIDE: Look = Look { blocks: 24, kind: "outside" };
 
-/// In all blocks.
+/// All blocks.
 const EVERYWHERE: Look = Look { blocks: usize::MAX, kind: "everywhere" };
 
 impl Look {
@@ -44,14 +46,15 @@ impl Look {
     }
 }
 
-/// Every light is tested, in small pieces and anywhere in them, and paths go on however little they carry. With more than one ray to look around it would
-/// keep them apart from each other, and so from the edges of their cells, which weighs what is small by where it is.
+/// Every light is tested, in small jittered pieces, and paths continue at any weight. With more
+/// than one hemisphere sample, real Radiance would stratify them away from the edges of their
+/// cells, which biases small features.
 const UNBIASED: &str = "-u+ -aa 0 -ad 1 -as 0 -lw 1e-7 -dt 0 -ds .01 -dj .9 -ss 1";
 
-/// Sums that differ by so many of their standard errors differ.
+/// Sums differ if their difference exceeds this many standard errors.
 const SURE: f64 = 3.0;
 
-/// What differs by less than this share is the same.
+/// Relative differences below this are equal.
 const SAME: f64 = 0.01;
 
 /// A block and its radiance, the mean of the bands.
@@ -63,7 +66,7 @@ struct Truth {
 }
 
 impl Truth {
-    /// How far a picture is from it, as a share.
+    /// Relative difference of a picture from it.
     fn difference(&self, picture: &Image<f32>) -> f64 {
         (self.block.mean(picture) / self.radiance - 1.0).abs()
     }
@@ -73,7 +76,7 @@ impl Truth {
     }
 }
 
-/// Reads what was written before: one line for each, left, top, radiance, standard error.
+/// Reads stored results: left, top, radiance, standard error per line.
 fn read_truths(path: &Path, reference: &Reference) -> Vec<Truth> {
     let read = |line: &str| {
         let numbers: Vec<f64> = line.split('\t').map(|word| word.parse().expect("a number")).collect();
@@ -89,7 +92,7 @@ fn write_truths(path: &Path, truths: &[Truth]) {
     fs::write(path, truths.iter().map(write).collect::<String>()).expect("the truth is written");
 }
 
-/// The truth of those of these blocks of which it was found before, and of so many more that there are enough.
+/// The truth of these blocks: stored results, and new ones up to the required number.
 fn truths_of(
     blocks: &[Block],
     look: &Look,
@@ -115,7 +118,7 @@ fn truths_of(
     truths
 }
 
-/// What a program finds in these blocks.
+/// The radiance that a program computes in these blocks.
 fn find_truths(scenes: &Scenes<'_>, tracer: Tracer, reference: &Reference, blocks: &[Block]) -> Vec<Truth> {
     let mut random = Random(0x5eed ^ blocks.len() as u64);
     let mut places = Vec::new();
@@ -139,7 +142,7 @@ fn find_truths(scenes: &Scenes<'_>, tracer: Tracer, reference: &Reference, block
     blocks.iter().zip(values.chunks_exact(RAYS * SIDE * SIDE)).map(truth).collect()
 }
 
-/// Places of blocks and rays: the constants of Knuth's MMIX.
+/// Random positions of blocks and rays: the constants of Knuth's MMIX.
 struct Random(u64);
 
 impl Random {
@@ -148,7 +151,7 @@ impl Random {
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Somewhere in this share of the middle of a pixel.
+    /// A position within this central share of a pixel.
     fn within(&mut self, pixel: usize, share: f64) -> f64 {
         pixel as f64 + 0.5 + share * (self.unit() - 0.5)
     }
@@ -158,17 +161,18 @@ impl Random {
     }
 }
 
-/// The median of the differences from the truth, as shares of it.
+/// The median of the relative differences from the truth.
 fn median_difference(picture: &Image<f32>, truths: &[Truth]) -> f64 {
     let mut differences: Vec<f64> = truths.iter().map(|truth| truth.difference(picture)).collect();
     differences.sort_by(f64::total_cmp);
     differences.get(differences.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// With these nothing is random.
+/// Options without random numbers.
 const CERTAIN: &str = "-u- -ab 0 -dj 0 -ds 0 -st 1 -ss 0";
 
-/// The share of the pixels that real `rtrace` finds again, with rays that go so far from the pixels' left and upper edges.
+/// The share of the pixels that real `rtrace` reproduces, with rays at this offset from the pixels'
+/// left and upper edges.
 fn pixels_found(scenes: &Scenes<'_>, reference: &Reference, picture: &Image<f32>, from_edges: f64) -> f64 {
     let (width, height) = reference.size();
     let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -182,7 +186,7 @@ fn pixels_found(scenes: &Scenes<'_>, reference: &Reference, picture: &Image<f32>
     found.count() as f64 / places.len() as f64
 }
 
-/// Half a pixel beside them nothing is told of edges and lamps.
+/// Pixels within half a pixel of edges and lamps are excluded.
 #[test]
 #[ignore = "needs the scenes of the render tests, and real Radiance"]
 fn rays_of_blocks_go_where_rpict_looks() {
@@ -203,8 +207,8 @@ fn all_blocks(reference: &Reference) -> Vec<Block> {
     Block::all(reference.size(), SIDE).collect()
 }
 
-/// Who is nearer to the truth in the blocks in which our pictures do not agree with the references. Where the reference is said to be off, ours must be near in
-/// more of them, or nearer in all together.
+/// Compares both errors in the blocks in which our pictures differ from the references. Where the
+/// reference is an exception, ours must be close in more blocks, or closer in total.
 #[test]
 #[ignore = "traces many rays with real Radiance, once; needs the pictures of radiance_render_tests"]
 fn blocks_outside_against_their_truth() {
@@ -220,7 +224,8 @@ fn whole_pictures_against_their_truth() {
     against_truth(&EVERYWHERE, Some(Shown::ManyRaysEverywhere), |_, reference, _| all_blocks(reference));
 }
 
-/// Prints a line of a table of `docs/render-tests.md` for each picture, or for those that are shown so.
+/// Prints a line of a table of `docs/render-tests.md` for each picture, or for those with this
+/// evidence.
 fn against_truth(look: &Look, only: Option<Shown>, blocks: impl Fn(&Path, &Reference, &Image<f32>) -> Vec<Block>) {
     let (Some(shared), Some(radiance), Some(folder)) = (shared(), Radiance::find(), oracle()) else { return };
     let mut scenes = Scenes::new(&shared, &radiance);
@@ -239,7 +244,7 @@ fn against_truth(look: &Look, only: Option<Shown>, blocks: impl Fn(&Path, &Refer
     assert!(wrong.is_empty(), "many rays do not show that ours is right in {wrong:?}");
 }
 
-/// What both programs find in random blocks where neither shares anything: what differs then is formulas.
+/// Compares both programs in random blocks without a cache: only formulas differ.
 #[test]
 #[ignore = "traces many rays with real Radiance, once"]
 fn without_sharing_both_find_the_same() {
@@ -261,8 +266,8 @@ fn without_sharing_both_find_the_same() {
     assert!(wrong.is_empty(), "the programs differ in {wrong:?}");
 }
 
-/// By what share what was found in blocks differs from what was found there otherwise, and its standard error: the mean, weighted by how well each is known, but
-/// not better than [`SAME`].
+/// The relative difference between two results in blocks, and its standard error: the mean,
+/// weighted by the uncertainty of each, which is at least [`SAME`].
 fn difference_of(found: &[Truth], otherwise: &[Truth]) -> (f64, f64) {
     let (mut sum, mut weights, mut squares) = (0.0, 0.0, 0.0);
     for (one, other) in found.iter().zip(otherwise).filter(|(_, other)| other.radiance > 0.0) {
@@ -280,8 +285,8 @@ struct BesideTruth {
     count: usize,
     near: [usize; 2],
     difference: [f64; 2],
-    /// How far the sum over all blocks is from the sum of their truths, and the standard error of that, as shares: blocks that are known badly may tell much
-    /// together.
+    /// The relative difference of the sum over all blocks from the sum of their truths, and its
+    /// standard error: blocks with large uncertainty can be significant together.
     sum: [f64; 2],
     sum_error: f64,
 }

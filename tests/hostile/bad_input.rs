@@ -1,13 +1,14 @@
-//! Whatever is wrong with the input or the command line: one clear message, the right exit code, and no half-written file.
+//! Wrong input and wrong command lines: one clear message, the right exit code, and no half-written
+//! file.
 
 use crate::program::{Folder, Run, command, gripps, run_with};
 use std::io::Read;
 
-/// The input is wrong.
+/// Exit code of wrong input.
 const INPUT: i32 = 1;
-/// The command line is wrong.
+/// Exit code of a wrong command line.
 const USAGE: i32 = 2;
-/// A limit or a fault stopped the work.
+/// Exit code of a limit or a fault.
 const FAULT: i32 = 3;
 
 const CAMERA: &str = r#"[camera]
@@ -39,10 +40,10 @@ exposure_unit = "uJ/cm2"
 bits = 8
 "#;
 
-/// What `--samples 1` makes of good input, and where to.
+/// The result of `--samples 1` for valid input, and its path.
 const QUICK: [&str; 4] = ["--samples", "1", "-o", "out.png"];
 
-/// A folder with input that is good, and an older output that must survive.
+/// A folder with valid input, and an older output that must survive.
 struct Bench(Folder);
 
 impl Bench {
@@ -62,7 +63,7 @@ impl Bench {
         bench
     }
 
-    /// The bench with a camera file `bad.toml` in which something stands for something else.
+    /// The bench with a camera file `bad.toml` in which one text is replaced.
     fn with_camera(good: &str, bad: &str) -> Bench {
         assert!(CAMERA.contains(good), "the camera file has {good}");
         Bench::with("bad.toml", CAMERA.replace(good, bad))
@@ -95,7 +96,7 @@ impl Bench {
         assert_eq!(run.code, code);
     }
 
-    /// Captures with a camera and a scene, as `refuses`.
+    /// Captures with a camera and a scene, as in `refuses`.
     #[track_caller]
     fn refuses_capture(&self, camera: &str, scene: &str, message: &str) {
         self.refuses(&[&["capture", camera, scene], &QUICK[..]].concat(), INPUT, message);
@@ -314,7 +315,7 @@ fn an_output_that_cannot_be() {
     bench.refuses(&words, FAULT, "radsight: cannot write \"sheet.rad/out.png\": not in a folder");
 }
 
-/// Reads the beginning of what a program writes, closes the pipe, and gives exit code and messages.
+/// Reads the start of a program's output, closes the pipe, and returns exit code and messages.
 fn read_a_little(mut command: std::process::Command) -> (Option<i32>, String) {
     let mut child = command.spawn().expect("the program starts");
     let mut pipe = child.stdout.take().expect("a pipe");
@@ -339,7 +340,7 @@ fn a_closed_pipe_is_success() {
     let mut trace = in_folder(&["rtrace", "-h", "-fda", "sheet.rad"]);
     trace.stdin(source.stdout.take().expect("a pipe"));
     assert_eq!(read_a_little(trace), (Some(0), String::new()));
-    // Its reader is gone as well, and for the same reason.
+    // Its reader has ended as well, for the same reason.
     assert_eq!(source.wait().expect("the program ends").code(), Some(0));
 }
 
@@ -399,15 +400,18 @@ fn wrong_numbers_on_the_command_line() {
     };
     capture(&["--samples", "0"], "radsight: option \"--samples\" is 0, expected at least 1");
     capture(&["--threads", "0"], "radsight: option \"--threads\" is 0, expected at least 1");
-    capture(&["--error", "0"], "radsight: option \"--error\" is 0, expected a share above 0, such as 0.005");
-    capture(&["--error", "nan"], "radsight: option \"--error\" is NaN, expected a share above 0, such as 0.005");
+    capture(&["--error", "0"], "radsight: option \"--error\" is 0, expected a relative error above 0, such as 0.005");
+    capture(
+        &["--error", "nan"],
+        "radsight: option \"--error\" is NaN, expected a relative error above 0, such as 0.005",
+    );
     capture(
         &["-ab", "many"],
         "radsight: option \"-ab\" is followed by \"many\", expected a number of bounces, 0 or more",
     );
     capture(
         &["-dr"],
-        "radsight: option \"-dr\" ends the command line, expected a number of relays, 0 or more after it",
+        "radsight: option \"-dr\" ends the command line, expected a depth of virtual sources, 0 or more after it",
     );
     let words = ["capture", "camera.toml", "sheet.rad", "-o", "out.png", "--samples", "few"];
     let run = bench.run(&words, b"");
@@ -423,7 +427,7 @@ fn wrong_numbers_on_the_command_line() {
 #[test]
 fn rtrace_options() {
     let bench = Bench::new();
-    let none = "radsight: rtrace: no scene is named, expected scene files after the options";
+    let none = "radsight: rtrace: no scene is given, expected scene files after the options";
     bench.refuses(&["rtrace"], USAGE, none);
     bench.refuses(&["rtrace", "-h", "-n", "2"], USAGE, none);
     let unknown = "radsight: rtrace: option \"-zz\" is not supported\nhint: \"rtrace --help\" lists the options";
@@ -432,7 +436,7 @@ fn rtrace_options() {
     bench.refuses(&["rtrace", "-fq", "sheet.rad"], USAGE, &format!("radsight: rtrace: option \"-fq\": {letters}"));
     bench.refuses(&["rtrace", "-faaa", "sheet.rad"], USAGE, &format!("radsight: rtrace: option \"-faaa\": {letters}"));
     let run = bench.run(&["rtrace", "-oq", "sheet.rad"], b"");
-    assert!(run.messages.starts_with("radsight: rtrace: \"q\" of \"-oq\" is no output"), "{}", run.messages);
+    assert!(run.messages.starts_with("radsight: rtrace: \"q\" of \"-oq\" is not an output"), "{}", run.messages);
     assert_eq!(run.code, USAGE);
     bench.refuses(
         &["rtrace", "none.rad"],
@@ -457,7 +461,7 @@ fn a_ray_stream_that_is_wrong() {
 
     let word = trace("0 0 1 0 zero -1\n");
     assert_eq!(word.code, INPUT);
-    assert!(word.messages.trim_end().ends_with("\"zero\" is no number"), "{}", word.messages);
+    assert!(word.messages.trim_end().ends_with("\"zero\" is not a number"), "{}", word.messages);
 
     let half = bench.run(&["rtrace", "-h", "-fda", "sheet.rad"], &[0; 51]);
     assert_eq!(half.code, INPUT);
@@ -493,8 +497,8 @@ fn an_exposure_that_is_none() {
         assert!(run.output.is_empty(), "no half of a picture");
         run.messages
     };
-    assert!(sensor(b"").starts_with("radsight: standard input is no exposure: "));
-    assert!(sensor(&[7; 5000]).starts_with("radsight: standard input is no exposure: "));
+    assert!(sensor(b"").starts_with("radsight: standard input is not an exposure: "));
+    assert!(sensor(&[7; 5000]).starts_with("radsight: standard input is not an exposure: "));
     let matrix = |values: &[f32]| {
         let mut bytes = b"#?RADIANCE\nNROWS=1\nNCOLS=2\nNCOMP=1\nFORMAT=float\n\n".to_vec();
         values.iter().for_each(|value| bytes.extend(value.to_ne_bytes()));
@@ -502,7 +506,7 @@ fn an_exposure_that_is_none() {
     };
     assert!(sensor(&matrix(&[1e-6, f32::NAN])).contains("the exposure has the value NaN"));
     assert!(sensor(&matrix(&[1e-6, -1e-6])).contains("the exposure has the value -0.000001"));
-    assert!(sensor(&matrix(&[1e-6])).starts_with("radsight: standard input is no exposure: "));
+    assert!(sensor(&matrix(&[1e-6])).starts_with("radsight: standard input is not an exposure: "));
 }
 
 #[test]

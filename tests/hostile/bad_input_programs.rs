@@ -1,13 +1,14 @@
-//! Radiance's programs with wrong words, wrong files and wrong streams: a message that says what and where, the right exit code, no panic, no half-written file.
+//! Radiance's programs with wrong words, files and streams: a message with the mistake and its
+//! position, the right exit code, no panic, no half-written file.
 
 use crate::program::{Folder, Run, command, run_with};
 use radsight_picture::{Header, Image, Picture};
 
-/// The input is wrong.
+/// Exit code of wrong input.
 const INPUT: i32 = 1;
-/// The command line is wrong.
+/// Exit code of a wrong command line.
 const USAGE: i32 = 2;
-/// A limit or a fault stopped the work.
+/// Exit code of a limit or a fault.
 const FAULT: i32 = 3;
 
 const SCENE: &str = "void plastic grey 0 0 5 .5 .5 .5 0 0
@@ -36,7 +37,8 @@ fn run(folder: &Folder, words: &str, input: &[u8]) -> Run {
     run_with(command(&words).current_dir(folder.path("")), input)
 }
 
-/// The program ends with this code, its message has these parts, and no file has appeared or changed.
+/// Checks that the program ends with this code, its message has these parts, and no file has
+/// appeared or changed.
 #[track_caller]
 fn refuses(folder: &Folder, words: &str, input: &[u8], code: i32, parts: &[&str]) {
     let before = folder.names();
@@ -56,8 +58,8 @@ fn options_that_are_wrong() {
     for (words, parts) in [
         ("rpict -x", &["option \"-x\" ends the command line, expected a number of columns after it"][..]),
         ("rpict -x wide scene.rad", &["option \"-x\" is followed by \"wide\", expected a number of columns"]),
-        ("rpict -x 0 scene.rad", &["a picture of 0 by", "expected 1 to"]),
-        ("rpict -x 2000000 -y 2000000 -pa 0 scene.rad", &["a picture of 2000000 by 2000000 pixels"]),
+        ("rpict -x 0 scene.rad", &["the picture has 0 by", "expected 1 to"]),
+        ("rpict -x 2000000 -y 2000000 -pa 0 scene.rad", &["the picture has 2000000 by 2000000 pixels"]),
         ("rpict -vtx scene.rad", &["-vtx"]),
         ("rpict -vp 1 2 scene.rad", &["-vp"]),
         ("rpict -vd 0 0 0 scene.rad", &["view"]),
@@ -67,20 +69,20 @@ fn options_that_are_wrong() {
         ("rpict -pd -1 scene.rad", &["option \"-pd\" is -1"]),
         ("rpict -ab -1 scene.rad", &["option \"-ab\" is followed by \"-1\""]),
         ("rpict -av 1 -1 1 scene.rad", &["option \"-av\" with -1"]),
-        ("rpict -cs 2 scene.rad", &["impossible sampling: 2 bands"]),
+        ("rpict -cs 2 scene.rad", &["invalid sampling: 2 bands"]),
         ("rpict -pc 1 0 0 1 0 0 .3 .3 scene.rad", &[]),
-        ("rpict -pc .1 .1 .2 .2 .3 .3 .3 .3 scene.rad", &["impossible primaries"]),
+        ("rpict -pc .1 .1 .2 .2 .3 .3 .3 .3 scene.rad", &["invalid primaries"]),
         ("rpict -P", &["option \"-P\" ends the command line"]),
         ("rpict -ap map.pm scene.rad", &["photon maps are not supported"]),
         ("rpict -co scene.rad", &["option \"-co\" is not supported", "rtrace -co -fac"]),
         ("rtrace -ss x scene.rad", &["option \"-ss\" is followed by \"x\""]),
-        ("rtrace -pY -fac scene.rad", &["hold three numbers or more"]),
+        ("rtrace -pY -fac scene.rad", &["need three components or more"]),
         ("rpict -qq scene.rad", &["rpict: option \"-qq\" is not supported"]),
         ("rpict @missing scene.rad", &["@missing"]),
         ("rpict $NO_SUCH_VARIABLE_HERE scene.rad", &["no such environment variable"]),
-        ("rtrace -ot scene.rad", &["\"-o\" names no output"]),
-        ("rtrace -otvq scene.rad", &["\"q\" of \"-otvq\" is no output", "tTvVdolLcpnNsmMwWrRxX~"]),
-        ("rtrace -fac -otv scene.rad", &["hold one value alone"]),
+        ("rtrace -ot scene.rad", &["\"-o\" has no letters"]),
+        ("rtrace -otvq scene.rad", &["\"q\" of \"-otvq\" is not an output", "tTvVdolLcpnNsmMwWrRxX~"]),
+        ("rtrace -fac -otv scene.rad", &["hold a single value"]),
         ("rtrace -otv -ti", &["\"-ti\"", "the name of a modifier"]),
         ("rtrace -fz scene.rad", &["-fz"]),
         ("vwrays -q", &["-q"]),
@@ -96,7 +98,7 @@ fn options_that_are_wrong() {
         ("gensdaymtx a b", &["gensdaymtx is not part of radsight"]),
     ] {
         if parts.is_empty() {
-            // Only that it ends in order.
+            // Only the orderly end is checked.
             let ended = run(&folder, words, b"");
             assert!((0..=3).contains(&ended.code) && !ended.messages.contains("panicked"), "{words}: {ended:?}");
             continue;
@@ -141,7 +143,7 @@ fn pictures_that_end_too_early_or_are_too_large() {
 }
 
 #[test]
-fn mistakes_of_a_scene_have_their_place_in_every_program() {
+fn mistakes_of_a_scene_have_their_position_in_every_program() {
     let folder = bench();
     folder.file("bad.rad", format!("{SCENE}gery sphere ball 0 0 4 0 0 1 1\n"));
     for program in ["rpict -x 4 -y 4", "rtrace", "rcontrib -m white", "oconv"] {
@@ -183,7 +185,7 @@ fn streams_of_rays_that_are_wrong() {
     for program in ["rtrace -h", "rcontrib -h -m white"] {
         let name = program.split(' ').next().expect("a name");
         let first = format!("{name}: standard input, ray 1:");
-        refuses(&folder, &format!("{program} scene.rad"), b"1 2 x 0 0 1\n", INPUT, &[&first, "\"x\" is no number"]);
+        refuses(&folder, &format!("{program} scene.rad"), b"1 2 x 0 0 1\n", INPUT, &[&first, "\"x\" is not a number"]);
         refuses(
             &folder,
             &format!("{program} scene.rad"),

@@ -1,10 +1,11 @@
-//! Functions of a scene that fail while rays are traced: said once, with how often, what and where; no value that is none.
+//! Functions of a scene that fail during rendering: reported once, with number, kind and position;
+//! no invalid values.
 
 use crate::program::{Folder, Run, command, run_with};
 
 const INPUT: i32 = 1;
 
-/// A ball with a pattern of this file of functions, seen from the front.
+/// A ball with a pattern from this function file, seen from the front.
 fn ball(functions: &str) -> Folder {
     let folder = Folder::new();
     folder.file("pattern.cal", functions);
@@ -24,7 +25,7 @@ fn picture(folder: &Folder, options: &[&str]) -> Run {
 }
 
 #[track_caller]
-fn assert_told(run: &Run, what: &str) {
+fn assert_reported(run: &Run, what: &str) {
     let message = &run.messages;
     assert!(message.contains("scene.rad:9:1: warning: functions of \"stripes\" failed in "), "{message}");
     assert!(message.contains(" evaluations, such as at (") && message.contains(what), "{message}");
@@ -35,16 +36,16 @@ const ENDLESS: &str = "f(x)=f(x+1);shade=f(Px);\n";
 const BEYOND: &str = "shade=if(Px,1e30*Pz*1e30,1);\n";
 
 #[test]
-fn recursion_without_end_is_told_once_with_place_and_count() {
+fn endless_recursion_is_reported_once_with_position_and_count() {
     let run = picture(&ball(ENDLESS), &[]);
-    assert_told(&run, "functions call each other more than 100000 deep");
+    assert_reported(&run, "functions call each other more than 100000 deep");
     assert_eq!(run.code, 0);
 }
 
 #[test]
-fn values_beyond_single_precision_are_told() {
+fn values_outside_single_precision_are_reported() {
     let run = picture(&ball(BEYOND), &[]);
-    assert_told(&run, "a value exceeds single precision");
+    assert_reported(&run, "a value exceeds single precision");
     assert_eq!(run.code, 0);
 }
 
@@ -60,7 +61,7 @@ fn faults_of_functions_are_errors_when_strict_and_leave_no_picture() {
 }
 
 #[test]
-fn nothing_is_told_with_warnings_off_or_where_nothing_fails() {
+fn nothing_is_reported_with_warnings_off_or_without_a_fault() {
     assert_eq!(picture(&ball(ENDLESS), &["-w"]).messages, "");
     assert_eq!(picture(&ball("shade=if(Px,.5,1);\n"), &["--strict"]).messages, "");
 }
@@ -79,7 +80,7 @@ fn no_picture_has_values_that_are_none() {
 }
 
 #[test]
-fn a_variable_that_is_defined_by_itself_is_the_only_thing_that_is_told() {
+fn only_a_variable_defined_by_itself_is_reported() {
     let run = picture(&ball("a=b;b=a;shade=a;\n"), &[]);
     assert_eq!(run.code, INPUT, "{}", run.messages);
     assert!(run.messages.contains("variable \"a\" depends on itself"), "{}", run.messages);
@@ -87,7 +88,7 @@ fn a_variable_that_is_defined_by_itself_is_the_only_thing_that_is_told() {
 }
 
 #[test]
-fn an_index_of_refraction_of_zero_is_told_with_its_material_and_refused_when_strict() {
+fn an_index_of_refraction_of_zero_is_reported_with_its_material_and_rejected_when_strict() {
     let folder = Folder::new();
     folder.file("scene.rad", "void light l\n0\n0\n3 1 1 1\nl sphere lamp\n0\n0\n4 0 -3 3 .5\nvoid dielectric d\n0\n0\n5 1 1 1 0 0\nd sphere ball\n0\n0\n4 0 0 0 1\n");
     let told = "the refractive index of dielectric \"d\" is 0, expected a number above zero";

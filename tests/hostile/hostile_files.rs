@@ -1,5 +1,6 @@
-//! Files that name commands, devices and places where they must not write, that announce more than they hold, and that nest without
-//! end, in every format that names or counts something: each ends in a message and a code, and leaves the folder as it was.
+//! Files that name commands, devices and forbidden outputs, that declare more data than they hold,
+//! or that nest endlessly, in every format that names or counts something: each ends with a message
+//! and an exit code, and leaves the folder unchanged.
 
 use crate::program::{Folder, Run, command, run_with};
 use std::fs;
@@ -7,7 +8,7 @@ use std::fs;
 const SCENE: &str =
     "void light l 0 0 3 1 1 1\nl sphere s 0 0 4 0 0 5 1\nvoid plastic p 0 0 5 .5 .5 .5 0 0\np sphere q 0 0 4 0 0 0 1\n";
 
-/// What a project needs to be made, so that only the line in question is wrong.
+/// A complete project, so that only the tested line is wrong.
 const PROJECT: &str = "scene= scene.rad\nZONE= I -4 4 0 8 0 3\nRES= 4\nQUAL= L\n";
 
 /// A hostile file with words that use it.
@@ -15,7 +16,7 @@ struct Attempt {
     /// Its name and content.
     file: (&'static str, String),
     words: &'static [&'static str],
-    /// The exit code, and what the messages say.
+    /// The expected exit code and message.
     code: i32,
     said: &'static str,
 }
@@ -57,16 +58,16 @@ fn project(line: &str, said: &'static str) -> Attempt {
 }
 
 #[test]
-fn projects_name_no_commands_and_no_places_elsewhere() {
+fn projects_name_no_commands_and_no_outputs_elsewhere() {
     let view = "view= d -vp 0 -3 1";
     for (line, said) in [
-        (format!("OCTREE= a;touch hit;.oct\n{view}"), "signs of a shell"),
+        (format!("OCTREE= a;touch hit;.oct\n{view}"), "characters with a meaning in a shell"),
         (format!("OCTREE= ../a.oct\n{view}"), "not below the current folder"),
         (format!("OCTREE= -o\n{view}"), "comes from a file and is not written"),
         (format!("OCTREE= .hidden.oct\n{view}"), "comes from a file and is not written"),
         (format!("PICTURE= /tmp/hit\n{view}"), "not below the current folder"),
-        (format!("REPORT= 1 precious\n{view}"), "is there already"),
-        (format!("OPTFILE= precious\n{view}"), "is there already"),
+        (format!("REPORT= 1 precious\n{view}"), "it exists"),
+        (format!("OPTFILE= precious\n{view}"), "it exists"),
         (format!("materials= \"!touch hit\"\n{view}"), "refused to run"),
     ] {
         try_out(&project(&line, said));
@@ -93,11 +94,11 @@ fn headers_and_views_cause_nothing() {
 fn files_of_options_write_nothing_elsewhere_and_end() {
     let rpict = &["rpict", "@a", "-vp", "0", "-5", "0", "-x", "4", "-y", "4", "scene.rad"];
     for (text, code, said) in [
-        ("@a", 2, "stands for itself"),
+        ("@a", 2, "refers to itself"),
         ("-o /tmp/hit", 1, "not below the current folder"),
-        ("-o precious", 1, "is there already"),
+        ("-o precious", 1, "it exists"),
         ("-P ../hit", 1, "not below the current folder"),
-        ("-e precious", 1, "is there already"),
+        ("-e precious", 1, "it exists"),
         ("-z !touch", 1, "it is a command"),
         ("--words-of-file --allow-commands", 2, ""),
         ("--limit-memory 0", 2, ""),
@@ -139,7 +140,7 @@ fn devices_without_end_end_at_the_limit() {
 }
 
 #[test]
-fn nesting_without_end_is_told() {
+fn endless_nesting_is_reported() {
     let deep = 200_000;
     let rcalc = &["rcalc", "-n", "-f", "a.cal", "-e", "$1=x"];
     for (name, text, words, said) in [
@@ -157,7 +158,7 @@ fn nesting_without_end_is_told() {
 }
 
 #[test]
-fn counts_beyond_what_a_file_holds_are_told() {
+fn counts_that_exceed_a_file_are_reported() {
     let header = |lines: &str| format!("#?RADIANCE\n{lines}\n");
     let picture = header("FORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000");
     let matrix = header("NCOMP=3\nNROWS=2000000000\nNCOLS=2000000000\nFORMAT=float\n");
@@ -177,17 +178,17 @@ fn counts_beyond_what_a_file_holds_are_told() {
         try_out(&attempt("a.mtx", matrix.clone(), words, 1, "a.mtx"));
     }
     for (text, code, said) in [
-        ("void polygon p 0 0 999999999999 1 2 3\n", 1, "announces"),
-        ("void colorpict p 999999999 a b c\n", 1, "announces"),
-        // A command that fails is a warning, as in Radiance.
+        ("void polygon p 0 0 999999999999 1 2 3\n", 1, "declares"),
+        ("void colorpict p 999999999 a b c\n", 1, "declares"),
+        // A failed command is a warning, as in Radiance.
         ("!xform -a 1000000000 -t 1 0 0 scene.rad\n", 0, "at most"),
-        ("!gensurf m n x y z 100000 100000\n", 0, "larger than"),
-        ("!genrev m n t t 1000000000\n", 0, "larger than"),
+        ("!gensurf m n x y z 100000 100000\n", 0, "exceeds"),
+        ("!genrev m n t t 1000000000\n", 0, "exceeds"),
     ] {
         try_out(&attempt("a.rad", text, rpict, code, said));
     }
     let luminaire = "IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 999999999 999999999 1 1 0 0 0\n1 1 1\n0\n0\n1\n";
-    try_out(&attempt("a.ies", luminaire, &["ies2rad", "-o", "lamp", "a.ies"], 1, "announced"));
+    try_out(&attempt("a.ies", luminaire, &["ies2rad", "-o", "lamp", "a.ies"], 1, "declared"));
 }
 
 #[test]

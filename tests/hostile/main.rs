@@ -1,4 +1,4 @@
-//! What may come from anyone: files with mistakes, files that mean harm, and plugins that fail.
+//! Untrusted input: files with mistakes, malicious files, and failing plugins.
 
 #[path = "../program/mod.rs"]
 mod program;

@@ -1,5 +1,5 @@
-//! Whatever a plugin does, the program ends with code 3 and says which plugin it was, or goes on;
-//! standard output holds data alone; nothing of the plugin is left.
+//! Whatever a plugin does, the program ends with code 3 and names the plugin, or continues;
+//! standard output holds only data; no process of the plugin is left.
 
 use radsight_test_support::plugins;
 use std::io::{Read, Write};
@@ -8,12 +8,12 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// A folder with a scene and the plugin that it uses.
+/// A folder with a scene and its plugin.
 struct Bench {
     folder: TempDir,
 }
 
-/// How a run ended.
+/// The result of a run.
 #[derive(Debug)]
 struct Ended {
     code: Option<i32>,
@@ -25,7 +25,7 @@ struct Ended {
 const RAYS: &str = "0 0 3 0 0 -1\n1 0 3 0 0 -1\n";
 const WHERE: &str = "plugin \"evil\", model \"lambert\", material \"sheet\" (s.rad:1:1), function ";
 
-/// Set for every process of a run, so that those that are left can be found.
+/// Set for every process of a run, so that remaining ones can be found.
 const RUN_VARIABLE: &str = "RADSIGHT_TEST_RUN";
 
 impl Bench {
@@ -41,7 +41,7 @@ impl Bench {
         std::fs::write(self.folder.path().join(name), text).unwrap();
     }
 
-    /// The program with its plugin; `words` begin with the name of the program.
+    /// Runs the program with its plugin; `words` begin with the name of the program.
     fn command(&self, deed: &str, words: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_radsight"));
         command.args(words).current_dir(self.folder.path());
@@ -60,7 +60,7 @@ impl Bench {
         self.run(deed, &words)
     }
 
-    /// Processes of this folder's runs that are there still.
+    /// Remaining processes of this folder's runs.
     fn left(&self) -> Vec<PathBuf> {
         let mark = format!("{RUN_VARIABLE}={}", self.folder.path().display());
         let entries = std::fs::read_dir("/proc").unwrap().filter_map(|entry| Some(entry.ok()?.path()));
@@ -71,7 +71,7 @@ impl Bench {
         entries.filter(is_of_run).collect()
     }
 
-    /// Fails if a process is left after a moment.
+    /// Fails if a process remains after a moment.
     fn assert_nothing_is_left(&self, after: &str) {
         let started = Instant::now();
         while !self.left().is_empty() {
@@ -92,7 +92,7 @@ fn scene(material: &str) -> String {
 fn finish(mut command: Command, input: &str) -> Ended {
     let started = Instant::now();
     let mut child = command.spawn().unwrap();
-    // A program that has ended does not read.
+    // The program has ended and does not read.
     let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
     let output = read(child.stdout.take().unwrap());
     let complaints = read(child.stderr.take().unwrap());
@@ -124,7 +124,7 @@ fn wait(child: &mut Child, limit: Duration) -> std::process::ExitStatus {
     }
 }
 
-/// What the message says after the function's name.
+/// The text of the message after the function's name.
 fn assert_fault(ended: &Ended, case: &str, function: &str, what: &str) {
     assert_eq!(ended.code, Some(3), "{case}: {ended:?}");
     let place = format!(" in {WHERE}{function}: ");
@@ -132,7 +132,7 @@ fn assert_fault(ended: &Ended, case: &str, function: &str, what: &str) {
     assert!(said.is_some_and(|said| said.contains(what)), "{case}: no {place:?} with {what:?} in {ended:?}");
 }
 
-/// Deeds that are seen at once, and what is said of them.
+/// Faults that are detected at once, and their messages.
 const DEEDS: [(&str, &str); 11] = [
     ("segfault", "SIGSEGV, invalid memory access"),
     ("divide", "SIGFPE, arithmetic fault"),
@@ -147,11 +147,11 @@ const DEEDS: [(&str, &str); 11] = [
     ("thread_exit", "SIGABRT, abort"),
 ];
 
-/// What is known of the function when an isolated plugin dies silently in the quick check that each
-/// model goes through.
+/// The known part of the function name when an isolated plugin dies silently in the quick check of
+/// each model.
 const IN_SELF_CHECK: &str = "eval_pdf or sample";
 
-/// As the deeds call them, and as the messages do.
+/// Names of the faults in the plugin, and in the messages.
 const FUNCTIONS: [(&str, &str); 5] =
     [("load", "load"), ("describe", "describe"), ("create", "create"), ("eval", "eval_pdf"), ("sample", "sample")];
 
@@ -162,7 +162,7 @@ fn crashes_and_exits_in_each_function_end_with_code_3_and_the_place() {
         for (function, name) in FUNCTIONS {
             let case = format!("{function}-{deed}");
             if case == "load-thread_exit" {
-                // The frames of the dynamic linker unwind, and the call is over.
+                // The frames of the dynamic linker unwind, and the call ends.
                 continue;
             }
             let ended = bench.trace(&case, &[]);
@@ -218,14 +218,14 @@ fn a_plugin_that_closes_the_programs_files_is_no_success() {
     let Some(bench) = Bench::new() else { return };
     for options in [&[][..], &["--isolate-plugins"]] {
         for case in ["load-close", "create-close", "eval-close"] {
-            // In the same process nobody hears what is said after that.
+            // In the same process, later output is lost.
             assert_eq!(bench.trace(case, options).code, Some(3), "{case} {options:?}");
         }
     }
 }
 
 #[test]
-fn a_crash_in_a_thread_of_a_plugin_is_told_with_the_plugins_that_are_loaded() {
+fn a_crash_in_a_thread_of_a_plugin_is_reported_with_the_loaded_plugins() {
     let Some(bench) = Bench::new() else { return };
     let ended = bench.trace("eval-thread", &[]);
     assert_eq!(ended.code, Some(3), "{ended:?}");
@@ -263,13 +263,13 @@ fn a_call_that_takes_all_memory_is_named() {
     let isolated = limited(&bench, &["--plugin-memory-limit", "100", "--isolate-plugins"]);
     assert_fault(&isolated, "hog", "eval_pdf", "SIGSEGV");
     assert!(isolated.complaints.contains("MB of memory, the limit is 100 MB (--plugin-memory-limit)"), "{isolated:?}");
-    // Without a limit of ours that of the system holds, and the plugin follows a null pointer.
+    // Without our limit the system's applies, and the plugin dereferences a null pointer.
     let ended = limited(&bench, &["--plugin-memory-limit", "0"]);
     assert_fault(&ended, "hog", "eval_pdf", "SIGSEGV");
     bench.assert_nothing_is_left("hogs");
 }
 
-/// Traces with a plugin that takes what it can get, which is not all of the machine's memory.
+/// Traces with a plugin that allocates all available memory, which is limited.
 fn limited(bench: &Bench, options: &[&str]) -> Ended {
     let words = format!("ulimit -v 2000000; exec \"$0\" rtrace -h {} s.rad", options.join(" "));
     let program = bench.command("eval-hog", &[]);
@@ -326,7 +326,7 @@ fn a_picture_that_was_not_finished_is_not_a_success() {
     for (deed, what) in [("eval-raw_exit", "its process ended with exit code 0"), ("eval-stop", "it has not returned")]
     {
         let ended = picture(deed, "25000", &["--isolate-plugins", "--plugin-time-limit", ".5"]);
-        // Another thread may have been in a call of the same plugin, which is then named too.
+        // Another thread may have been in a call of the same plugin, which is then named as well.
         assert_eq!(ended.code, Some(3), "{deed}: {}", ended.complaints);
         assert!(ended.complaints.contains(WHERE) && ended.complaints.contains(what), "{deed}: {}", ended.complaints);
     }
@@ -352,7 +352,7 @@ fn an_isolated_plugin_gives_the_same_bits() {
     bench.assert_nothing_is_left("pictures");
 }
 
-/// What follows the header, whose command and date differ.
+/// The data after the header, whose command and date differ.
 fn pixels(picture: &[u8]) -> Vec<u8> {
     let end = picture.windows(2).position(|pair| pair == b"\n\n").expect("a picture has a header");
     picture[end..].to_vec()
@@ -380,7 +380,7 @@ fn the_end_of_the_program_is_its_own() {
             let ended = bench.trace(case, options);
             assert_eq!((ended.code, &ended.output), (Some(0), &honest.output), "{case}: {ended:?}");
         }
-        // An exit code that says that the input was wrong stays too.
+        // An exit code for wrong input is kept.
         let wrong = finish(bench.command(case, &["rtrace", "-h", "s.rad"]), "0 0 3 0 0 -1\nx");
         assert_eq!(wrong.code, Some(1), "{case}: {wrong:?}");
     }
@@ -454,7 +454,7 @@ fn what_a_plugin_prints_is_not_in_the_report_of_its_check() {
 }
 
 #[test]
-fn a_panic_is_told_and_not_the_end_wherever_the_plugin_runs() {
+fn a_panic_is_reported_and_does_not_end_the_program_wherever_the_plugin_runs() {
     let Some(bench) = Bench::new() else { return };
     let library = plugins::sdk_example("panics");
     let folder = library.parent().expect("the library is in a folder").to_str().expect("its name is text");

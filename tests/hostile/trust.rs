@@ -1,6 +1,6 @@
-//! Nobody's file runs a command, loads a library, widens what is allowed or names a file that is
-//! not new and below the current folder. `docs/security.md` has the rules; every program that reads
-//! scenes is tried here on files that break them.
+//! No file runs a command, loads a library, extends permissions or names an output that is not new
+//! and below the current folder. `docs/security.md` has the rules; every program that reads scenes
+//! is tested with files that break them.
 
 use crate::program::{Folder, command, root, run_with};
 use crate::trap::{Trap, evil_library};
@@ -8,7 +8,7 @@ use radsight_test_support::plugins;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The programs that read scenes, with `SCENE` where the hostile file stands.
+/// The programs that read scenes, with `SCENE` in place of the hostile file.
 const READERS: [&str; 27] = [
     "check SCENE",
     "explain camera.toml SCENE",
@@ -80,7 +80,7 @@ fn libraries_beside_a_scene_are_not_loaded_by_any_program() {
             let line = reader.replace("SCENE", scene);
             trap.leaves_no_trace(&line.split(' ').collect::<Vec<_>>(), b"0 0 0 0 1 0\n");
         }
-        // Those that render say why.
+        // Programs that render report the reason.
         for reader in ["rtrace", "rpict -x 4", "mkillum -ab 0", "rcontrib -m m"] {
             let words: Vec<&str> = reader.split(' ').chain(["lights.rad", scene]).collect();
             trap.refuses(&words, scene);
@@ -89,7 +89,7 @@ fn libraries_beside_a_scene_are_not_loaded_by_any_program() {
     let run = trap.leaves_no_trace(&["rtrace", "replaced.rad"], b"0 0 0 0 1 0\n");
     let library = format!("{}evil{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let expected = format!(
-        "replaced.rad:1:19: error: library \"./{library}\" stands beside the scene and is not loaded: a scene is input, not a program
+        "replaced.rad:1:19: error: library \"./{library}\" is beside the scene and is not loaded: a scene is input, not a program
   1 | #@radsight brdf m evil model 1
     |                   ^^^^
 hint: --allow-plugins loads libraries beside the scene, --plugin-path DIR those of a folder
@@ -109,10 +109,10 @@ fn the_command_line_allows_libraries() {
         let run = trap.run_line(&format!("rtrace {option} replaced.rad"));
         assert!(trap.exists("ran"), "{option}: {}", run.messages);
     }
-    // A name that the command line gives allows no other.
+    // A name on the command line permits no other.
     let trap = Trap::new();
     if evil_library(&trap).is_some() {
-        // Whether the named library is there depends on what was built beside the program.
+        // Whether the named library exists depends on what was built beside the program.
         let words = ["rtrace", "--brdf", "m=builtin:ward(.5,.5,.5,.2)", "lights.rad", "plugin.rad"];
         trap.leaves_no_trace(&words, b"0 0 0 0 1 0\n");
     }
@@ -190,10 +190,9 @@ fn files_of_options_widen_nothing() {
     }
     trap.refuses(
         &["rpict", "@commands.opt", "command.rad"],
-        "option \"--allow-commands\" comes from a file and is not obeyed\nhint: only the command line itself may give it",
+        "option \"--allow-commands\" comes from a file and is ignored\nhint: only the command line may give it",
     );
-    // What the command line itself says holds for the file's words, too; a variable is the user's
-    // own.
+    // Options of the command line also apply to a file's words; a variable is trusted.
     trap.run(&["rtrace", "--allow-commands", "@commands.opt", "command.rad"]).done();
     assert!(trap.exists("ran"));
     fs::remove_file(trap.work("ran")).expect("it was made");
@@ -225,7 +224,7 @@ fn control_files_widen_nothing() {
             assert_ne!(run.code, 0, "{program} {words}: {}", run.messages);
         }
         fs::remove_file(trap.work("control")).expect("it was written");
-        // One of our own does again what it did.
+        // One of our programs repeats a stored command line.
         let first = trap.run(&[program, "-h-", "-w", "-P", "control", "plain.rad"]);
         if program == "rtrace" {
             let again = trap.run(&[program, "-P", "control"]);
@@ -237,7 +236,7 @@ fn control_files_widen_nothing() {
 #[test]
 fn octrees_run_nothing() {
     let trap = Trap::new();
-    // A name of the same length stands for the command.
+    // A name of the same length replaces the command.
     trap.file("abcdef.rad", fs::read(trap.work("plain.rad")).expect("a scene"));
     let octree = trap.run(&["oconv", "abcdef.rad"]).done();
     let at = octree.windows(11).rposition(|bytes| bytes == b"abcdef.rad\0").expect("the octree names its file");
@@ -290,7 +289,7 @@ fn words_of_a_file_are_obeyed_like_a_file() {
 }
 
 #[test]
-fn processes_start_and_libraries_load_in_known_places_only() {
+fn processes_start_and_libraries_load_only_in_known_files() {
     let places = [
         ("Command::new(", &["src/trust/mod.rs"][..]),
         ("Registry::new(", &["src/commands/plugin.rs", "src/plugins.rs"]),

@@ -1,5 +1,5 @@
-//! Files that receivers, comments of `mkillum` and projects of `rad` name are new and below the
-//! current folder, or made by the same work before; and projects run no commands.
+//! Outputs named by receivers, comments of `mkillum` and projects of `rad` are new and below the
+//! current folder, or earlier results of the same work; and projects run no commands.
 //! `docs/security.md` has the rules.
 
 use crate::trap::{PRECIOUS, Trap, evil_library};
@@ -16,8 +16,8 @@ fn receivers_write_only_new_files_below_the_current_folder() {
         ("!touch ran", "it is a command"),
         ("!touch ran; cat", "it is a command"),
         ("|touch ran", "it is a command"),
-        ("keep.mtx", "it is there already, and is not"),
-        ("./keep.mtx", "it is there already, and is not"),
+        ("keep.mtx", "it exists and is not"),
+        ("./keep.mtx", "it exists and is not"),
         ("../escaped", "it is not below the current folder"),
         ("away/escaped", "a symbolic link leads out of the current folder"),
         ("away/work/escaped", "new"),
@@ -44,7 +44,7 @@ fn receivers_write_only_new_files_below_the_current_folder() {
             assert!(trap.exists("escaped"));
             fs::remove_file(trap.work("escaped")).expect("it was made");
         } else if why == "new" {
-            trap.refuses(&words, "it is there already, and is not");
+            trap.refuses(&words, "it exists and is not");
         } else {
             trap.refuses(&words, why);
             trap.refuses(&words, "receiver.rad:1:");
@@ -80,7 +80,7 @@ fn names_of_modifiers_are_no_more_than_names() {
             trap.refuses(&["rcontrib", "-o", pattern, "-M", "names", "plain.rad"], "comes from a file");
         }
     }
-    // A plain name goes where the user says, outside of the folder too.
+    // A plain name may be outside the folder, where the user chooses.
     trap.file("names", "m");
     trap.run(&["rcontrib", "-o", "../out_%s.dat", "-M", "names", "plain.rad"]).done();
     trap.run(&["rcontrib", "-o", "!cat > cat_%s.dat", "-M", "names", "plain.rad"]).done();
@@ -105,12 +105,11 @@ fn the_command_line_allows_what_receivers_name() {
         trap.run_line(&line).done();
         assert!(trap.exists(made), "{line}");
         if name.starts_with("new.mtx") {
-            // What the same receiver made before is made again; what another one made is not
-            // replaced.
+            // An earlier result of the same receiver is replaced; that of another one is not.
             trap.run_line(&line).done();
             fs::copy(trap.work("receiver.rad"), trap.work("other.rad")).expect("a copy");
             let words = line.replace("receiver.rad", "other.rad");
-            trap.refuses(&words.split(' ').collect::<Vec<_>>(), "is not what \"other.rad\" made");
+            trap.refuses(&words.split(' ').collect::<Vec<_>>(), "is not made by \"other.rad\"");
         }
         assert_ne!(fs::read(trap.work(made)).expect("it was made"), PRECIOUS.as_bytes(), "{line}");
     }
@@ -123,14 +122,14 @@ fn illum_comments_write_only_new_files_below_the_current_folder() {
     for (comment, why) in [
         ("o=../escaped", "it is not below the current folder"),
         (above.as_str(), "it is not below the current folder"),
-        ("o=keep.rad", "is not scene text of mkillum"),
+        ("o=keep.rad", "is not scene text from mkillum"),
         ("o=away/escaped", "a symbolic link leads out"),
         ("o=link.mtx", "it is a symbolic link"),
         ("o=.escaped", "it is hidden"),
         ("o=!touch", "it is a command"),
         ("f=../escaped", "it is not below the current folder"),
         ("m=../escaped", "it is not below the current folder"),
-        ("f=keep", "is not data of mkillum"),
+        ("f=keep", "is not data from mkillum"),
         ("f=link", "it is a symbolic link"),
         ("f=away/escaped", "a symbolic link leads out"),
         ("f=.escaped", "it is hidden"),
@@ -164,7 +163,7 @@ const PROJECT: &str = "scene= plain.rad\nZONE= I -4 4 0 8 0 3\nRES= 4\nview= v -
 fn projects_run_no_commands_and_widen_nothing() {
     let trap = Trap::new();
     let has_library = evil_library(&trap).is_some();
-    // Anything that the project makes before it is refused is its own.
+    // Files that the project writes before the refusal are its own.
     let own = |name: &str| name.starts_with("evil.oct") || name.starts_with("evil_") || name.starts_with("evil0");
     for line in [
         "oconv= --allow-commands\nscene= command.rad",
@@ -269,7 +268,7 @@ fn projects_write_only_what_is_theirs() {
         "OPTFILE= new.opt\nrender= -z ../escaped",
     ] {
         for options in [&[][..], &["-n"], &["-t"]] {
-            // Old enough that everything is made again.
+            // Old enough that everything is rebuilt.
             let old = trap.state();
             trap.file("evil.rif", format!("{PROJECT}{line}\n"));
             let run = trap.run(&[&["rad", "-w"], options, &["evil.rif"]].concat());
@@ -316,7 +315,7 @@ fn projects_make_again_what_they_made_before() {
     // A picture of another project stays.
     trap.file("other.rif", format!("{PROJECT}PICTURE= out/room\n"));
     names.iter().for_each(|name| age(&trap.work(name)));
-    trap.refuses(&["rad", "-w", "other.rif"], "is not what \"other.rif\" made");
+    trap.refuses(&["rad", "-w", "other.rif"], "is not made by \"other.rif\"");
     trap.run(&["rad", "-w", "--allow-outputs", "other.rif"]).done();
     trap.run(&["rad", "-w", "other.rif", "PICTURE=../said"]).done();
     assert!(trap.exists("../said_v.hdr"), "the command line may name any file");
@@ -345,7 +344,7 @@ fn a_name_that_is_refused_is_shown_where_it_stands() {
 evil.rif:6:3: error: \"../escaped.oct\" comes from a file and is not written: it is not below the current folder
   6 |   OCTREE= ../escaped.oct # not mine
     |   ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
-hint: --allow-outputs lets input files name any file to be written; else it is a new one below the current folder
+hint: --allow-outputs lets input files name any output; by default only new files below the current folder
 ";
     assert_eq!((run.messages.as_str(), run.code), (expected, 1));
 }
@@ -372,5 +371,5 @@ fn a_scene_that_is_read_again_writes_the_same_again() {
     for file in ["new.rad", "new.dat"].into_iter().filter(|file| trap.exists(file)) {
         trap.file(file, PRECIOUS);
     }
-    trap.refuses(&["xform", "lamps.rad"], "it is there already");
+    trap.refuses(&["xform", "lamps.rad"], "it exists");
 }

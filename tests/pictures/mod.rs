@@ -1,4 +1,4 @@
-//! Pictures as tests compare them: by statistics, with a picture of both for a person when they differ.
+//! Compares pictures by statistics, and writes both for inspection if they differ.
 
 // Each test file is a program of its own and uses a part of this.
 #![allow(dead_code)]
@@ -7,12 +7,12 @@ use radsight_picture::{Image, read_image, read_png, write_png_grey8};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Reads exposure from a file's bytes, in J/m².
+/// Reads an exposure in J/m² from a file's bytes.
 pub(crate) fn exposure(bytes: &[u8]) -> Image<f32> {
     read_image(bytes).expect("a picture of exposure").image
 }
 
-/// Reads a file of exposure, in J/m².
+/// Reads an exposure file, J/m².
 pub(crate) fn exposure_file(path: &Path) -> Image<f32> {
     exposure(&fs::read(path).expect("the file is read"))
 }
@@ -27,14 +27,14 @@ pub(crate) fn paper_grey(exposure: f32) -> u16 {
     (33844.0 * (100.0 * f64::from(exposure)).powf(0.85) + 12.0).min(161.0).round() as u16
 }
 
-/// How one picture differs from another that is right.
+/// The difference between a picture and the correct one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Difference {
-    /// Root of the mean squared difference, over the mean of the right picture.
+    /// Rms difference, relative to the mean of the correct picture.
     pub(crate) rms: f64,
     /// The same without the worst thousandth of the pixels.
     pub(crate) rms_of_most: f64,
-    /// Mean over mean, less 1.
+    /// Ratio of the means, minus 1.
     pub(crate) mean: f64,
 }
 
@@ -55,7 +55,7 @@ impl Difference {
     }
 }
 
-/// Writes expected | difference | actual as one grey picture and says where.
+/// Writes expected | difference | actual as one grey picture and prints the path.
 pub(crate) fn show(name: &str, actual: &Image<f32>, expected: &Image<f32>) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("test-failures");
     fs::create_dir_all(&folder).expect("a folder for pictures");

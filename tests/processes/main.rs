@@ -1,6 +1,6 @@
-//! The program as a process: signals, pipes and limits of memory.
+//! The program as a process: signals, pipes and memory limits.
 //!
-//! These tests send signals and wait for answers, so nothing that takes long shares their binary.
+//! These tests send signals and wait for answers, so slow tests do not share their binary.
 
 #[path = "../program/mod.rs"]
 mod program;

@@ -1,4 +1,5 @@
-//! The budget of memory (`--limit-memory`): what would take more ends with a clear message, code 3 and nothing half written.
+//! The memory limit (`--limit-memory`): exceeding it gives a clear message, exit code 3 and no
+//! half-written file.
 
 use crate::program::{Folder, Run, command, run_with};
 
@@ -8,7 +9,7 @@ const FAULT: i32 = 3;
 
 const COLUMNS: usize = 30_000;
 
-/// A run-length encoded picture of few bytes that unpacks to 12 bytes a pixel.
+/// A small run-length encoded picture that unpacks to 12 bytes per pixel.
 fn bomb(rows: usize) -> Vec<u8> {
     let mut row = vec![2, 2, (COLUMNS >> 8) as u8, (COLUMNS & 0xff) as u8];
     for _ in 0..4 {
@@ -24,7 +25,7 @@ fn bomb(rows: usize) -> Vec<u8> {
     bytes
 }
 
-/// Runs in a folder with so little memory, and checks that what was there is all that is there.
+/// Runs in a folder with little memory, and checks that the folder is unchanged.
 #[track_caller]
 fn run_within(folder: &Folder, limit: &str, words: &[&str]) -> Run {
     let before = folder.names();
@@ -104,7 +105,7 @@ fn a_file_of_options_cannot_widen_the_limit() {
     assert!(run.messages.contains("option \"--limit-memory\" is not supported"), "{}", run.messages);
 }
 
-/// Each of 41 files brings in the next twice.
+/// Each of 41 files includes the next twice.
 #[test]
 fn files_that_double_what_they_include_are_refused() {
     for line in ["!cat", "!xform -t 1 0 0"] {
@@ -121,7 +122,7 @@ fn files_that_double_what_they_include_are_refused() {
     }
 }
 
-/// A file may lower what plugins may take, and not raise it.
+/// A file may lower the limits of plugins, but not raise them.
 #[test]
 fn a_file_of_options_cannot_let_plugins_take_more() {
     let folder = Folder::new();
@@ -136,17 +137,17 @@ fn a_file_of_options_cannot_let_plugins_take_more() {
         let words = ["rpict", "@options", "-x", "4", "-y", "4", "scene.rad"];
         let run = run_with(command(&words).current_dir(folder.path("")), b"");
         assert_eq!(run.code, code, "{options}: {}", run.messages);
-        assert_eq!(run.messages.contains("comes from a file and is not obeyed"), code == INPUT, "{}", run.messages);
+        assert_eq!(run.messages.contains("comes from a file and is ignored"), code == INPUT, "{}", run.messages);
     }
 }
 
 /// Runs a copy of the program as a user who may have one process, and so no further threads; `None`
-/// where the tools for that are missing.
+/// if the tools for that are missing.
 fn run_without_threads(folder: &Folder, words: &str) -> Option<Run> {
     use std::os::unix::fs::MetadataExt;
     let mut limited = std::process::Command::new("prlimit");
     limited.arg("--nproc=1:1");
-    // Root is not limited so, and becomes nobody.
+    // Root has no such limit, so the test becomes nobody.
     if std::fs::metadata("/proc/self").is_ok_and(|found| found.uid() == 0) {
         limited.args(["setpriv", "--reuid", "65534", "--clear-groups"]);
     }
@@ -162,7 +163,7 @@ fn run_with_if_found(command: &mut std::process::Command, input: &[u8]) -> Optio
 }
 
 #[test]
-fn where_no_threads_can_be_had_it_is_said() {
+fn a_lack_of_threads_is_reported() {
     use std::os::unix::fs::PermissionsExt;
     let folder = Folder::new();
     // Where another user can run it.

@@ -1,4 +1,4 @@
-//! Files appear whole or not at all, whatever happens to the program, and no output goes over an
+//! Files appear whole or not at all, whatever happens to the program, and no output replaces an
 //! input.
 
 use crate::program::{Folder, Run, command, gripps, run_with};
@@ -20,7 +20,7 @@ wall polygon floor 0 0 12 -10 0 0 10 0 0 10 20 0 -10 20 0
 wall sphere ball 0 0 4 0 4 1 .8
 ";
 
-/// Long enough to be interrupted, and with an irradiance cache.
+/// A slow rendering with an irradiance cache, to be interrupted.
 const VIEW: [&str; 16] =
     ["-vp", "0", "-3", "1", "-vd", "0", "1", "0", "-x", "240", "-y", "240", "-ab", "1", "-ad", "8"];
 
@@ -44,7 +44,7 @@ fn rpict<'w>(more: &[&'w str]) -> Vec<&'w str> {
     [&["rpict"], &VIEW[..], more, &["room.rad"]].concat()
 }
 
-/// What follows the header.
+/// The data after the header.
 fn pixels(bytes: &[u8]) -> &[u8] {
     &bytes[Header::read(bytes).expect("a header").1..]
 }
@@ -62,7 +62,7 @@ fn pid(child: &Child) -> Pid {
     Pid::from_raw(i32::try_from(child.id()).expect("a small number"))
 }
 
-/// Waits until a hidden file of this target has so many bytes.
+/// Waits until a hidden file of this target has this many bytes.
 fn wait_for_hidden(folder: &Folder, target: &str, bytes: u64, child: &mut Child) {
     let end = Instant::now() + Duration::from_secs(60);
     while Instant::now() < end {
@@ -118,7 +118,7 @@ fn an_interrupted_exposure_is_saved_as_partial() {
     assert!(folder.read("grey.png").windows(8).any(|part| part == b"PARTIAL="));
 }
 
-/// A small picture of Fig. 11's scene, which is begun, interrupted and gone on with.
+/// A small picture of Fig. 11's scene, which is started, interrupted and continued.
 fn small_capture(folder: &Folder, effort: [&'static str; 2]) -> Vec<String> {
     let camera = fs::read_to_string(gripps("fig11.toml")).expect("a camera");
     folder.file("camera.toml", camera.replace("pixels = [192, 165]", "pixels = [32, 28]"));
@@ -140,7 +140,7 @@ fn an_interrupted_exposure_goes_on_to_the_same_bits() {
         loop {
             let mut child = start(in_folder(&folder, &words));
             sleep(whole * (4 + interruptions) / 12);
-            // It may have ended by itself.
+            // The program may have ended by itself.
             let _ = kill(pid(&child), Signal::SIGINT);
             if child.wait().expect("the program ends").signal().is_none() {
                 break;
@@ -179,10 +179,10 @@ fn a_checkpoint_of_something_else_is_refused() {
     assert!(broken.messages.contains("it is no whole checkpoint"), "{}", broken.messages);
 }
 
-/// How often each program is killed, unless more is asked for.
+/// Default number of times that each program is killed.
 const KILLS: u32 = 20;
 
-/// Kills a program and all that it runs at random moments; `check` looks at the folder after each.
+/// Kills a program and its children at random times; `check` inspects the folder after each.
 fn kill_at_random_moments(kills: u32, folder: &Folder, words: &[&str], check: &dyn Fn(&Folder)) {
     let begun = Instant::now();
     run(folder, words).done();
@@ -193,14 +193,14 @@ fn kill_at_random_moments(kills: u32, folder: &Folder, words: &[&str], check: &d
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let mut child = start(in_folder(folder, words));
         sleep(whole.mul_f64(1.1 * f64::from(random >> 8) / f64::from(1 << 24)));
-        // It may have ended by itself.
+        // The program may have ended by itself.
         let _ = killpg(pid(&child), Signal::SIGKILL);
         child.wait().expect("the program ends");
         check(folder);
     }
 }
 
-/// Checks that a file is not there, or is what it is to be; then takes it away.
+/// Checks that a file is missing or correct; then removes it.
 fn whole_or_absent(folder: &Folder, name: &str, is_whole: &dyn Fn(&[u8]) -> bool) {
     if folder.path(name).exists() {
         assert!(is_whole(&folder.read(name)), "{name} is half-written");
@@ -219,7 +219,7 @@ fn killed_rpict(kills: u32) {
     run(&folder, &rpict(&["-o", "whole.hdr"])).done();
     let whole = folder.read("whole.hdr");
     let same = |bytes: &[u8]| pixels(bytes) == pixels(&whole);
-    // Each run goes on with what the killed one before has left.
+    // Each run continues the output of the killed one before.
     kill_at_random_moments(kills, &folder, &rpict(&["-ro", "a.hdr"]), &|folder| {
         whole_or_absent(folder, "a.hdr", &same)
     });
@@ -241,7 +241,7 @@ fn killed_capture(kills: u32) {
     let whole = folder.read("whole.pfm");
     let same = |bytes: &[u8]| bytes == whole;
     let words = [&capture[..], &["--exposure", "a.pfm", "--resume", "--checkpoint-interval", ".05"]].concat();
-    // Each run goes on with what the killed one before has left.
+    // Each run continues the output of the killed one before.
     kill_at_random_moments(kills, &folder, &words, &|folder| whole_or_absent(folder, "a.pfm", &same));
     run(&folder, &words).done();
     assert!(same(&folder.read("a.pfm")), "the same bits");
@@ -335,7 +335,7 @@ fn an_output_that_is_an_input_is_refused() {
     ] {
         let run = run(&folder, words);
         assert_eq!(run.code, 2, "{words:?}: {}", run.messages);
-        assert!(run.messages.contains("read"), "{words:?}: {}", run.messages);
+        assert!(run.messages.contains("input"), "{words:?}: {}", run.messages);
     }
     for script in ["rcalc -e '$1=$1' many.txt >> many.txt", "total < many.txt >> many.txt", "pfilt p.hdr >> hard.hdr"] {
         let run = shell(&folder, script);
@@ -364,7 +364,7 @@ fn mkillum_replaces_data_that_its_scene_reads_when_asked() {
     assert!(!folder.names().contains(&"win1.dat".to_owned()), "{:?}", folder.names());
 }
 
-/// Runs a program of ours with the redirections of a shell.
+/// Runs a program with the redirections of a shell.
 fn shell(folder: &Folder, script: &str) -> Run {
     let mut command = Command::new("bash");
     command.args(["-c", &format!("\"$RADSIGHT\" {script}")]).env("RADSIGHT", env!("CARGO_BIN_EXE_radsight"));
@@ -418,7 +418,7 @@ fn a_file_keeps_its_mode_and_a_new_one_has_that_of_the_umask() {
     assert_eq!((mode("a.oct"), mode("b.oct")), (0o604, 0o640));
 }
 
-/// Programs with words that make them write to standard output, and what they read there.
+/// Programs with words that make them write to standard output, and their input.
 fn writers() -> Vec<(Vec<&'static str>, &'static [u8])> {
     let words = |line: &'static str| line.split(' ').collect::<Vec<_>>();
     let named = [

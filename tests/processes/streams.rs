@@ -1,4 +1,4 @@
-//! Inputs are read once, from pipes as from files, and text programs answer while they read.
+//! Inputs are read once, from pipes as well as files, and text programs stream their output.
 
 use crate::program::{Folder, Run, command, gripps, run_with};
 use std::fs;
@@ -47,14 +47,14 @@ fn bash(folder: &Folder, script: &str) -> Run {
     run_with(bash.current_dir(folder.path("")), b"")
 }
 
-/// A script with each `%file` as something.
+/// A script with each `%file` replaced.
 fn named(script: &str, name: impl Fn(&str) -> String) -> String {
     let word = |word: &str| word.strip_prefix('%').map_or_else(|| word.to_owned(), &name);
     script.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
-/// The output without the lines that name an input of the script or the time, and without the
-/// blanks that fill a header.
+/// The output without lines that name an input of the script or the time, and without blanks that
+/// pad a header.
 fn without_names(output: &[u8], script: &str) -> Vec<Vec<u8>> {
     let inputs = script.split(' ').filter_map(|word| word.strip_prefix('%'));
     let names: Vec<&str> = inputs.chain(["/dev/fd/", "GMT=", "CAPDATE="]).collect();
@@ -151,7 +151,7 @@ fn a_pipe_that_a_scene_names_twice_is_read_once() {
     assert_eq!(bash(&folder, script).text().trim(), "7.000000e+00\t7.000000e+00\t7.000000e+00");
 }
 
-/// A program that is talked to.
+/// An interactive program.
 struct Talk {
     child: Child,
     input: Option<ChildStdin>,
@@ -218,7 +218,7 @@ fn text_programs_answer_each_line_as_it_comes() {
 }
 
 #[test]
-fn lines_before_a_mistake_are_answered_and_its_line_is_told() {
+fn lines_before_a_mistake_are_processed_and_its_line_is_reported() {
     let folder = Folder::new();
     let words = ["rcalc", "-e", "$1=in($1)"];
     let run = run_with(command(&words).current_dir(folder.path("")), b"1\n1 2\n-2\n1\n");
@@ -292,7 +292,7 @@ fn records_of_a_known_shape_go_out_as_those_that_are_counted_first() {
     let words = ["rcollate", "-hi", "-ho", "-fb2", "-ic", "3", "-ir", "3", "-oc", "3"];
     let behind = run_with(command(&words).current_dir(folder.path("")), &numbers);
     assert_eq!((behind.code, &behind.output[..]), (0, &numbers[..18]));
-    assert!(behind.messages.contains("6 bytes are left behind 3 × 3 records"), "{}", behind.messages);
+    assert!(behind.messages.contains("6 bytes follow 3 × 3 records, expected none"), "{}", behind.messages);
     let header = b"NCOMP=1\nNROWS=4\nNCOLS=3\nFORMAT=ascii\n\n";
     let headed = collate(&["-oc", "6"], &[&header[..], text].concat());
     assert!(headed.ends_with(b"NROWS=2\nNCOLS=6\nFORMAT=ascii\n\n1\t2\t3\t4\t5\t6\n7\t8\t9\t10\t11\t12\n"));

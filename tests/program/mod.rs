@@ -1,4 +1,4 @@
-//! The built program, run as a person runs it: words, standard streams, exit code.
+//! Runs the built program as a user does: words, standard streams, exit code.
 
 // Each test file is a program of its own and uses a part of this.
 #![allow(dead_code)]
@@ -19,7 +19,7 @@ wall polygon back 0 0 12 -3 8 0 3 8 0 3 8 3 -3 8 3
 wall sphere ball 0 0 4 .5 5 .6 .6
 ";
 
-/// What a run left behind.
+/// The result of a run.
 #[derive(Debug)]
 pub(crate) struct Run {
     /// Exit code; −1 for a signal.
@@ -29,14 +29,14 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// The output of a run that must have worked.
+    /// The output of a successful run.
     #[track_caller]
     pub(crate) fn done(self) -> Vec<u8> {
         assert_eq!(self.code, 0, "the program failed: {}", self.messages);
         self.output
     }
 
-    /// The output as text of a run that must have worked.
+    /// The output of a successful run as text.
     #[track_caller]
     pub(crate) fn text(self) -> String {
         String::from_utf8(self.done()).expect("the output is text")
@@ -48,7 +48,7 @@ pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A file of the paper's experiment.
+/// The path of a file of the paper's experiment.
 pub(crate) fn gripps(name: &str) -> String {
     root().join("radiance-scenes/gripps").join(name).display().to_string()
 }
@@ -76,14 +76,14 @@ pub(crate) fn run_with(command: &mut Command, input: &[u8]) -> Run {
     let mut child = command.spawn().expect("the program starts");
     let mut pipe = child.stdin.take().expect("standard input is a pipe");
     let input = input.to_vec();
-    // A program that stops at a mistake closes the pipe, so a failed write is none of ours.
+    // A program that stops at a mistake closes the pipe, so a failed write is not our error.
     let writer = thread::spawn(move || drop(pipe.write_all(&input)));
     let run = finish(child);
     writer.join().expect("the writer ends");
     run
 }
 
-/// Runs programs as a shell's pipeline does and gives what the last one wrote.
+/// Runs programs in a pipeline and returns the output of the last one.
 #[track_caller]
 pub(crate) fn pipeline(commands: Vec<Command>) -> Vec<u8> {
     let mut children: Vec<Child> = Vec::new();
@@ -115,7 +115,7 @@ fn finish(child: Child) -> Run {
     }
 }
 
-/// A folder that is removed at the end, with files of given text.
+/// A temporary folder with text files.
 pub(crate) struct Folder(tempfile::TempDir);
 
 impl AsRef<Path> for Folder {

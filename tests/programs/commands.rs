@@ -1,4 +1,4 @@
-//! Commands in scenes that need more than a library has: a shell, or a renderer.
+//! Commands in scenes that need a shell or a renderer.
 
 use crate::program::{self, Folder, command, run_with};
 
@@ -67,7 +67,7 @@ fn sources_made_of_themselves_come_to_an_end() {
     folder.file("scene.oct", run(&folder, &["oconv", "scene.rad"]).done());
     folder.file("scene.rad", "!mksource -d 40 scene.oct\nvoid sphere s 0 0 4 0 0 0 1\n");
     let run = run(&folder, &["check", "scene.rad"]);
-    assert!(run.messages.contains("its sources are made of its own sources"), "{}", run.messages);
+    assert!(run.messages.contains("its sources depend on themselves"), "{}", run.messages);
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn what_is_left_out_is_explained_and_measured() {
     assert!(told.contains("one band is traced: every colour") && !told.contains("saves"), "{told}");
     let measured = run(&folder, &["explain", "--measure", "camera.toml", &sheet]).text();
     for skip in ["equal bands", "hits behind opaque blockers", "refracted shadow rays", "media", "antimatter"] {
-        assert_eq!(measured.matches(&format!("leaving out {skip} saves")).count(), 1, "{skip}: {measured}");
+        assert_eq!(measured.matches(&format!("skipping {skip} saves")).count(), 1, "{skip}: {measured}");
     }
     assert_eq!(measured.lines().count(), told.lines().count());
 }
@@ -126,7 +126,7 @@ fn rlam_runs_the_commands_that_are_its_inputs() {
 }
 
 #[test]
-fn standard_input_that_cannot_be_read_is_told() {
+fn unreadable_standard_input_is_reported() {
     let folder = Folder::new();
     let mut shell = std::process::Command::new("sh");
     shell.args(["-c", "\"$0\" total < .", env!("CARGO_BIN_EXE_radsight")]);

@@ -1,9 +1,9 @@
-//! Files and command lines that real Radiance takes as they are.
+//! Files and command lines that real Radiance accepts unchanged.
 
 use crate::program::{Folder, Run, command, run_with};
 use radsight_test_support::Radiance;
 
-/// A room that a quick picture can be made of.
+/// A room for a quick picture.
 const ROOM: &str = "void plastic white 0 0 5 .5 .5 .5 0 0\nvoid light lamp 0 0 3 10 10 10\n!genbox white box 2 2 2 -i\n\
     lamp polygon panel 0 0 12 .5 .5 1.9 .5 1.5 1.9 1.5 1.5 1.9 1.5 .5 1.9\n";
 const VIEW: [&str; 8] = ["-vp", "1", ".1", "1", "-vd", "0", "1", "0"];
@@ -258,7 +258,7 @@ fn defaults_are_those_of_real_radiance_and_ours_after_them() {
         let lines = |run: Run| -> Vec<String> { run.text().lines().map(str::to_owned).collect() };
         let real = lines(run_with(&mut radiance.command(words[0], &words[1..]), b""));
         let ours = lines(run_in(&folder, &words, ""));
-        // The number of threads is this machine's, and options of our own follow.
+        // The number of threads depends on the machine, and options of our own follow.
         let is_same = |(real, ours): (&String, &String)| real == ours || real.starts_with("-n ");
         assert!(real.iter().zip(&ours).all(is_same), "{words:?}:\n{real:#?}\n{ours:#?}");
         assert!(ours.len() > real.len() && ours[real.len()..].iter().all(|line| line.starts_with("--")), "{ours:#?}");

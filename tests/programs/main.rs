@@ -1,4 +1,5 @@
-//! The programs around the renderer: scenes, pictures, matrices and text, as Radiance's programs of the same names make them.
+//! The programs around the renderer: scenes, pictures, matrices and text, compared with Radiance's
+//! programs of the same names.
 
 #[path = "../program/mod.rs"]
 mod program;

@@ -1,4 +1,4 @@
-//! `gendaymtx`, `genskyvec`, `rmtxop`, `rcomb` and `dctimestep` beside the real ones.
+//! Compares `gendaymtx`, `genskyvec`, `rmtxop`, `rcomb` and `dctimestep` with the real ones.
 
 use crate::program::{Folder, command, root, run_with};
 use radsight_matrix::{Matrix, Stored};
@@ -6,7 +6,7 @@ use radsight_test_support::Radiance;
 use std::env;
 use std::path::PathBuf;
 
-/// The folder of scenes of others, if there is one.
+/// The folder with published scenes, if there is one.
 fn shared() -> Option<PathBuf> {
     let folder = env::var_os("RADSIGHT_SHARED").map(|shared| PathBuf::from(shared).join("radiance"));
     if folder.is_none() {
@@ -15,7 +15,7 @@ fn shared() -> Option<PathBuf> {
     folder
 }
 
-/// A matrix as text, its values between 0 and 1 but for some zeros.
+/// A matrix as text, with values between 0 and 1 and some zeros.
 fn text([rows, columns]: [usize; 2], components: usize, seed: u32) -> String {
     let mut state = seed.wrapping_mul(2_654_435_761).wrapping_add(12345);
     let mut next = || {
@@ -61,7 +61,7 @@ fn exposed(picture: &[u8]) -> Vec<u8> {
     [head, rest].concat()
 }
 
-/// Runs the real program and ours with the same words; gives both matrices.
+/// Runs the real program and ours with the same words; returns both matrices.
 fn both(radiance: &Radiance, folder: &Folder, program: &str, words: &str, input: &str) -> [Matrix; 2] {
     let words: Vec<&str> = split(words);
     let real = run_with(radiance.command(program, &words).current_dir(folder.path("")), input.as_bytes()).done();
@@ -70,7 +70,7 @@ fn both(radiance: &Radiance, folder: &Folder, program: &str, words: &str, input:
     [real, ours].map(|bytes| Matrix::read(&bytes).unwrap_or_else(|error| panic!("{words:?}: {error}")))
 }
 
-/// Words between spaces; quoted ones may hold spaces.
+/// Words between spaces; quoted ones may contain spaces.
 fn split(words: &str) -> Vec<&str> {
     let quoted = words.split('\'').enumerate();
     quoted
@@ -262,7 +262,7 @@ fn a_view_times_a_window_times_daylight_times_a_sky() {
     assert_same(both(&radiance, &folder, "dctimestep", &words, ""), "three phases", 1e-3);
 }
 
-/// A room with a hole in the wall, and the hole as rays' receiver.
+/// A room with a hole in the wall, and the hole as a receiver of rays.
 const ROOM: &str = "\
 void plastic grey 0 0 5 .5 .4 .3 0 0
 grey polygon floor 0 0 12 0 0 0  4 0 0  4 5 0  0 5 0
@@ -314,7 +314,7 @@ fn the_real_rfluxmtx_runs_our_rcontrib() {
     }
 }
 
-/// How often each point is asked for: real `rcontrib` draws other samples whenever it runs.
+/// Number of repetitions of each point: real `rcontrib` uses other samples in each run.
 const REPEATS: usize = 16;
 
 /// Mean of the sums of a point's rows, with its standard error.
@@ -327,7 +327,7 @@ fn mean_total(matrix: &Matrix, point: usize) -> (f64, f64) {
     (mean, (variance / count).sqrt())
 }
 
-/// Four days of hours, with light that changes from hour to hour, in units of a WEA file: also at night, and none by day.
+/// Four days of hours with varying light in units of a WEA file: also at night, and none by day.
 fn weather(units: u32, scale: f64) -> String {
     let mut text = format!(
         "place Test_X\nlatitude 47.4\nlongitude -8.5\ntime_zone -15\nsite_elevation 400\nweather_data_file_units {units}\n"
@@ -357,7 +357,7 @@ fn skies_are_those_of_the_real_program() {
                 let [real, ours] =
                     [radiance.command("gendaymtx", &[options, name]), command(&["gendaymtx", options, name])]
                         .map(|mut program| run_with(program.current_dir(folder.path("")), b"").text());
-                // Three digits, of which the last may be rounded the other way.
+                // Three digits, of which the last may be rounded differently.
                 let lines = |text: &str| text.lines().map(|line| line.split(' ').count()).collect::<Vec<_>>();
                 assert!(lines(&ours) == lines(&real), "the lines differ");
                 let numbers = ours.split_whitespace().zip(real.split_whitespace());
@@ -391,7 +391,8 @@ fn vector(text: &str) -> (Vec<&str>, Vec<[f64; 3]>) {
     (head.lines().collect(), body.lines().map(numbers).collect())
 }
 
-/// References by Radiance's own `genskyvec.pl`, with real programs; its header names the script by `genskyvec`, too.
+/// References from Radiance's own `genskyvec.pl` with real programs; its header names the script
+/// `genskyvec`, too.
 #[test]
 fn skies_in_patches_are_those_of_the_real_script() {
     let folder = root().join("tests/genskyvec");
@@ -417,16 +418,16 @@ fn skies_in_patches_are_those_of_the_real_script() {
 }
 
 #[test]
-fn wrong_skies_are_told() {
+fn wrong_skies_are_reported() {
     let sky = "void brightfunc skyfunc\n2 skybr skybright.cal\n0\n7 1 1 1 1 0 0 1\n";
     for (words, input, code, message) in [
         ("genskyvec -q", sky, 2, "genskyvec: unknown option \"-q\""),
         ("genskyvec -m 0", sky, 2, "subdivision (-m) is 0, expected an integer above zero"),
         ("genskyvec -m 1000", sky, 2, "subdivision (-m) is 1000, expected at most 64"),
         ("genskyvec -c 1 2", sky, 2, "missing blue (-c)"),
-        ("genskyvec", "void glow a 0 0 4 1 1 1 0\n", 1, "there is no \"skyfunc\""),
-        ("genskyvec", "!gensky 6 21 12\n", 1, "a line is a command, expected the text that \"xform\" makes of it"),
-        ("genskyvec", "void brightfunc skyfunc\n2 skybr\n", 1, "a primitive is not whole"),
+        ("genskyvec", "void glow a 0 0 4 1 1 1 0\n", 1, "\"skyfunc\" is missing"),
+        ("genskyvec", "!gensky 6 21 12\n", 1, "a line is a command, expected scene text without commands"),
+        ("genskyvec", "void brightfunc skyfunc\n2 skybr\n", 1, "a primitive is incomplete"),
         ("genskyvec -m 1", "void brightfunc skyfunc 2 skybr nowhere.cal 0 0\n", 1, "nowhere.cal"),
     ] {
         let run = run_with(&mut command(&split(words)), input.as_bytes());
@@ -448,7 +449,7 @@ fn results_are_stored_as_asked() {
 }
 
 #[test]
-fn wrong_command_lines_and_input_are_told() {
+fn wrong_command_lines_and_input_are_reported() {
     let folder = Folder::new();
     folder.file("a.mtx", text([4, 3], 3, 1));
     folder.file("b.mtx", text([3, 5], 3, 2));
@@ -465,7 +466,7 @@ fn wrong_command_lines_and_input_are_told() {
         assert!(run.messages.contains(message), "{words:?}: {}", run.messages);
         assert!(run.output.is_empty(), "{words:?}");
     };
-    check("rmtxop", 2, "no matrix is named");
+    check("rmtxop", 2, "no matrix is given");
     check("rmtxop + a.mtx", 2, "\"+\" has no matrix before it");
     check("rmtxop a.mtx +", 2, "has no matrix after it");
     check("rmtxop - + -", 2, "standard input is named twice");
@@ -473,7 +474,7 @@ fn wrong_command_lines_and_input_are_told() {
     check("rmtxop -s a.mtx", 2, "option \"-s\" has no factors");
     check("gendaymtx -m 91 day.wea", 2, "expected a subdivision (-m) of 1 to 90");
     check("gendaymtx -m 90 -x day.wea", 2, "unknown option \"-x\"");
-    check("gendaymtx -m 90 day.wea", 1, "the output would be larger than");
+    check("gendaymtx -m 90 day.wea", 1, "the output exceeds");
     check("gendaymtx odd.wea", 1, "odd.wea: line 43: no such date or time");
     check("gendaymtx a.mtx", 1, "expected \"place\" or \"LOCATION,\"");
     check("gendaymtx none.wea", 1, "none.wea");
@@ -489,19 +490,19 @@ fn wrong_command_lines_and_input_are_told() {
     check("rmtxop huge.mtx", 1, "huge.mtx: ");
     check("rmtxop bad.xml", 1, "bad.xml: ");
     check("rmtxop '!exit 3'", 1, "command \"exit 3\"");
-    check("rcomb", 2, "no matrix is named");
+    check("rcomb", 2, "no matrix is given");
     check("rcomb a.mtx b.mtx", 1, "b.mtx: 3 x 5, expected 4 x 3");
     check("rcomb a.mtx -m b.mtx -zz", 2, "option \"-zz\" is unknown");
     check("rcomb -e co=(1 a.mtx", 1, "option -e:1:");
     check("rcomb -e co=nothere a.mtx", 1, "nothere");
     check("rcomb -f none.cal a.mtx", 1, "none.cal");
     check("rcomb - -m -", 2, "standard input is named twice");
-    check("dctimestep", 2, "no coefficients are named");
+    check("dctimestep", 2, "no coefficients are given");
     check("dctimestep -zz a.mtx", 2, "option \"-zz\" is unknown");
-    check("dctimestep a a a a a", 2, "one file too many");
+    check("dctimestep a a a a a", 2, "unexpected argument");
     check("dctimestep a.mtx six.mtx", 1, "six.mtx: 6 components, expected 3");
     check("dctimestep a.mtx a.mtx", 1, "a product of 4 x 3 and 4 x 3");
-    check("dctimestep -n 2 a.mtx short.mtx", 1, "\"#?RADIANCE\" is no number");
+    check("dctimestep -n 2 a.mtx short.mtx", 1, "\"#?RADIANCE\" is not a number");
     check("dctimestep -x 7 a.mtx b.mtx", 1, "cannot be arranged as");
     check("dctimestep -o out%d.hdr none%d.hdr b.mtx", 1, "cannot read matrix \"none0.hdr\"");
 }

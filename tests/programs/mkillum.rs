@@ -1,4 +1,4 @@
-//! `mkillum`: windows as lights of their own, against real `mkillum`.
+//! `mkillum`: windows as light sources, compared with real `mkillum`.
 
 use crate::program::{Folder, Run, command, run_with};
 use radsight_flux::{IllumDetail, IllumSurface, Shape};
@@ -25,7 +25,7 @@ bulb sphere near 0 0 4 3 -2 3 .1
 bulb ring far 0 0 8 1 -3 2 0 1 .1 0 .2
 ";
 
-/// What becomes light, and what stays.
+/// The surfaces that become lights, and those that do not.
 const WINDOWS: &str = "\
 # windows
 #@mkillum m=win d=24 s=16 c=d
@@ -65,7 +65,7 @@ fn numbers(text: &[u8]) -> Vec<f64> {
     text.split_whitespace().map(|word| word.parse().expect("a number")).collect()
 }
 
-/// Compares texts word for word, but numbers to a part in `error`.
+/// Compares texts word by word; numbers within the relative tolerance `error`.
 #[track_caller]
 fn assert_words_like(ours: &str, theirs: &str, error: f64) {
     assert_eq!(ours.lines().count(), theirs.lines().count(), "{ours}\n{theirs}");
@@ -96,7 +96,7 @@ fn text_and_data_are_those_of_real_mkillum() {
         files.iter().for_each(|file| std::fs::remove_file(folder.path(file)).expect("a data file is removed"));
     }
     let [(our_text, our_data), (their_text, their_data)] = &found[..] else { panic!("two programs") };
-    // The name with a space, which real mkillum writes without quotation marks.
+    // The name with a space, which real mkillum writes without quotes.
     assert_words_like(&our_text.replace("\"a b\"", "a b"), their_text, 0.06);
     for ((ours, theirs), file) in our_data.iter().zip(their_data).zip(files) {
         assert_eq!(ours[..7], theirs[..7], "{file}");
@@ -128,7 +128,7 @@ fn a_light_has_the_irradiance_of_its_window() {
     }
 }
 
-/// A white court, the sun on one of its walls.
+/// A white court with the sun on one of its walls.
 const COURT: &str = "\
 void glow sky 0 0 4 1 1 1 0
 sky source up 0 0 4 0 0 1 180
@@ -170,7 +170,7 @@ fn light_between_walls_is_what_rays_that_share_nothing_find() {
     let found: Vec<f64> = numbers(&found).into_iter().step_by(3).collect();
     for (cell, found) in found.chunks_exact(256).enumerate() {
         let expected = found.iter().sum::<f64>() / 256.0;
-        // The first row of the data is beyond the pole, the last column the first once more.
+        // The first row of the data is beyond the pole, and the last column repeats the first.
         let ours = mean * data[7 + (1 + cell / columns) * (columns + 1) + cell % columns];
         assert!((ours / expected - 1.0).abs() < 0.04, "direction {cell}: {ours}, expected {expected}");
     }
@@ -192,7 +192,7 @@ fn a_scene_on_standard_input_is_read_once() {
 }
 
 #[test]
-fn faults_of_plugins_are_told_where_lights_are_looked_for() {
+fn faults_of_plugins_are_reported_where_lights_are_sampled() {
     let folder = folder();
     if plugins::c_plugin(&folder.path(""), "lambert.c", "torn", &["-DBROKEN_STATUS"]).is_none() {
         return;
@@ -214,7 +214,7 @@ fn what_was_there_is_kept_and_what_is_named_is_replaced() {
     let other = "pane ring v 0 0 8 3 0 1 0 -1 0 0 .1\n";
     folder.file("some.rad", format!("#@mkillum m=a d=1 s=1 o=made.rad\n{window}{other}#@mkillum f=kept\n{window}"));
     folder.file("a.dat", "mine");
-    // Only data of its own are replaced: other files stay, and are told (`tests/hostile/trust.rs`).
+    // Only its own data are replaced: other files are kept and reported (`tests/hostile/trust.rs`).
     folder.file("kept.dat", "2\n0.000000 1.500000 1\n0.000000 6.283185 1\n\n 1.000000e+00\n");
     let old = folder.read("kept.dat");
     assert_eq!(ours(&folder, "-ab 0 outside.rad some.rad < some.rad").text(), "", "all goes to the file");
@@ -228,7 +228,7 @@ fn what_was_there_is_kept_and_what_is_named_is_replaced() {
     for name in ["a1.dat", "a2.dat"] {
         assert!(made.contains(&format!("5 noneg {name}\n\tillum.cal il_alth il_azih\n0\n9\n")), "{made}");
     }
-    // What comes of it is a scene, and is left alone by a second run.
+    // The result is a scene, which a second run leaves unchanged.
     let again = ours(&folder, "outside.rad made.rad < made.rad");
     assert!(again.messages.contains("made.rad was processed before"), "{}", again.messages);
     let again = again.text();
@@ -252,7 +252,7 @@ fn rad_makes_lights_of_windows() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn mistakes_are_reported() {
     let folder = folder();
     folder.file(
         "cone.rad",
@@ -260,9 +260,9 @@ fn mistakes_are_told() {
     );
     let run = ours(&folder, "outside.rad < cone.rad");
     for part in [
-        "cone.rad: \"q=1 d=x\" after #@mkillum means nothing, expected m= ",
-        "no light is made of cone \"k\", expected a polygon, ring or sphere",
-        "surface \"p\" has no area, and no light is made of it",
+        "cone.rad: \"q=1 d=x\" after #@mkillum is unknown, expected m= ",
+        "cone \"k\" cannot become a light source, expected a polygon, ring or sphere",
+        "surface \"p\" has no area; it does not become a light source",
     ] {
         assert!(run.messages.contains(part), "{part}: {}", run.messages);
     }
@@ -277,8 +277,8 @@ fn mistakes_are_told() {
     folder.file("many.rad", "#@mkillum d=4000000 s=4000000\npane sphere s 0 0 4 0 0 0 1\n");
     folder.file("torn.rad", "pane polygon p 0 0 9 0 0\n");
     for (words, code, message) in [
-        ("outside.rad <", 2, "no file is named after \"<\""),
-        ("-ab 0", 2, "no scene is named"),
+        ("outside.rad <", 2, "no file is given after \"<\""),
+        ("-ab 0", 2, "no scene is given"),
         ("-", 2, "the scene and the surfaces are both standard input"),
         ("-zz outside.rad", 2, "option \"-zz\" is not supported"),
         ("-P x outside.rad", 2, "option \"-P\" is not supported"),

@@ -1,4 +1,4 @@
-//! `obj2mesh` beside the real one: both meshes, seen by both renderers.
+//! Compares `obj2mesh` with the real one: both meshes, rendered by both renderers.
 
 use crate::program::{Folder, command, radsight, run_with};
 use radsight_test_support::Radiance;
@@ -11,7 +11,7 @@ void metal steel 0 0 5 .5 .5 .5 .9 0
 void glow shine 0 0 4 2 3 4 0
 ";
 
-/// A wavy sheet with normals, texture coordinates and two materials, and a star that is not convex.
+/// A wavy sheet with normals, texture coordinates and two materials, and a non-convex star.
 fn wavefront(steps: usize) -> String {
     let mut text = String::from("# made by hand\ng sheet\n");
     for at in 0..(steps + 1) * (steps + 1) {
@@ -47,7 +47,7 @@ fn rays() -> String {
 }
 
 #[test]
-fn meshes_look_as_those_of_the_real_program() {
+fn meshes_render_as_those_of_the_real_program() {
     let Some(radiance) = Radiance::find() else { return };
     let folder = Folder::new();
     folder.file("materials.rad", MATERIALS);
@@ -78,7 +78,7 @@ fn meshes_look_as_those_of_the_real_program() {
             };
             off += usize::from(!words(real).iter().zip(&words(ours)).all(is_near));
         }
-        // Rays that meet an edge between two materials may see either.
+        // Rays that meet an edge between two materials may return either.
         assert!(off <= 10, "{off} of 2000 rays differ");
         assert!(found[pair[0]].contains("shine") && found[pair[0]].contains("steel"));
     }
@@ -104,7 +104,7 @@ fn large_meshes_are_read_by_the_real_program() {
 }
 
 #[test]
-fn wrong_input_is_told() {
+fn wrong_input_is_reported() {
     let folder = Folder::new();
     folder.file("empty.obj", "v 0 0 0\n");
     folder.file("bad.obj", "v 0 0 0\nf 1 2 3\n");
@@ -122,7 +122,7 @@ fn wrong_input_is_told() {
     check("obj2mesh none.obj", 1, "cannot read mesh \"none.obj\"");
     check("obj2mesh empty.obj", 1, "no triangle with an area");
     check("obj2mesh bad.obj", 1, "bad.obj: line 2: ");
-    check("obj2mesh a b c", 2, "one file too many");
+    check("obj2mesh a b c", 2, "unexpected argument");
     check("obj2mesh -a materials.rad good.obj", 1, "undefined modifier \"brass\"");
     check("obj2mesh -a surfaces.rad good.obj", 1, "has surfaces");
     check("obj2mesh -a broken.rad good.obj", 1, "broken.rad:1:");

@@ -1,4 +1,4 @@
-//! `radsight oconv`: real Radiance reads what it writes, and sees the same scene as with its own octrees.
+//! `radsight oconv`: real Radiance reads its octrees, and renders the same scene as with its own.
 
 use crate::program::{Folder, command, radsight, run_with};
 use radsight_test_support::Radiance;
@@ -41,7 +41,8 @@ fn rays() -> String {
     })
 }
 
-/// What real rtrace sees in an octree: the names of the surfaces that it hits and the light that comes from them.
+/// The result of real rtrace with an octree: the names of the surfaces that it hits and their
+/// radiance.
 fn seen(radiance: &Radiance, folder: &Folder, octree: &str) -> (String, Vec<f64>) {
     let words = ["-h", "-w", "-ab", "0", "-dj", "0", "-ss", "0", "-st", "0", "-lr", "3", "-ov"];
     let values = theirs(radiance.command("rtrace", &[&words[..], &[octree]].concat()), folder, &rays());

@@ -1,15 +1,16 @@
-//! The table of options and the programs: each option of the table is one of its program, with as many values, and no
-//! others are; help, `-defaults`, manual pages and completions come of the same table.
+//! The table of options and the programs: each option of the table is one of its program, with as
+//! many values, and there are no others; help, `-defaults`, manual pages and completions are
+//! generated from the same table.
 
 use crate::program::{Folder, ROOM, Run, command, radsight, run_with};
 use radsight_options::{OptionForm, Program, ProgramOption, programs};
 use radsight_test_support::Radiance;
 use std::process::Command;
 
-/// No program has it: who complains of it has used all words before it.
+/// An option that no program has: a program that reports it has used all words before it.
 const NO_OPTION: &str = "--zz-no-such";
 
-/// What stands before the options of programs that read these last.
+/// The words before the options of programs that parse these last.
 const BEFORE: [(&str, &str); 8] = [
     ("genbox", "m n 1 1 1"),
     ("genblinds", "m n 1 1 1 3 10"),
@@ -21,7 +22,7 @@ const BEFORE: [(&str, &str); 8] = [
     ("gendaylit", "6 21 12"),
 ];
 
-/// Options that are known, and refused with an explanation.
+/// Known options that are rejected with an explanation.
 const REFUSED: [(&str, &str); 10] = [
     ("rpict", "-ap"),
     ("rtrace", "-ap"),
@@ -35,7 +36,8 @@ const REFUSED: [(&str, &str); 10] = [
     ("rcontrib", "--error"),
 ];
 
-/// Options after which all words are values, or which read their file at once and find it wrong.
+/// Options whose remaining words are all values, or which read their file at once and find it
+/// invalid.
 const STAND_LAST: [(&str, &str); 5] =
     [("getinfo", "-a"), ("getinfo", "-r"), ("getinfo", "-c"), ("pcond", "-f"), ("pcond", "-m")];
 
@@ -107,7 +109,7 @@ fn attached(program: &str, name: &str) -> &'static str {
     }
 }
 
-/// All ways in which an option is typed, each with its values.
+/// All spellings of an option, each with its values.
 fn spellings(program: &Program, option: &ProgramOption) -> Vec<Vec<String>> {
     let values = option.values.split_whitespace().map(|name| value(program.name, option, name).to_owned());
     let values: Vec<String> = if option.value_count() > 0 { values.collect() } else { Vec::new() };
@@ -144,7 +146,7 @@ fn is_among(list: &[(&str, &str)], program: &Program, option: &ProgramOption) ->
     list.contains(&(program.name, option.name))
 }
 
-/// What stands before an option on the command line.
+/// The words before an option on the command line.
 fn before(program: &Program, option: &ProgramOption) -> Vec<String> {
     let operands = BEFORE.iter().find(|(name, _)| *name == program.name && option.name != "-ang");
     let operands = operands.map_or("", |(_, operands)| operands);
@@ -193,7 +195,7 @@ fn every_program_answers_help_with_its_options() {
 }
 
 #[test]
-fn an_unknown_option_is_told_with_the_nearest_one() {
+fn an_unknown_option_is_reported_with_the_nearest_one() {
     for (words, hint) in [
         ("rpict --sampels 4 a.rad", "hint: did you mean \"--samples\"?"),
         ("rtrace -ABx a.rad", "hint: did you mean \"-ab\"?"),
@@ -213,7 +215,7 @@ fn defaults_are_printed_as_the_real_programs_print_them() {
     for program in ["rtrace", "rpict", "rcontrib", "mkillum"] {
         let real = run_with(&mut radiance.command(program, &["-defaults"]), b"").text();
         let ours = radsight(&[program, "-defaults"]).text();
-        // The number of processors is the machine's, and the seed is ours alone.
+        // The number of processors depends on the machine, and only radsight has a seed.
         let kept = |text: &str| -> Vec<String> {
             text.lines().filter(|line| !line.starts_with("-n ") && !line.starts_with("--")).map(str::to_owned).collect()
         };
@@ -257,7 +259,7 @@ fn defaults_of_the_table_are_those_of_the_programs() {
     }
 }
 
-/// Runs a checker on a file, if the checker is there.
+/// Runs a checker on a file, if the checker is installed.
 fn check(checker: &str, words: &[&str], file: &str) -> Option<Run> {
     let is_there = Command::new("sh").args(["-c", &format!("command -v {checker}")]).output();
     is_there
@@ -307,7 +309,7 @@ fn a_page_of_somebody_else_stays() {
     std::fs::create_dir_all(folder.path("share/man/man1")).expect("a folder");
     folder.file("share/man/man1/rpict.1", ".TH RPICT 1\n");
     let run = radsight(&["install-links", &folder.word("bin"), "--share", &folder.word("share")]);
-    assert!(run.code == 1 && run.messages.contains("is not radsight's"), "{} {}", run.code, run.messages);
+    assert!(run.code == 1 && run.messages.contains("was not written by radsight"), "{} {}", run.code, run.messages);
     assert_eq!(folder.read("share/man/man1/rpict.1"), b".TH RPICT 1\n");
     radsight(&["install-links", &folder.word("links"), "--only-links"]).done();
     assert!(!folder.path("links/share").exists());

@@ -1,11 +1,12 @@
-//! Radiance's picture programs beside the real ones: the same bytes, for pictures of all kinds.
+//! Compares Radiance's picture programs with the real ones: the same bytes, for pictures of all
+//! kinds.
 
 use crate::program::{Folder, Run, command, radsight_with, run_with};
 use radsight_picture::{Header, Image, Picture};
 use radsight_test_support::Radiance;
 use std::path::PathBuf;
 
-/// Pictures of others that are small enough for many runs, and one of a single line.
+/// Published pictures that are small enough for many runs, and one of a single line.
 fn pictures() -> Vec<Vec<u8>> {
     const LARGEST: u64 = 150_000;
     const MOST: usize = 8;
@@ -23,7 +24,8 @@ fn pictures() -> Vec<Vec<u8>> {
     pictures
 }
 
-/// A picture with a wide range of values. Without a COLORCORR: the real programs divide by it with fewer bits than a float has.
+/// A picture with a wide range of values. Without a COLORCORR: the real programs divide by it with
+/// less precision than a float.
 fn gradient(width: usize, height: usize) -> Vec<u8> {
     let value = |index: usize| ((index * 7919 % 1013) as f32 / 1013.0).powi(9) * 300.0;
     let values = Image::new(width, height, 3, (0..width * height * 3).map(value).collect()).expect("a shape");
@@ -33,7 +35,7 @@ fn gradient(width: usize, height: usize) -> Vec<u8> {
     Picture::from_rgb(header, &values).expect("a picture").to_bytes()
 }
 
-/// What a picture program says of the time is its own.
+/// Removes the time from a header.
 fn without_dates(bytes: &[u8]) -> Vec<u8> {
     let dated = |line: &&[u8]| !line.starts_with(b"CAPDATE=") && !line.starts_with(b"GMT=");
     // The first lines are the header; pixels may hold anything.
@@ -93,7 +95,8 @@ fn pfilt_gives_the_bytes_of_the_real_one() {
     }
 }
 
-/// Whether both sizes are even. Where rows do not fall together, the real `pfilt -m` averages a row that it has not read yet.
+/// Whether both sizes are even. If rows do not coincide, the real `pfilt -m` averages a row that it
+/// has not read yet.
 fn even(picture: &[u8]) -> bool {
     let picture = Picture::read(picture).expect("a picture");
     picture.width().is_multiple_of(2) && picture.height().is_multiple_of(2)
@@ -311,7 +314,7 @@ fn bitmaps_and_tiff_go_to_the_real_programs_and_back() {
     }
 }
 
-/// A bitmap of 4 x 2 pixels with 8 bits and a palette of red and white, whose rows are packed in this way.
+/// A bitmap of 4 x 2 pixels with 8 bits and a palette of red and white, with packed rows.
 fn packed_bitmap(rows: &[u8]) -> Vec<u8> {
     let mut bytes = b"BM".to_vec();
     for number in [62 + rows.len() as u32, 0, 62, 40, 4, 2, 8 << 16 | 1, 1, rows.len() as u32, 0, 0, 2, 0] {
@@ -324,7 +327,7 @@ fn packed_bitmap(rows: &[u8]) -> Vec<u8> {
 
 #[test]
 fn packed_bitmaps_are_read() {
-    // Rows from below: four of the second colour; three of the first and one of the second.
+    // Rows from the bottom: four of the second colour; three of the first and one of the second.
     let bitmap = packed_bitmap(&[4, 1, 0, 0, 3, 0, 1, 1, 0, 1]);
     let picture = Picture::read(&radsight_with(&["ra_bmp", "-r"], &bitmap).done()).expect("a picture");
     let values = picture.values();
@@ -335,13 +338,12 @@ fn packed_bitmaps_are_read() {
 }
 
 #[test]
-fn bitmaps_that_end_early_are_told() {
+fn truncated_bitmaps_are_reported() {
     let mut huge = packed_bitmap(&[4, 1, 0, 1]);
     huge[18..22].copy_from_slice(&60_000u32.to_le_bytes());
     huge[22..26].copy_from_slice(&60_000u32.to_le_bytes());
     let short = &packed_bitmap(&[4, 1])[..40];
-    for (bytes, message) in [(&huge[..], "ends before 60000 x 60000 pixels"), (short, "not a bitmap that can be read")]
-    {
+    for (bytes, message) in [(&huge[..], "ends before 60000 x 60000 pixels"), (short, "cannot read the bitmap")] {
         let run = radsight_with(&["ra_bmp", "-r"], bytes);
         assert_eq!(run.code, 1);
         assert!(run.messages.contains(message), "{}", run.messages);
@@ -395,7 +397,7 @@ fn tristimulus_values_are_within_a_step_of_the_real_ones() {
         let lines = |picture: &Picture| picture.header().to_text();
         assert_eq!(lines(&real), lines(&ours));
         for (a, b) in real.pixels().pixels().zip(ours.pixels().pixels()) {
-            // The real one computes with fewer bits than a float has.
+            // The real one computes with less precision than a float.
             let same = a[3] == b[3] && (0..3).all(|i| a[i].abs_diff(b[i]) <= 1);
             assert!(same || a[3].abs_diff(b[3]) == 1, "{words:?}: {a:?} {b:?}");
         }
@@ -419,7 +421,7 @@ fn falsecolor_shows_a_value_in_its_colour_beside_a_legend() {
             ["falsecolor", "-i", &file, "-m", "1", "-s", "1"].into_iter().chain(options.split(' ')).collect();
         Picture::read(&radsight_with(&words, b"").done()).expect("a picture")
     };
-    // The middle of the "spectrum": red 1.6/2 − 0.6, green 1.6 − 1.6/2, no blue.
+    // The centre of the "spectrum": red 1.6/2 − 0.6, green 1.6 − 1.6/2, no blue.
     let spectrum = run("-pal spec");
     assert_eq!((spectrum.width(), spectrum.height()), (220, 250));
     let values = spectrum.values();
@@ -433,7 +435,7 @@ fn falsecolor_shows_a_value_in_its_colour_beside_a_legend() {
     assert!(lines.values().data().iter().all(|value| *value < 1e-6));
 }
 
-/// The real one is a script that not every installation has.
+/// The real one is a script that is missing in some installations.
 #[test]
 fn falsecolor_has_the_pixels_of_the_real_one() {
     let Some(radiance) = Radiance::find() else { return };
@@ -475,14 +477,14 @@ fn values_are_written_over_a_part_of_the_picture() {
     let plain = Picture::read(&run("-m 1").done()).expect("a picture").values();
     let written = Picture::read(&run("-m 1 -odim 2 2 -orct 120 0 240 100").done()).expect("a picture").values();
     let changed = |from: usize, to: usize| {
-        // The values stand a pixel higher than their shadow, and so does the upper border.
+        // The values are one pixel higher than their shadow, as is the upper border.
         let differs = |at: &usize| plain.pixel(at % 240, at / 240) != written.pixel(at % 240, at / 240 + 1);
         (0..240 * 100).filter(|at| (from..to).contains(&(at % 240))).filter(differs).count()
     };
     assert_eq!(changed(0, 118), 0);
     assert!(changed(118, 240) > 100);
     for (options, message) in [
-        ("-odim 40 40", "40 x 40 values leave no room for letters of 10 pixels in 240 x 100"),
+        ("-odim 40 40", "40 x 40 values do not fit with letters of 10 pixels in 240 x 100"),
         (
             "-odim 2 2 -orct 10 10 300 50",
             "\"-orct\" with 10 10 300 50: expected left, lower, right and upper border within 240 x 100",
@@ -508,7 +510,7 @@ fn frames_of_an_animation_are_taken_apart() {
     for words in ["ra_rgbe -n 2", "ra_rgbe -r -n 4", "ra_rgbe -n 3", "ra_rgbe -e +1 -r", "ra_rgbe"] {
         let words: Vec<&str> = words.split(' ').collect();
         let mut program = radiance.command(words[0], &words[1..]);
-        // Real ra_rgbe tells all of the path by which it was called.
+        // Real ra_rgbe writes the full path of its call.
         let path = program.get_program().to_string_lossy().into_owned();
         let real = without_dates(&worked(run_with(&mut program, &animation), &words));
         let ours = without_dates(&worked(radsight_with(&words, &animation), &words));
@@ -566,7 +568,7 @@ fn the_light_of_a_lamp_becomes_white_as_in_the_real_program() {
         let real = run_with(&mut radiance.command(words[0], &words[1..]), &picture).done();
         let ours = radsight_with(&words, &picture).done();
         let (real, ours) = (Picture::read(&real).expect("a picture"), Picture::read(&ours).expect("a picture"));
-        // The chromaticity goes through a matrix in single precision there.
+        // The chromaticity passes a matrix in single precision there.
         let scale = |picture: &Picture| picture.header().radiance_scale().expect("a scale");
         for (a, b) in scale(&real).iter().zip(scale(&ours)) {
             assert!((a - b).abs() < 1e-4 * b, "{lamp}: {a} {b}");

@@ -1,4 +1,4 @@
-//! `pinterp` beside the real one.
+//! Compares `pinterp` with the real one.
 
 use crate::program::{Folder, command, run_with};
 use radsight_picture::{Header, Picture};
@@ -30,7 +30,7 @@ fn folder(radiance: &Radiance) -> Folder {
     folder
 }
 
-/// The share of pixels that are the same, and both means.
+/// The share of equal pixels, and both means.
 fn compare(real: &[u8], ours: &[u8]) -> (f64, [f64; 2]) {
     let [real, ours] = [real, ours].map(|bytes| Picture::read(bytes).expect("a picture").values());
     assert_eq!((real.width(), real.height()), (ours.width(), ours.height()));
@@ -111,7 +111,7 @@ fn rays_find_what_no_picture_shows() {
 }
 
 #[test]
-fn wrong_command_lines_and_input_are_told() {
+fn wrong_command_lines_and_input_are_reported() {
     let folder = Folder::new();
     let plain = radsight_picture::Image::filled(4, 3, 3, 0.5f32).expect("a shape");
     folder.file("plain.hdr", Picture::from_rgb(Header::new("RADIANCE"), &plain).expect("a picture").to_bytes());

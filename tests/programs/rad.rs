@@ -1,4 +1,4 @@
-//! `rad`: the commands that real `rad` would run, and the pictures that come of them.
+//! `rad`: the commands of real `rad`, and their pictures.
 
 use crate::program::{Folder, command, run_with};
 use radsight_picture::Picture;
@@ -64,7 +64,7 @@ fn the_commands_are_those_of_real_rad() {
         let words = [&["-n", "-w"], &options[..], &["room.rif"], &assignments[..]].concat();
         let ours = run_with(command(&[&["rad"], &words[..]].concat()).current_dir(folder.path("")), b"").text();
         let theirs = run_with(radiance.command("rad", &words).current_dir(folder.path("")), b"").text();
-        // The name of a passing file is drawn at random.
+        // The name of a temporary file is random.
         let passing = theirs.split_whitespace().find(|word| word.starts_with("il") && word.len() == 8);
         let theirs = passing.map_or(theirs.clone(), |name| theirs.replace(name, "room_illum.rad"));
         assert_eq!(ours, theirs, "{words:?}");
@@ -94,7 +94,7 @@ fn a_project_becomes_finished_pictures_once() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn mistakes_are_reported() {
     let folder = bench();
     let refuses = |words: &[&str], message: &str| {
         let run = run_with(command(&[&["rad"], words].concat()).current_dir(folder.path("")), b"");

@@ -1,4 +1,5 @@
-//! `radsight report` and what `capture` and `rpict` write for it: the numbers, the mistakes, and the page in a browser.
+//! `radsight report` and the outputs of `capture` and `rpict` for it: the numbers, the mistakes,
+//! and the page in a browser.
 
 use crate::program::{Folder, ROOM, command, gripps, radsight, run_with};
 use radsight_picture::{Image, read_image, read_png, write_pfm};
@@ -17,7 +18,7 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     values.sum::<f64>() / count
 }
 
-/// Captures Fig. 10 with all accounts of itself.
+/// Captures Fig. 10 with all additional outputs.
 fn captured(folder: &Folder) {
     let (camera, sheet) = (gripps("fig10.toml"), gripps("sheet-retro.rad"));
     let mut words: Vec<String> = ["capture", &camera, &sheet, "--error", "0.05"].map(str::to_owned).to_vec();
@@ -158,7 +159,8 @@ fn whole_numbers_are_no_radiance() {
     }
 }
 
-/// A browser without a screen: `RADSIGHT_CHROMIUM`, or one on the path. Without one a test says so and passes.
+/// A headless browser: `RADSIGHT_CHROMIUM`, or one on the path. Without one, a test prints a note
+/// and passes.
 struct Browser(String);
 
 impl Browser {
@@ -174,7 +176,7 @@ impl Browser {
         found
     }
 
-    /// Opens a page of a folder as a file, in a window of this size, and does what the words say.
+    /// Opens a page of a folder as a file, in a window of this size, with these options.
     fn open(&self, folder: &Folder, page: &str, [width, height]: [u32; 2], words: &[&str]) -> Vec<u8> {
         let profile = format!("--user-data-dir={}", folder.word("profile"));
         let window = format!("--window-size={width},{height}");
@@ -191,7 +193,7 @@ impl Browser {
         run.stdout
     }
 
-    /// What the page has become after its script.
+    /// The page after its script has run.
     fn text(&self, folder: &Folder, page: &str) -> String {
         String::from_utf8_lossy(&self.open(folder, page, [800, 900], &["--dump-dom"])).into_owned()
     }
@@ -209,7 +211,7 @@ fn cell<'p>(page: &'p str, name: &str) -> &'p str {
 fn the_browser_shows_the_values_under_the_pointer() {
     let Some(browser) = Browser::find() else { return };
     let folder = Folder::new();
-    // From 3e-7 to 3e+1 and below 0, so that a wrong predictor, factor or byte order is seen.
+    // From 3e-7 to 3e+1 and below 0, so that a wrong predictor, factor or byte order is detected.
     let value = |i: usize| if i == 0 { -0.5 } else { 3e-7 * 10f32.powf(8.0 * i as f32 / 34.0) };
     let image = Image::new(7, 5, 1, (0..35).map(value).collect()).expect("an image");
     let errors = image.clone().map(|value| 0.01 * value.abs());
@@ -263,7 +265,7 @@ fn the_browser_draws_false_colour_and_takes_no_script_from_files() {
 fn a_picture_that_is_larger_than_the_window_is_shown_whole() {
     let Some(browser) = Browser::find() else { return };
     let folder = Folder::new();
-    // The left and the right tenth are dark and bright, what is between them is neither.
+    // The left and the right tenth are dark and bright, the middle is neither.
     let value = |i: usize| [0.0, 0.5, 1.0][usize::from(i % 2000 >= 200) + usize::from(i % 2000 >= 1800)];
     let image = Image::new(2000, 1000, 1, (0..2_000_000).map(value).collect()).expect("an image");
     let picture = folder.file("p.pfm", write_pfm(&image).expect("bytes"));
@@ -274,7 +276,7 @@ fn a_picture_that_is_larger_than_the_window_is_shown_whole() {
     for color in [[0x44, 0x01, 0x54], [0xfd, 0xe7, 0x25]] {
         let near = |pixel: &[u16]| pixel.iter().zip(color).all(|(a, b): (&u16, u16)| a.abs_diff(b) <= 4);
         let count = shown.pixels().filter(|pixel| near(&pixel[..3])).count();
-        // A tenth of 560 by 280 pixels or so, and an end of the scale.
+        // Approximately a tenth of 560 by 280 pixels, and an end of the scale.
         assert!((12_000..20_000).contains(&count), "{count} pixels of {color:?}");
     }
 }

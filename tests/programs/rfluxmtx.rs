@@ -1,10 +1,10 @@
-//! `rfluxmtx`: what receivers get of what senders send, against real `rfluxmtx` with real `rcontrib`.
+//! `rfluxmtx`: compares flux matrices with real `rfluxmtx` and real `rcontrib`.
 
 use crate::program::{Folder, command, run_with};
 use radsight_matrix::Matrix;
 use radsight_test_support::Radiance;
 
-/// What stands before a window: ground, and a canopy that hides a part.
+/// The surfaces before a window: ground, and a canopy that hides a part.
 const OUTSIDE: &str = "\
 void plastic earth 0 0 5 .5 .4 .3 0 0
 earth ring ground 0 0 8 0 0 -1 0 0 1 0 30
@@ -19,7 +19,7 @@ fn window(basis: &str) -> String {
     )
 }
 
-/// A wall that faces it.
+/// A wall opposite to it.
 fn wall(basis: &str) -> String {
     format!(
         "#@rfluxmtx u=+Z\n#@rfluxmtx h={basis}\nvoid glow wall 0 0 4 1 1 1 0\n\
@@ -27,7 +27,7 @@ fn wall(basis: &str) -> String {
     )
 }
 
-/// Runs both programs, the words split at spaces, and gives what each has written to `file`.
+/// Runs both programs, with words split at spaces, and returns the content of `file` from each.
 fn both(radiance: &Radiance, folder: &Folder, words: &str, input: &[u8], file: &str) -> [Matrix; 2] {
     let words: Vec<&str> = words.split(' ').collect();
     let mut ours = command(&[&["rfluxmtx", "-fo"], &words[..]].concat());
@@ -41,7 +41,7 @@ fn both(radiance: &Radiance, folder: &Folder, words: &str, input: &[u8], file: &
     })
 }
 
-/// Compares totals, and how the values are spread over rows and columns.
+/// Compares totals, and the distribution of the values over rows and columns.
 #[track_caller]
 fn assert_like([ours, theirs]: &[Matrix; 2], what: &str) {
     assert_eq!((ours.size(), ours.components()), (theirs.size(), theirs.components()), "{what}");
@@ -84,7 +84,7 @@ fn a_sky_and_a_ground_get_a_matrix_each() {
     let Some(radiance) = Radiance::find() else { return };
     let folder = Folder::new();
     folder.file("outside.rad", OUTSIDE);
-    // Surfaces of a command are placed, and what is said stands before them.
+    // Surfaces of a command are placed, and options before the command apply to them.
     folder.file("panes.rad", window("kq").replace("#@rfluxmtx h=kq u=+Z\n", ""));
     folder.file("sender.rad", "#@rfluxmtx h=kq u=.1,0,1\n!xform -t 0 0 .5 panes.rad\n");
     let sky = "#@rfluxmtx h=u u=+Y o=ground.mtx\nvoid glow low 0 0 4 1 1 1 0\nlow source below 0 0 4 0 0 -1 180\n\
@@ -94,7 +94,7 @@ fn a_sky_and_a_ground_get_a_matrix_each() {
     for file in ["sky.mtx", "ground.mtx"] {
         assert_like(&both(&radiance, &folder, words, b"", file), file);
     }
-    // An octree may stand for the scene.
+    // An octree may replace the scene.
     let octree = radiance.octree(&folder, &["outside.rad"]);
     let words = format!("-ff -c 1000 -ab 2 -ad 4 -lw 1e-3 sender.rad sky.rad -i {octree}");
     assert_like(&both(&radiance, &folder, &words, b"", "sky.mtx"), "octree");
@@ -112,7 +112,7 @@ fn rays_of_others_pass_through() {
 }
 
 #[test]
-fn what_is_wrong_is_told() {
+fn mistakes_are_reported() {
     let folder = Folder::new();
     folder.file("outside.rad", OUTSIDE);
     folder.file("sender.rad", window("kf"));
@@ -138,9 +138,9 @@ fn what_is_wrong_is_told() {
     check("-zz sender.rad receiver.rad", 2, "option \"-zz\" is not supported");
     check("-fx sender.rad receiver.rad", 2, "option \"-fx\" is not supported");
     check("-c 0 sender.rad receiver.rad", 2, "expected a number of rays, 1 or more");
-    check("-av 1 2", 2, "expected 3 words after it");
-    check("-I+ sender.rad receiver.rad", 2, "for rays from standard input (-) only");
-    check("sender.rad receiver.rad -n 6 outside.rad", 2, "\"-n\" stands among the scene files");
+    check("-av 1 2", 2, "expected 3 values after it");
+    check("-I+ sender.rad receiver.rad", 2, "applies only to rays from standard input (-)");
+    check("sender.rad receiver.rad -n 6 outside.rad", 2, "\"-n\" is not supported among the scene files");
     check("sender.rad none.rad", 1, "cannot read scene file \"none.rad\"");
     check("sender.rad empty.rad", 1, "no surface is given");
     check("sender.rad unsaid.rad", 1, "surfaces of \"wall\" have no basis");

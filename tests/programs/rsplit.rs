@@ -1,9 +1,9 @@
-//! `rsplit` beside the real one.
+//! Compares `rsplit` with the real one.
 
 use crate::program::{Folder, command, run_with};
 use radsight_test_support::Radiance;
 
-/// Runs a shell command in a folder of its own and gives its output and the files that it made.
+/// Runs a shell command in a folder of its own and returns its output and new files.
 fn made(program: &mut std::process::Command, folder: &Folder, input: &[u8]) -> (Vec<u8>, Vec<(String, Vec<u8>)>) {
     let output = run_with(program.current_dir(folder.path("")), input).done();
     let mut files: Vec<_> = folder.names().into_iter().map(|name| (name.clone(), folder.read(&name))).collect();
@@ -57,7 +57,7 @@ fn parts_are_those_of_the_real_program() {
         ("-ih -iH -oH -ob2 - -ob", headed(&bytes(64), "+Y 2 -X 4\n")),
         ("-ih -oa a -", headed(&records(6), "")),
     ] {
-        // Each blank divides, but one after another belongs to the word.
+        // Each blank separates, but a following blank belongs to the word.
         let words: Vec<&str> = match words.split_once("-t  ") {
             Some((before, after)) => before.split_whitespace().chain(["-t "]).chain(after.split_whitespace()).collect(),
             None => words.split(' ').filter(|word| !word.is_empty()).collect(),
@@ -65,7 +65,7 @@ fn parts_are_those_of_the_real_program() {
         let [real, ours] = [Folder::new(), Folder::new()];
         let real = made(&mut radiance.command("rsplit", &words), &real, &input);
         let ours = made(&mut command(&[&["rsplit"], &words[..]].concat()), &ours, &input);
-        // The command lines of the headers name the programs by their places.
+        // The command lines of the headers contain the programs' paths.
         let text = |bytes: &[u8]| {
             let line =
                 |line: &[u8]| if line.windows(7).any(|part| part == b"rsplit ") { Vec::new() } else { unpadded(line) };
@@ -112,23 +112,23 @@ fn files_are_overwritten_or_added_to_when_asked() {
 }
 
 #[test]
-fn wrong_command_lines_of_rsplit_are_told() {
+fn wrong_command_lines_of_rsplit_are_reported() {
     let folder = Folder::new();
     let run = |words: &[&str], input: &[u8]| {
         run_with(command(&[&["rsplit"], words].concat()).current_dir(folder.path("")), input)
     };
     for (words, input, code, message) in [
-        (&[][..], "", 2, "no output is named"),
+        (&[][..], "", 2, "no output is given"),
         (&["-q", "a"], "", 2, "option \"-q\" is unknown\nhint: expected -ih"),
         (&["-o", "a"], "", 2, "option \"-o\" is unknown"),
         (&["-ox", "a"], "", 2, "option \"-ox\" is unknown"),
         (&["-of0", "a"], "", 2, "option \"-of0\" is unknown"),
-        (&["-od99999", "a"], "", 2, "option \"-od99999\" asks for more than 16384 bytes a record"),
+        (&["-od99999", "a"], "", 2, "option \"-od99999\" requests more than 16384 bytes per record"),
         (&["b", "b"], "", 2, "\"b\" is named twice"),
-        (&["-a", "-oh", "c"], "", 2, "option \"-a\" adds to files"),
+        (&["-a", "-oh", "c"], "", 2, "option \"-a\" appends to files"),
         (&["-oH", "-"], "", 2, "option \"-oH\" lacks a resolution, expected -iH, or -x and -y"),
         (&["-on"], "", 2, "ends the command line"),
-        (&["-ih", "-"], "#?RADIANCE\n", 1, "the header of standard input does not end"),
+        (&["-ih", "-"], "#?RADIANCE\n", 1, "the header of standard input (-ih) has no end"),
         (&["-iH", "-"], "no size\n", 1, "standard input"),
         (&["nowhere/d"], "1\n", 3, "cannot write \"nowhere/d\""),
         (&["!exit 4"], "1\n", 1, "command \"exit 4\" failed"),

@@ -1,4 +1,4 @@
-//! `pcond` and the tone mapping of `ra_bmp`, beside the real ones and by themselves.
+//! `pcond` and the tone mapping of `ra_bmp`, compared with the real ones and with theory.
 
 use crate::program::{Folder, command, radsight, run_with};
 use radsight_picture::{Header, Image, Picture};
@@ -22,8 +22,9 @@ fn lamps(width: usize, height: usize, view: &str) -> Vec<u8> {
     Picture::from_rgb(header, &scaled).expect("a picture").to_bytes()
 }
 
-/// Our picture differs from the real one in no header line, and by at most a step of the mantissa or three millionths of white: near black a pixel is the
-/// difference of its luminance and the display's least, which one glance more in the lowest bin changes by a few parts in a hundred.
+/// Our picture differs from the real one in no header line, and by at most one step of the mantissa
+/// or three millionths of white: near black a pixel is the difference of its luminance and the
+/// display's smallest, which one more foveal sample in the lowest bin changes by a few per cent.
 #[track_caller]
 fn same_but_for_rounding(real: &[u8], ours: &[u8], what: &str) {
     let (real, ours) = (Picture::read(real).expect("a picture"), Picture::read(ours).expect("a picture"));
@@ -84,7 +85,7 @@ fn pcond_gives_the_pixels_of_the_real_one() {
     }
 }
 
-/// The pixels of a bitmap without packing from the top, with 24 bits or 8.
+/// The pixels of an unpacked bitmap from the top, with 24 bits or 8.
 fn bitmap(bytes: &[u8]) -> Vec<[u8; 3]> {
     let number = |at: usize| i32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
     assert_eq!((&bytes[..2], number(30)), (&b"BM"[..], 0), "a bitmap without packing");
@@ -98,16 +99,17 @@ fn bitmap(bytes: &[u8]) -> Vec<[u8; 3]> {
     if height < 0 { rows.concat() } else { rows.into_iter().rev().collect::<Vec<_>>().concat() }
 }
 
-/// How far our bytes may be from the real program's in each band: at least, at most, and in the mean of sizes over a picture.
+/// Tolerance of our bytes in each band: smallest, largest, and mean absolute difference over a
+/// picture.
 type Limits = [(i32, i32, f64); 3];
 
-/// The real one keeps of a colour what each component has of its luminance, in bytes that are cut off, so that it is darker: most in blue, whose part is
-/// the least, so that a byte's step is the largest share of it. How much that is in the mean depends on the picture.
+/// The real one stores the share of each component in the luminance as truncated bytes, so that it
+/// is darker: most in blue, whose share is smallest. The mean difference depends on the picture.
 fn limits_of_color(blue: f64) -> Limits {
     [(-2, 2, 0.82), (-2, 2, 0.62), (-2, 5, blue)]
 }
 
-/// Luminance alone is in steps of some parts in a thousand.
+/// Only luminance is quantised, in steps of some thousandths.
 fn limits_of_grey(mean: f64) -> Limits {
     [(-1, 1, mean); 3]
 }
@@ -207,7 +209,7 @@ fn a_given_exposure_is_applied_and_recorded() {
 }
 
 #[test]
-fn wrong_input_of_pcond_is_told() {
+fn wrong_input_of_pcond_is_reported() {
     let folder = Folder::new();
     let picture = folder.file("grey.hdr", lamps(20, 20, "-vtv -vh 40 -vv 40"));
     let black = Image::new(8, 8, 3, vec![0.0; 192]).expect("a shape");
@@ -221,7 +223,7 @@ fn wrong_input_of_pcond_is_told() {
         assert!(run.messages.contains(message), "{words:?}: {}", run.messages);
         assert!(run.output.is_empty(), "{words:?} wrote something");
     };
-    check(&["pcond"], "", 2, "no picture is named");
+    check(&["pcond"], "", 2, "no picture is given");
     check(&["pcond", "-q", &picture], "", 2, "option \"-q\" is unknown\nhint: expected -h -a");
     check(&["pcond", "-u", "0", &picture], "", 2, "option \"-u\" is followed by 0, expected more than");
     check(&["pcond", "-d", "1", &picture], "", 2, "expected more than 1");
@@ -232,10 +234,10 @@ fn wrong_input_of_pcond_is_told() {
     check(&["pcond", "-m", &lonely, "-f", &uncalibrated, &picture], "", 1, "expected two colours");
     check(&["pcond", "-f", &uncalibrated, &picture], "", 1, "expected \"rxa(i)");
     check(&["pcond", &black], "", 1, "the picture is black");
-    check(&["pcond", &wide], "", 1, "degrees of the fovea wide");
+    check(&["pcond", &wide], "", 1, "square degrees, expected at most");
     check(&["pcond", "-I", &picture], "1 2 2", 1, "an odd number of numbers");
-    check(&["pcond", "-I", &picture], "1 2 1 3", 1, "do not rise");
-    check(&["pcond", "-i", "1", &picture], "a b", 1, "\"a\" is no number");
+    check(&["pcond", "-I", &picture], "1 2 1 3", 1, "do not increase");
+    check(&["pcond", "-i", "1", &picture], "a b", 1, "\"a\" is not a number");
     check(&["pcond", "-x", "/nowhere/map", &picture], "", 3, "cannot write \"/nowhere/map\"");
     check(&["pcond", "missing.hdr"], "", 1, "cannot read \"missing.hdr\"");
 }

@@ -1,4 +1,4 @@
-//! `-af`: an irradiance cache that runs and processes share through a file.
+//! `-af`: an irradiance cache shared by runs and processes through a file.
 
 use crate::program::{Folder, command, run_with};
 use std::fs;
@@ -60,7 +60,7 @@ fn a_picture_with_a_full_file_has_the_bits_of_the_one_that_filled_it() {
     assert!(first == without, "a file changes nothing");
     let file = fs::read(folder.path("room.amb")).unwrap();
     assert!(file.starts_with(b"#?RADIANCE\nrpict -ab 1"), "the header tells the command");
-    // With more rays others would be gathered: what was gathered is in the file.
+    // More rays would gather other values: the gathered ones are in the file.
     assert!(rendered(&folder, &["-af", "room.amb", "-ad", "300"]) == first, "all is in the file");
     assert!(rendered(&folder, &["-ad", "300"]) != first, "more rays make another picture");
     assert!(fs::read(folder.path("room.amb")).unwrap() == file, "nothing is added");
@@ -99,7 +99,7 @@ fn processes_that_run_at_once_share_one_file() {
         assert!(process.wait_with_output().unwrap().status.success());
     }
     let file = fs::read(folder.path("room.amb")).unwrap();
-    // Both views find all that they want in the file of both, whoever wrote last.
+    // The file has all records for both views, whichever process wrote last.
     for [x, y, z, dx, dy, dz] in corners {
         let view = ["-vp", x, y, z, "-vd", dx, dy, dz, "-af", "room.amb"];
         rendered(&folder, &view);

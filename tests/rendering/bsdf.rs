@@ -1,4 +1,4 @@
-//! The materials `BSDF` and `aBSDF` against real Radiance's, and against what must be.
+//! The materials `BSDF` and `aBSDF`, compared with real Radiance and with theory.
 
 use crate::program::{Folder, command, run_with};
 use radsight_test_support::Radiance;
@@ -8,7 +8,8 @@ use std::fmt::Write;
 /// A ray: origin and direction.
 type Ray = [f64; 6];
 
-/// Real `rtrace` told to integrate: lights in small pieces, all of them tested, everything sampled.
+/// Options that make real `rtrace` integrate: lights in small pieces, all of them tested,
+/// everything sampled.
 const INTEGRATE: [&str; 15] =
     ["-ds", ".05", "-dj", ".9", "-dt", "0", "-dc", "1", "-st", "0", "-lr", "6", "-lw", "1e-4", "-u-"];
 
@@ -23,7 +24,7 @@ const FLOOR: &str =
 const CARD: &str = "void plastic red 0 0 5 .8 .1 .1 0 0\nred polygon card 0 0 12 -1 -1 -.1 1 -1 -.1 1 1 -.1 -1 1 -.1\n";
 const SIDE_LAMP: &str = "void light side 0 0 3 90 90 90\nside polygon l 0 0 12 -1 2 -1 -1 2 1 -1 1.5 1 -1 1.5 -1\n";
 
-/// Rays onto the sheet from both sides.
+/// Rays to the sheet from both sides.
 fn rays() -> Vec<Ray> {
     [(0.1, 0.5, 1.0), (0.5, 4.0, -1.0), (0.8, 1.9, 1.0), (0.3, 5.4, 1.0), (1.1, 3.0, -1.0), (0.95, 2.6, 1.0)]
         .into_iter()
@@ -84,7 +85,7 @@ fn ours(folder: &Folder, scene: &str, words: &[&str], rays: &[Ray], repeats: usi
     estimates(&run.text(), repeats)
 }
 
-/// Mean radiances differ by no more than 2 % and what the noise of both explains.
+/// Mean radiances differ by at most 2 % and the noise of both.
 fn differences(
     radiance: &Radiance,
     folder: &Folder,
@@ -115,12 +116,13 @@ fn differences(
     wrong
 }
 
-/// Materials and lights: name, material `m`, what is around it, options.
+/// Materials and lights: name, material `m`, surroundings, options.
 fn variants() -> Vec<(String, String, String, Vec<&'static str>)> {
     let direct = vec!["-ab", "0"];
     let mut all = Vec::new();
     let forms: Vec<String> = all_forms().iter().map(|(name, _)| name.replace([' ', '\''], "_")).collect();
-    // Real Radiance does not scatter other light than that of sources against the way of an isotropic tree, and has no colours there.
+    // Real Radiance scatters only light of sources against the direction of an isotropic tree, and
+    // has no colours there.
     let is_broken = |form: &str| form == "coloured_isotropic_tree";
     for form in forms.iter().filter(|form| !is_broken(form)) {
         let material = format!("void BSDF m 6 0 {form}.xml 0 1 0 . 0 0\n");
@@ -193,7 +195,7 @@ fn light_of_the_sun_passes_an_aperture_as_in_radiance() {
     }
 }
 
-/// Radiance draws some of the peak a second time and returns up to 19 % more than the sky sends.
+/// Radiance samples a part of the peak twice and returns up to 19 % more than the sky emits.
 #[test]
 fn an_aperture_gains_no_light() {
     let folder = folder();

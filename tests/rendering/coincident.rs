@@ -1,8 +1,10 @@
-//! Surfaces that lie on each other: each pair of materials and sides against what real `rtrace` said.
+//! Coincident surfaces: each pair of materials and sides, compared with real `rtrace`.
 //!
-//! Each scene holds two coincident surfaces and is seen along three rays. `coincident/references.txt` has a line for each group of
-//! scenes: its name, then for each pair of materials which surface each ray met, first or second in the scene; lines whose name
-//! begins with `values` have what the rays brought (green). `make_references` writes the file again, with real Radiance.
+//! Each scene holds two coincident surfaces and is seen along three rays.
+//! `coincident/references.txt` has a line for each group of scenes: its name, then for each pair of
+//! materials which surface each ray met, first or second in the scene; lines whose name begins with
+//! `values` have the radiances of the rays (green). `make_references` rewrites the file with real
+//! Radiance.
 
 use crate::program::{Folder, finish_command, radsight, root, run_with};
 use glam::DVec3;
@@ -13,7 +15,7 @@ use radsight_test_support::Radiance;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// One letter a material; `V` has none, and `A` is another name of `P`.
+/// One letter per material; `V` has none, and `A` is another name of `P`.
 const MATERIALS: &str = "
 void plastic P 0 0 5 .5 .4 .3 0 0
 void metal M 0 0 5 .7 .6 .5 .9 0
@@ -38,11 +40,11 @@ sky source dome 0 0 4 0 0 1 360
 const ALL: &str = "PMGDLIWXVTFKRA";
 const SEVEN: &str = "PMGFLXV";
 
-/// A surface, and how it can be turned around.
+/// A surface, and its reversal.
 #[derive(Clone, Copy, PartialEq)]
 enum Form {
     Square,
-    /// A square and a triangle in one plane that is not along the axes.
+    /// A square and a triangle in one oblique plane.
     TiltedSquare,
     TiltedTriangle,
     Ring,
@@ -64,7 +66,7 @@ struct Group {
     forms: [Form; 2],
     offset: f64,
     scale: f64,
-    /// How far the second surface is above the first.
+    /// Distance of the second surface above the first.
     apart: f64,
 }
 
@@ -105,10 +107,10 @@ const GROUPS: [Group; 26] = [
     group("mesh-on-instance", SEVEN, Instance, Mesh),
 ];
 
-/// Which of the two surfaces are turned around.
+/// Which of the two surfaces are reversed.
 const TURNS: [[bool; 2]; 3] = [[false, false], [false, true], [true, false]];
 
-/// From above, from below, slanted.
+/// From above, from below, oblique.
 const RAYS: [[[f64; 3]; 2]; 3] =
     [[[0.1, 0.2, 3.0], [0.0, 0.0, -1.0]], [[0.3, 0.2, -3.0], [0.01, 0.0, 1.0]], [[0.1, 0.3, 2.0], [0.13, 0.12, -1.0]]];
 
@@ -160,7 +162,7 @@ impl Group {
         }
     }
 
-    /// Whether Radiance takes a light of this form: nothing round that looks inwards, and no cone.
+    /// Whether Radiance supports a light of this shape: no round one facing inwards, and no cone.
     fn is_lawful(form: Form, modifier: char, is_turned: bool) -> bool {
         let is_light = matches!(modifier, 'L' | 'I' | 'W');
         let can_shine = match form {
@@ -171,7 +173,7 @@ impl Group {
         !is_light || can_shine
     }
 
-    /// For each pair of materials the scenes with the pair.
+    /// For each pair of materials, the scenes with the pair.
     fn scenes(&self) -> Vec<Vec<String>> {
         let pairs = self.materials.chars().flat_map(|first| self.materials.chars().map(move |second| [first, second]));
         pairs
@@ -196,7 +198,7 @@ impl Group {
     }
 }
 
-/// What a ray met, and what it brought.
+/// The surface that a ray met, and its radiance.
 type Answer = (char, f64);
 
 fn letter(name: &str) -> char {
@@ -207,7 +209,7 @@ fn letter(name: &str) -> char {
     }
 }
 
-/// What we say, without starting a program for each of thousands of scenes.
+/// Our result, without starting a program for each of thousands of scenes.
 fn ours(scene: String, files: &MemoryLoader, rays: [[DVec3; 2]; 3]) -> Vec<Answer> {
     let input = Input::Text { name: "scene.rad".to_owned(), text: scene.into_bytes().into() };
     let read = read_scene(&[input], files, &ReadOptions::default());
@@ -246,7 +248,7 @@ fn references() -> BTreeMap<String, Vec<String>> {
     text.lines().map(words).map(|mut words| (words.remove(0), words)).collect()
 }
 
-/// For each pair of materials what its rays met, in one word; and what they brought.
+/// For each pair of materials, the surfaces that its rays met, in one word; and their radiances.
 fn told(answers: &[Vec<Answer>]) -> [Vec<String>; 2] {
     let met = |answers: &Vec<Answer>| answers.iter().map(|(met, _)| *met).collect();
     let brought =
@@ -258,7 +260,7 @@ fn answers_of(group: &Group, mut ask: impl FnMut(String) -> Vec<Answer>) -> Vec<
     group.scenes().into_iter().map(|scenes| scenes.into_iter().flat_map(&mut ask).collect()).collect()
 }
 
-/// A mesh and an octree by our own programs.
+/// A mesh and an octree compiled by our programs.
 fn own_files() -> MemoryLoader {
     let folder = Folder::new();
     let (square, inner) = (folder.file("square.obj", SQUARE), folder.file("inner.rad", INNER));
@@ -279,7 +281,8 @@ fn real_files(radiance: &Radiance) -> Folder {
     folder
 }
 
-/// Groups whose values are kept as well: what is behind the surface counts, and what it is lit by.
+/// Groups whose values are stored as well: the background and the illumination of the surface
+/// matter.
 fn keeps_values(group: &Group) -> bool {
     ["polygons", "spheres", "below-by-1e-7", "above-by-1.1e-6"].contains(&group.name)
 }
@@ -291,7 +294,7 @@ fn same_values(ours: &[String], theirs: &[String], group: &str) {
         let [ours, theirs] = <[&String; 2]>::from(both).map(|words| words.split(',').collect::<Vec<_>>());
         let is_same = |(ours, theirs): (&&str, &&str)| match (ours.parse::<f64>(), theirs.parse::<f64>()) {
             (Ok(ours), Ok(theirs)) => (ours - theirs).abs() <= 2e-4 + 3e-3 * theirs.abs(),
-            // Where Radiance takes none of the scenes of a pair there is no value.
+            // If Radiance supports none of the scenes of a pair there is no value.
             _ => ours == theirs,
         };
         let is_same = ours.len() == theirs.len() && ours.iter().zip(&theirs).all(is_same);
@@ -299,7 +302,7 @@ fn same_values(ours: &[String], theirs: &[String], group: &str) {
     }
 }
 
-/// Compares groups with the references, and tells how many rays there were.
+/// Compares groups with the references, and returns the number of rays.
 fn compare(is_wanted: impl Fn(&Group) -> bool) -> usize {
     let (references, files) = (references(), own_files());
     let mut count = 0;
@@ -339,7 +342,7 @@ fn round_surfaces_meshes_and_instances_win_where_they_do_in_radiance() {
     assert!(compare(is_wanted) > 4000);
 }
 
-/// What a floor shows that is lit through what lies on each other in a plane above it, the lamp over that.
+/// The radiance of a floor lit by a lamp through coincident surfaces in a plane between them.
 fn floor_below(panes: &str) -> f64 {
     let square = |half: f64, height: f64| {
         let corner = |x: f64, y: f64| format!("{} {} {height} ", half * x, half * y);

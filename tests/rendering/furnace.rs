@@ -1,9 +1,11 @@
-//! The white furnace: in surroundings that are bright all around a white surface is no brighter than they are, from any angle down to grazing, and as bright
-//! where its type keeps all light. (`trans` whose transmission is rough is left out: within 3° of grazing its formula gains a few hundredths in Radiance, too.)
+//! The white furnace: in a uniform environment a white surface is no brighter than the environment,
+//! from any angle down to grazing, and equally bright if its type conserves energy. (`trans` with
+//! rough transmission is excluded: within 3° of grazing its formula gains a few hundredths, in
+//! Radiance as well.)
 
 use crate::program::{Folder, command, run_with};
 
-/// A white material called `m`, and the least of all light that it must send on at these angles.
+/// A white material called `m`, and the smallest albedo that it must have at these angles.
 struct White {
     text: &'static str,
     least: f64,
@@ -13,7 +15,8 @@ const fn white(text: &'static str, least: f64) -> White {
     White { text, least }
 }
 
-/// Least shares are what the types' own formulas leave: a broad highlight loses what falls below the surface.
+/// The smallest albedos follow from the types' formulas: a broad highlight loses the part below the
+/// surface.
 const MATERIALS: &[White] = &[
     white("plastic m 0 0 5 1 1 1 0 0", 0.999),
     white("plastic m 0 0 5 1 1 1 .05 0", 0.999),
@@ -37,7 +40,7 @@ const MATERIALS: &[White] = &[
     white("transfunc m 2 even even.cal 0 6 1 1 1 0 .5 .5", 0.999),
 ];
 
-/// Of the view to the surface, degrees.
+/// Angles of the view to the surface, degrees.
 const ELEVATIONS: [f64; 6] = [90.0, 60.0, 30.0, 12.0, 5.0, 2.0];
 
 const SURROUNDINGS: &str = "m polygon sheet 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\nvoid glow white 0 0 4 1 1 1 0\n\

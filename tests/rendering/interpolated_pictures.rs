@@ -1,10 +1,11 @@
-//! Pictures of `rpict` without `--error` or `--samples`: interpolated where they are smooth, as `-ps` and `-pt` ask.
+//! Pictures of `rpict` without `--error` or `--samples`: smooth regions are interpolated, by `-ps`
+//! and `-pt`.
 
 use crate::program::{Folder, command, run_with};
 
 const SIDE: usize = 128;
 
-/// A floor under a lamp, with a ball and a thin bar on it, and a disk that throws a soft shadow.
+/// A floor under a lamp, with a ball and a thin bar, and a disk with a soft shadow.
 const TABLE: &str = "
 void plastic grey 0 0 5 .5 .4 .3 0 0
 void plastic red 0 0 5 .7 .1 .1 .03 .05
@@ -63,7 +64,7 @@ fn blocks_of_an_interpolated_picture_are_those_of_one_that_is_not() {
 
 #[test]
 fn smooth_light_has_no_grain() {
-    // The floor below the middle of the picture, away from all shadows.
+    // The floor below the centre of the picture, away from all shadows.
     let rows = [SIDE - 12, SIDE - 9, SIDE - 6];
     let pixels = red(TABLE, VIEW);
     for row in rows {
@@ -77,7 +78,7 @@ fn smooth_light_has_no_grain() {
 
 #[test]
 fn silhouettes_are_averaged_over_pixels() {
-    // A disk that fills a known share of a parallel view, nothing around it.
+    // A disk that fills a known share of a parallel view, with nothing around it.
     let scene = "void glow white 0 0 4 1 1 1 0\nwhite ring disk 0 0 8 0 5 0 0 -1 0 0 .8\n";
     let view = "-vtl -vp 0 0 0 -vd 0 1 0 -vh 2 -vv 2 -x 128 -y 128 -ff -pj 1";
     let pixels = red(scene, view);

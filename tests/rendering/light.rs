@@ -1,18 +1,20 @@
-//! Light transport against real Radiance: the scenes in `tests/light`, each with its rays and options.
+//! Light transport, compared with real Radiance: the scenes in `tests/light`, each with its rays
+//! and options.
 //!
-//! A scene file tells in comments what is compared: `# ray` gives origin and direction, `# case` options of `rtrace` for both programs, and
-//! after them, where they differ from the usual, how often each ray is traced (`repeats`) and by what share of the larger one the means may
-//! differ (`tolerance`; what is far below the brightest value is compared less strictly).
+//! Comments of a scene file describe the comparison: `# ray` gives origin and direction, `# case`
+//! options of `rtrace` for both programs, followed by deviations from the defaults: the number of
+//! repetitions (`repeats`) and the tolerance of the means relative to the larger one (`tolerance`;
+//! values far below the brightest one have a larger tolerance).
 
 use crate::program::{Folder, command, run_with};
 use radsight_test_support::Radiance;
 use std::path::Path;
 
-/// Real `rtrace` told to integrate: lights in small pieces with a random place in each, all of them tested, highlights sampled; with
-/// the same random numbers in every run.
+/// Options that make real `rtrace` integrate: lights in small jittered pieces, all of them tested,
+/// highlights sampled; with the same random numbers in every run.
 const INTEGRATE: &[&str] = &["-ds", ".01", "-dj", ".9", "-dt", "0", "-dc", "1", "-st", "0", "-ab", "0", "-u-"];
 
-/// Options, and how to compare.
+/// Options, and tolerances.
 struct Case {
     options: Vec<String>,
     repeats: usize,
@@ -52,7 +54,7 @@ fn means(output: &str, repeats: usize) -> Vec<[f64; 3]> {
     values.chunks(repeats).map(mean).collect()
 }
 
-/// What differs, in words.
+/// A description of the differences.
 fn compare(radiance: &Radiance, name: &str, scene: &str, rays: &[&str], case: &Case) -> String {
     let folder = Folder::new();
     folder.file("scene.rad", scene);
@@ -120,7 +122,7 @@ fn prisms_send_light_where_radiance_sends_it() {
 }
 
 #[test]
-fn illums_look_like_their_substitutes() {
+fn illums_render_as_their_substitutes() {
     agrees(&["illum"]);
 }
 
@@ -149,7 +151,8 @@ fn irradiance_is_measured_where_radiance_measures_it() {
     agrees(&["irradiance"]);
 }
 
-/// The sun of the render tests behind `prism2`, found by rays through the prism: a glow that is no light is seen by those alone.
+/// The sun of the render tests behind `prism2`, found by rays through the prism: a glow that is not
+/// a light source is seen only by those.
 #[test]
 fn the_sun_lights_through_a_prism_what_rays_through_it_find() {
     let Some(radiance) = Radiance::find() else { return };
@@ -184,7 +187,8 @@ fn the_sun_lights_through_a_prism_what_rays_through_it_find() {
     }
 }
 
-/// A lamp three units behind a prism that bends by a fixed angle. Shadow rays of Radiance look for it where that angle is right for the prism's middle.
+/// A lamp three units behind a prism that deflects by a fixed angle. Shadow rays of Radiance search
+/// it where that angle is correct for the prism's centre.
 #[test]
 fn a_near_lamp_lights_through_a_prism_what_rays_through_it_find() {
     let Some(radiance) = Radiance::find() else { return };
@@ -207,8 +211,8 @@ fn a_near_lamp_lights_through_a_prism_what_rays_through_it_find() {
     }
 }
 
-/// Irradiance on a level surface from the directions about a unit direction, by rays of real `rtrace` on a grid of this width over the plane that touches
-/// the sphere there.
+/// Irradiance on a horizontal surface from the directions around a unit direction, by rays of real
+/// `rtrace` on a grid of this width in the tangent plane of the sphere.
 fn through_the_prism(
     radiance: &Radiance,
     octree: &str,

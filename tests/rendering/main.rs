@@ -1,4 +1,5 @@
-//! Rays and pictures that the renderer makes, against real Radiance, analytic answers and plain sampling.
+//! Rays and pictures of the renderer, compared with real Radiance, analytic answers and plain
+//! sampling.
 
 #[path = "../pictures/mod.rs"]
 mod pictures;

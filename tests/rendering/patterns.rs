@@ -1,6 +1,7 @@
-//! Patterns, textures and mixtures against real Radiance, ray by ray.
+//! Patterns, textures and mixtures, compared with real Radiance ray by ray.
 //!
-//! A pattern on a `glow` shows its values; a mirror under a coloured sky shows where a texture turns the normal.
+//! A pattern on a `glow` shows its values; a mirror under a coloured sky shows the normals of a
+//! texture.
 
 use crate::program::{Folder, command, run_with};
 use radsight_test_support::Radiance;
@@ -18,7 +19,7 @@ impl Case {
         Case { name: name.to_owned(), scene: scene.into(), files: Vec::new() }
     }
 
-    /// A pattern named `pat` on a floor that glows.
+    /// A pattern named `pat` on a floor of glow.
     fn glowing(name: &str, pattern: &str) -> Case {
         Case::new(name, format!("{pattern}\npat glow lit 0 0 4 1 .8 .6 0\nlit {FLOOR}"))
     }
@@ -70,7 +71,7 @@ fn rays() -> String {
     text
 }
 
-/// What both programs write: radsight, then real Radiance.
+/// The outputs of both programs: radsight, then real Radiance.
 fn both(radiance: &Radiance, case: &Case, words: &[&str]) -> [Vec<Vec<f64>>; 2] {
     let folder = Folder::new();
     folder.file("scene.rad", &case.scene);
@@ -90,8 +91,8 @@ fn numbers(line: &str) -> Vec<f64> {
     line.split_whitespace().map(|word| word.parse().expect("a number")).collect()
 }
 
-/// Compares each ray of each case; values may differ by a share of the largest one, on all rays but for a share of them: those at the
-/// edge of a letter or a pixel.
+/// Compares each ray of each case with a tolerance relative to the largest value, except for a
+/// share of the rays: those at the edge of a letter or a pixel.
 fn same_values(cases: Vec<Case>, words: &[&str], tolerance: f64, outliers: f64) {
     let Some(radiance) = Radiance::find() else { return };
     let mut wrong = String::new();
@@ -356,7 +357,7 @@ fn spectral_picture() -> Vec<u8> {
     bytes
 }
 
-/// In which bands real Radiance follows light, and whether it writes them.
+/// The bands in which real Radiance traces light, and whether it writes them.
 const SAMPLINGS: [&[&str]; 5] = [
     &[],
     &["-cs", "18"],

@@ -1,4 +1,5 @@
-//! The same reflectance model in the program and in a plugin gives the same picture, bit for bit.
+//! The same reflectance model as a built-in one and in a plugin gives the same picture, bit for
+//! bit.
 
 use glam::DVec3;
 use radsight_brdf::{Brdf, Lambert, WardIsotropic};
@@ -12,7 +13,7 @@ use radsight_test_support::plugins;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The program's own models.
+/// The built-in models.
 struct InProgram;
 
 fn model<const BANDS: usize>(request: &ModelRequest<'_>) -> Arc<dyn Brdf> {

@@ -1,4 +1,4 @@
-//! `rcontrib`: coefficients and contributions, beside what can be computed by hand and beside the real one.
+//! `rcontrib`: coefficients and contributions, compared with analytic values and with the real one.
 
 use crate::program::{self, Folder, command, run_with};
 use radsight_picture::Header;
@@ -27,7 +27,7 @@ white polygon sill 0 0 12 0 0 0  0 0 1  4 0 1  4 0 0
 pane polygon window 0 0 12 0 0 1  0 0 3  4 0 3  4 0 1
 ";
 
-/// A scene with one polygon far below, so that nothing hides the sky.
+/// A scene with one polygon far below, so that nothing occludes the sky.
 const FAR: &str = "void plastic grey 0 0 5 .5 .5 .5 0 0\ngrey ring far 0 0 8 0 0 -1e4 0 0 1 0 1\n";
 
 /// Runs our program in a folder; the words are split at spaces.
@@ -67,7 +67,7 @@ fn sky_coefficients_are_projected_solid_angles() {
 fn contributions_have_the_radiance_and_coefficients_have_not() {
     let folder = Folder::new();
     folder.file("scene.rad", format!("{SKY}{FAR}"));
-    // The solid angle of the sun, seen at cos 0.8 from a level plane.
+    // The solid angle of the sun, seen at cos 0.8 from a horizontal plane.
     let projected = PI * 0.2665f64.to_radians().sin().powi(2) * 0.8;
     let coefficients = run(&folder, "-h -I+ -ab 0 -m sun scene.rad", "0 0 0 0 0 1\n").done();
     near(numbers(&coefficients)[0][1], projected, 1e-3);
@@ -93,7 +93,8 @@ fn surfaces_that_emit_nothing_have_coefficients_too() {
     let folder = Folder::new();
     folder.file("scene.rad", format!("{SKY}{ROOM}"));
     let record = &numbers(&run(&folder, "-h -ab 1 -ad 4096 -m grey -m white scene.rad", "2 4 1 0 0 -1\n").done())[0];
-    // The ray meets the floor itself, and what gleams on the walls shows it again; all but the window of what the floor sees is white.
+    // The ray meets the floor itself, and the gloss of the walls shows it again; everything visible
+    // from the floor except the window is white.
     near(record[0], 1.0, 0.01);
     assert!(record[3] > 0.3 && record[3] < 0.5 && record[4] < record[3] && record[5] < record[4], "{record:?}");
 }
@@ -131,7 +132,7 @@ fn coefficients_agree_with_the_real_program() {
         ("-i+", "-f tregenza.cal -b tbin -bn 146"),
         ("-V+ -I+", ""),
     ] {
-        // `-i+` measures where a ray arrives.
+        // `-i+` measures irradiance at the point that a ray meets.
         let rays = format!("{rays}2 2 9 0 0 {}\n", if quantity == "-i+" { -1 } else { 1 });
         let words = format!("-h -u- {quantity} -ab 3 -ad 4000 -lw 1e-5 {bins} -m skyglow -b 0 -m groundglow -m sun");
         let words: Vec<&str> = words.split(' ').filter(|word| !word.is_empty()).chain([octree.as_str()]).collect();
@@ -141,7 +142,7 @@ fn coefficients_agree_with_the_real_program() {
         assert_eq!((real.len(), real[0].len()), (ours.len(), ours[0].len()));
         let sky = real[0].len() - 6;
         for columns in [0..sky, sky..sky + 3] {
-            // Over all points and bins: what is random averages out.
+            // Summed over all points and bins, random errors average out.
             let total = |records: &[Vec<f64>]| records.iter().flat_map(|record| &record[columns.clone()]).sum::<f64>();
             near(total(&ours), total(&real), 0.04);
         }
@@ -149,11 +150,12 @@ fn coefficients_agree_with_the_real_program() {
         let (ours_of_sun, real_of_sun) = (sun(&ours), sun(&real));
         let (ours_on_roof, real_on_roof) = (ours_of_sun[roof], real_of_sun[roof]);
         near(ours_on_roof, real_on_roof, 0.003);
-        // No point in the room sees the sun: its light comes by way of walls, where few of the rays find it.
+        // No point in the room sees the sun: its light arrives by way of walls, where few rays find
+        // it.
         for (ours, real) in ours_of_sun[..roof].iter().zip(&real_of_sun) {
             assert!(ours.max(*real) < 1e-4 * real_on_roof, "{ours} here, {real} there");
         }
-        // Where the light comes from: bins of groups of rows, by their sums over all points.
+        // Directions of the light: bins in groups of rows, by their sums over all points.
         let row = |records: &[Vec<f64>], from: usize, to: usize| -> f64 {
             records.iter().flat_map(|record| &record[(3 * from).min(sky)..(3 * to).min(sky)]).sum()
         };
@@ -230,7 +232,7 @@ fn an_interrupted_run_is_gone_on_with() {
             assert!(names.iter().zip(&whole).all(|(name, whole)| folder.read(name) == *whole), "{format} {place}");
         }
         if size == 24 {
-            // Wrong input leaves what was there.
+            // Wrong input keeps existing output.
             folder.file(".both.dat.abcdef.part", &whole[0][..whole[0].len() - 3 * size]);
             std::fs::remove_file(folder.path("both.dat")).expect("the file is removed");
             assert_eq!(run_once("-r+", "1 2 3").code, 1);
@@ -250,7 +252,7 @@ fn an_interrupted_run_is_gone_on_with() {
             std::fs::remove_file(folder.path(name)).expect("the file is removed");
         }
     }
-    // One record of all rays takes up the sums of an earlier one.
+    // One record of all rays continues the sums of an earlier one.
     for (recovering, half) in [("-fo+", &rays[..3]), ("-r+", &rays[3..])] {
         run(&folder, &format!("{recovering} -c 0 -faf -o sum.dat {words}"), &half.concat()).done();
     }
@@ -265,10 +267,11 @@ fn an_interrupted_run_is_gone_on_with() {
 fn rays_end_where_their_direction_does() {
     let Some(radiance) = Radiance::find() else { return };
     let folder = Folder::new();
-    // Without gloss, so that nothing is left to chance.
+    // Without gloss, so that nothing is random.
     let scene = folder.file("scene.rad", format!("{SKY}{}", ROOM.replace(".05 .1", "0 0")));
     let octree = radiance.octree(&folder, &[&scene]);
-    // To the wall and not so far; through the window to the sky; to the window, and through it and not to the sky.
+    // To the wall and shorter; through the window to the sky; to the window, and through it but not
+    // to the sky.
     let rays = "2 1 1.5 0 4.1 0\n2 1 1.5 0 3.9 0\n2 1 1.5 0 -.9 0\n2 1 1.5 0 -3 0\n2 1 1.5 0 0 -2\n";
     for on in ["-ld+", "-ld-"] {
         let words = ["-h", "-ab", "0", on, "-m", "skyglow", "-m", "white", "-m", "grey", "-m", "pane", &octree];
@@ -362,7 +365,7 @@ fn a_command_gets_the_records_that_are_sent_to_it() {
 }
 
 #[test]
-fn wrong_command_lines_and_input_are_told() {
+fn wrong_command_lines_and_input_are_reported() {
     let folder = Folder::new();
     folder.file("scene.rad", format!("{SKY}{ROOM}"));
     folder.file("taken.dat", "");
@@ -372,8 +375,8 @@ fn wrong_command_lines_and_input_are_told() {
         assert_eq!(run.code, code, "{words}: {}", run.messages);
         assert!(run.messages.contains(message), "{words}: {}", run.messages);
     };
-    check("scene.rad", "", 2, "no modifier is named");
-    check("-m sun", "", 2, "no scene is named");
+    check("scene.rad", "", 2, "no modifier is given");
+    check("-m sun", "", 2, "no scene is given");
     check("-m sun -m sun scene.rad", "", 2, "modifier \"sun\" is named twice");
     check("-m void scene.rad", "", 2, "\"void\" cannot be tracked");
     check("-b Dx -m sun scene.rad", "", 2, "number of bins of \"sun\" is missing");
@@ -387,7 +390,7 @@ fn wrong_command_lines_and_input_are_told() {
     check("-M missing.txt scene.rad", "", 1, "cannot read modifiers \"missing.txt\"");
     check("-o taken.dat -m sun scene.rad", "", 3, "it exists, expected -fo+");
     check("-o nowhere/x.dat -m sun scene.rad", "", 3, "cannot write \"nowhere/x.dat\"");
-    check("-o %s%s -m sun scene.rad", "", 2, "holds an unknown %");
+    check("-o %s%s -m sun scene.rad", "", 2, "has an unknown % format");
     check("-fxa -m sun scene.rad", "", 2, "format \"-fxa\" is unknown");
     check("-r+ -m sun scene.rad", "", 2, "standard output cannot be recovered (-r)");
     check("-r+ -o sun.dat -m sun scene.rad", "", 2, "text cannot be recovered (-r)");
@@ -396,7 +399,12 @@ fn wrong_command_lines_and_input_are_told() {
     check("-ap map.pm 9 -m sun scene.rad", "", 2, "photon maps are not supported");
     check("-zz -m sun scene.rad", "", 2, "option \"-zz\" is not supported");
     check("-m sun scene.rad", "1 2 3", 1, "standard input, ray 1: the stream ends after 3 of 6 numbers");
-    check("-x 2 -y 2 -m sun scene.rad", "1 1 1 0 0 1\n", 1, "standard input ends 3 rays early");
+    check(
+        "-x 2 -y 2 -m sun scene.rad",
+        "1 1 1 0 0 1\n",
+        1,
+        "standard input ends 3 rays before the number given by -x and -y",
+    );
     let warned = run(&folder, "-h -m moon scene.rad", "1 1 1 0 0 1\n");
     assert!(warned.code == 0 && warned.messages.contains("the scene has no modifier \"moon\""), "{}", warned.messages);
     assert_eq!(folder.names().iter().filter(|name| name.ends_with(".part")).count(), 0);

@@ -1,14 +1,16 @@
-//! Retroreflectors in scenes and by `radsight retro`: coefficients through the renderer, beads against real Radiance.
+//! Retroreflectors in scenes and in `radsight retro`: coefficients through the renderer, beads
+//! compared with real Radiance.
 
 use crate::program::{self, Folder, command, radsight, radsight_with, run_with};
 use radsight_test_support::Radiance;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Half angle of the sun, degrees: much less than an observation angle.
+/// Half angle of the sun, degrees: much smaller than an observation angle.
 const SUN_HALF_ANGLE_DEG: f64 = 0.0005;
 
-/// A plane z = 0 of the material `m`, under a sun of irradiance 1 (across its light) at this entrance angle.
+/// A plane z = 0 of the material `m`, under a sun of irradiance 1 (perpendicular to its light) at
+/// this entrance angle.
 fn scene(material: &str, entrance_deg: f64) -> String {
     let half = SUN_HALF_ANGLE_DEG.to_radians();
     let radiance = 1.0 / (2.0 * PI * (1.0 - half.cos()));
@@ -20,7 +22,7 @@ fn scene(material: &str, entrance_deg: f64) -> String {
     )
 }
 
-/// Rays that look at the origin from the plane of the sun, at these viewing angles.
+/// Rays from the plane of the sun to the origin, at these viewing angles.
 fn rays(viewing_deg: &[f64]) -> String {
     let ray = |angle: &f64| {
         let (sin, cos) = angle.to_radians().sin_cos();
@@ -46,7 +48,7 @@ fn ours(folder: &Folder, scene: &str, rays: &str) -> Vec<f64> {
     values(&run_with(&mut command, rays.as_bytes()).text())
 }
 
-/// The sun is a disk, over which the lobe is not even; more rays would not tell more.
+/// The sun is a disk over which the lobe varies; more rays do not change the result.
 fn assert_near(found: &[f64], expected: &[f64], tolerance: f64, what: &str) {
     assert_eq!(found.len(), expected.len());
     for (index, (found, expected)) in found.iter().zip(expected).enumerate() {
@@ -94,7 +96,7 @@ fn a_scene_shows_the_coefficients_of_its_table() {
         let viewing = [entrance - 0.2, entrance - 0.5];
         let found = ours(&folder, &scene(material, entrance), &rays(&viewing));
         for ((radiance, angle), expected) in found.iter().zip(viewing).zip(expected) {
-            // R_A is the intensity per area and illuminance across the light, here 1.
+            // R_A is the intensity per area and perpendicular illuminance, here 1.
             let coefficient = radiance * angle.to_radians().cos();
             assert!((coefficient / expected - 1.0).abs() < 5e-3, "{entrance}°, {angle}°: {coefficient} for {expected}");
         }
@@ -110,14 +112,15 @@ fn a_pattern_dims_and_a_texture_turns_native_sheeting() {
     let pattern = format!("void brightfunc seal 2 if(Px,.25,1) . 0 0\nseal {sharp}");
     let found = ours(&folder, &scene(&pattern, 10.0), &rays_at(9.9, &[-0.5, 0.5]));
     assert_near(&found, &[plain[0], 0.25 * plain[0]], 1e-5, "pattern");
-    // Under a normal that is turned by 30° the entrance angle is another: f cos β = R/cos ν for the larger cosine.
+    // Under a normal rotated by 30° the entrance angle differs: f cos β = R/cos ν for the larger
+    // cosine.
     let wavy = format!("void texfunc wave 4 .57735 0 0 . 0 0\nwave {sharp}");
     let turned = ours(&folder, &scene(&wavy, 10.0), &viewing);
     assert!((turned[0] / plain[0] - 1.0).abs() > 1e-5, "{turned:?} {plain:?}");
     assert!((turned[0] / plain[0] - 1.0).abs() < 0.05, "the lobe still points back");
 }
 
-/// Each model, as a scene writes it after the name of its material.
+/// Each model, as written in a scene after the name of its material.
 const EACH: [(&str, &str); 7] = [
     ("paper1991", "2 retro paper1991 0 5 .086 .00612 0 1.5 .1"),
     ("gauss_reciprocal", "2 retro gauss_reciprocal 0 5 .086 .00612 .2 1.5 .1"),
@@ -128,7 +131,7 @@ const EACH: [(&str, &str); 7] = [
     ("table", "2 retro table 0 9 0 1 .1 .2 4 800 .5 4 460"),
 ];
 
-/// A normal map's sheet is as bright as one that is turned.
+/// A sheet with a normal map is as bright as a rotated one.
 #[test]
 fn every_model_takes_a_pattern_and_a_normal_map() {
     let folder = Folder::new();
@@ -226,7 +229,7 @@ fn the_command_refuses_what_it_does_not_know() {
     let bad = folder.file("bad.csv", ".2,-4,800\n.2,x,3\n");
     let run = radsight(&["retro", "fit", &bad, "--model", "sharp"]);
     assert!(
-        run.code == 1 && run.messages.contains("bad.csv:2:4") && run.messages.contains("\"x\" is no number"),
+        run.code == 1 && run.messages.contains("bad.csv:2:4") && run.messages.contains("\"x\" is not a number"),
         "{run:?}"
     );
     assert_eq!(radsight(&["retro", "fit", &bad, "--model", "shrap"]).code, 2);
@@ -239,7 +242,7 @@ fn the_command_refuses_what_it_does_not_know() {
     assert!(trailer.contains("49 CFR 571.108") && trailer.contains("0.5,45,15,,,,4,,"), "{trailer}");
 }
 
-/// Real Radiance reads the parts without a complaint, and meets the same materials from above.
+/// Real Radiance reads the parts without a warning, and meets the same materials from above.
 #[test]
 fn the_parts_are_radiance_scenes() {
     let folder = program::root().join("radiance-scenes/parts");
@@ -266,13 +269,14 @@ fn the_parts_are_radiance_scenes() {
         let hits = real.iter().filter(|name| !name.contains('*')).count();
         let different = real.iter().zip(&ours).filter(|(real, ours)| real.trim() != ours.trim()).count();
         assert!(real.len() == ours.len() && hits > 200, "{part}: {hits} rays of {} meet it", real.len());
-        // Real Radiance takes points within products of lengths of 1e-6 for part of a polygon: a fifth of a millimetre of an
-        // edge of 5 mm, where the unit is the metre.
+        // Real Radiance includes points within products of lengths of 1e-6 in a polygon: a fifth of
+        // a millimetre at an edge of 5 mm, if the unit is the metre.
         assert!(different <= real.len() / 50, "{part}: {different} rays meet another material");
     }
 }
 
-/// A millimetre is one unit here, so that real Radiance's tolerances are small beside the parts.
+/// A millimetre is one unit here, so that real Radiance's tolerances are small compared with the
+/// parts.
 #[test]
 fn the_parts_are_as_bright_under_a_sky_as_in_real_radiance() {
     let Some(radiance) = Radiance::find() else { return };
@@ -307,14 +311,14 @@ fn the_parts_are_as_bright_under_a_sky_as_in_real_radiance() {
         means.remove("*");
         assert!(means.values().map(|sums| sums[0]).sum::<f64>() > 30.0, "{part}: {means:?}");
         for (material, [rays, real, ours]) in means {
-            // Noise of 64 rays for each highlight.
+            // Noise of 64 samples per highlight.
             let tolerance = 0.015 + 0.15 / rays.sqrt();
             assert!((ours / real - 1.0).abs() < tolerance, "{part}, {material}, {rays} rays: {ours} for {real}");
         }
     }
 }
 
-/// What one ray met: names of material and surface; normal and green radiance.
+/// The hit of one ray: names of material and surface; normal and green radiance.
 struct Met {
     names: [String; 2],
     numbers: [f64; 4],

@@ -1,4 +1,5 @@
-//! `rpict` and `vwrays`: headers, sizes, views and values against real Radiance's, and pictures that go on where they were interrupted.
+//! `rpict` and `vwrays`: headers, sizes, views and values, compared with real Radiance, and
+//! continued pictures.
 
 use crate::program::{Folder, Run, command, run_with};
 use radsight_picture::{Header, Picture, Resolution, read_image};
@@ -15,7 +16,7 @@ fn rpict(folder: &Folder, words: &[&str]) -> Run {
     run_with(command(&[&["rpict"], words].concat()).current_dir(folder.path("")), b"")
 }
 
-/// Views of all types with clipping planes, shift and lift, that see the room.
+/// Views of all types with clipping planes, shift and lift, which show the room.
 const VIEWS: [&str; 6] = [
     "-vtv -vh 60 -vv 40 -vo .3 -va 8 -vs .2 -vl -.1",
     "-vtl -vh 6 -vv 4 -vo .1 -va 30",
@@ -63,7 +64,7 @@ fn vwrays_reads_pictures_depths_and_pixels_as_real_vwrays_does() {
     }
 }
 
-/// Real `vwrays` takes the distance of a neighbouring pixel here.
+/// Real `vwrays` uses the distance of a neighbouring pixel here.
 #[test]
 fn vwrays_finds_the_depth_of_a_pixel() {
     let folder = Folder::new();
@@ -124,7 +125,8 @@ fn direct_light_is_that_of_real_rpict_in_every_view() {
     }
 }
 
-/// Lamps whose corners reach into dark pixels, by 0.15 of their sides: four samples seldom meet them.
+/// Lamps whose corners extend into dark pixels by 0.15 of their sides: four samples seldom meet
+/// them.
 #[test]
 fn corners_of_lamps_are_found_where_an_error_is_asked_for() {
     let folder = Folder::new();
@@ -139,7 +141,7 @@ fn corners_of_lamps_are_found_where_an_error_is_asked_for() {
         "-vtl -vp 8 8 10 -vd 0 0 -1 -vu 0 1 0 -vh 16 -vv 16 -x 16 -y 16 -pa 0 -pj 1 -ab 0 -w- --error .02 lamps.rad";
     let picture = rpict(&folder, &view.split(' ').collect::<Vec<_>>()).done();
     let values = Picture::read(&picture).expect("a picture").radiance().expect("radiance");
-    // How much of a column or row of pixels a lamp covers, from its first on.
+    // The share of a column or row of pixels that a lamp covers, from its first on.
     let covered = |place: usize| [0.0, 1.0, 0.15, 0.0][place % 4];
     let squares = values.pixels().enumerate().map(|(at, pixel)| {
         let right = 0.2 + 14.8 * covered(at % 16) * covered(15 - at / 16);
@@ -220,7 +222,7 @@ fn a_sequence_makes_a_picture_for_each_view() {
     assert!(text.contains("FRAME=6\nVIEW= -vtv -vp 0 -2 1 -vd 0 1 0 -vu 0 0 1 -vh 20 "), "{text}");
 }
 
-/// A picture with an aperture is sharp where the view direction ends, and blurred elsewhere.
+/// A picture with an aperture is sharp at the focus distance, and blurred elsewhere.
 #[test]
 fn an_aperture_blurs_what_is_not_in_focus() {
     let folder = Folder::new();
@@ -254,7 +256,7 @@ fn pixels_in_xyz_and_other_primaries_are_those_of_real_rpict() {
             lines.filter(|line| !dated.iter().any(|name| line.starts_with(name))).collect()
         };
         assert_eq!(lines(&real), lines(&ours), "{color}");
-        // The middle of the picture, and its corner: one light fills each.
+        // The centre of the picture, and its corner: one light fills each.
         let (real, ours) = (Picture::read(&real).expect("a picture"), Picture::read(&ours).expect("a picture"));
         for (x, y) in [(12, 12), (0, 0)] {
             for (real, ours) in real.values().pixel(x, y).iter().zip(ours.values().pixel(x, y)) {
@@ -323,5 +325,5 @@ fn floats_are_what_pixels_are_made_of() {
         assert!(differ > 0, "pixels are rounded");
     }
     let refused = rpict(&folder, &["-ff", "-ro", "a.hdr", "room.rad"]);
-    assert!(refused.code == 2 && refused.messages.contains("-ff begins a picture anew"), "{}", refused.messages);
+    assert!(refused.code == 2 && refused.messages.contains("-ff cannot continue a picture"), "{}", refused.messages);
 }

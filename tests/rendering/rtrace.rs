@@ -1,4 +1,4 @@
-//! `rtrace`: what it says of rays, in which form, against real Radiance's.
+//! `rtrace`: the output and its formats, compared with real Radiance.
 
 use crate::program::{Folder, command, run_with};
 use radsight_test_support::Radiance;
@@ -16,7 +16,7 @@ sky source dome 0 0 4 0 0 1 180
 const RAYS: &str =
     "0 0 2 0 1 -.3\n0 0 1 .1 1 -.1\n0 0 2 .1 0 1\n0 0 2 0 5 1\n0 2 3 0 0 0\n.1 1 2 0 .1 -1\n0 0 2 0 -1 -.1\n";
 
-/// The header without what differs from run to run, and the rest as it is.
+/// The header without lines that differ between runs, and the rest unchanged.
 fn parts(bytes: &[u8]) -> (Vec<String>, Vec<u8>) {
     let end = bytes.windows(2).position(|pair| pair == b"\n\n").map_or(0, |at| at + 2);
     let differs = ["oconv", "SOFTWARE=", "GMT=", "CAPDATE=", "rtrace"];
@@ -36,7 +36,7 @@ fn both(radiance: &Radiance, words: &[&str], input: &str) -> [Vec<u8>; 2] {
     [ours, run_with(theirs.current_dir(folder.path("")), input.as_bytes()).done()]
 }
 
-/// Compares texts word for word, numbers to a share of them.
+/// Compares texts word by word, and numbers with a relative tolerance.
 #[track_caller]
 fn same_words(ours: &[u8], theirs: &[u8], what: &[&str]) {
     let [ours, theirs] = [ours, theirs].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
@@ -74,7 +74,8 @@ fn every_output_says_what_real_rtrace_says() {
         &["-h-", "-x", "2"],
     ];
     for words in cases {
-        // A ray without direction has no record of its own in real Radiance: its point is left from the ray before.
+        // A ray without direction has no record of its own in real Radiance: its point is that of
+        // the ray before.
         let input: String =
             RAYS.lines().filter(|line| !line.ends_with("0 0 0")).map(|line| format!("{line}\n")).collect();
         let [ours, theirs] = both(&radiance, words, &input);
@@ -251,7 +252,7 @@ fn hartmanns_constant_moves_lights_and_does_not_colour_them() {
     assert!(values.lines().filter(lit).count() > 4, "the lamp is seen");
 }
 
-/// Nothing rough, and lights so small that their points do not matter.
+/// No rough surface, and lights so small that their sample points do not matter.
 const GLASSWORK: &str = "
 void light lamp 0 0 3 1e8 2e8 3e8
 lamp sphere bulb 0 0 4 0 0 5 1e-4
@@ -288,7 +289,7 @@ const GLANCES: [&str; 9] = [
     "0 0 3 .1 .2 1\n",
 ];
 
-fn glances(radiance: &Radiance, words: &[&str], rays: &str) -> [Vec<u8>; 2] {
+fn compare_rays(radiance: &Radiance, words: &[&str], rays: &str) -> [Vec<u8>; 2] {
     let folder = Folder::new();
     folder.file("glasswork.rad", GLASSWORK);
     let octree = radiance.octree(&folder, &["glasswork.rad"]);
@@ -314,21 +315,21 @@ fn trees_of_rays_are_those_of_real_rtrace() {
     ];
     for words in cases {
         for rays in GLANCES {
-            let [ours, theirs] = glances(&radiance, words, rays);
+            let [ours, theirs] = compare_rays(&radiance, words, rays);
             same_words(&ours, &theirs, &[words, &[rays]].concat());
         }
     }
 }
 
 #[test]
-fn mirror_images_are_told_apart_as_in_real_rtrace() {
+fn mirror_images_are_distinguished_as_in_real_rtrace() {
     let Some(radiance) = Radiance::find() else { return };
     for words in [["-orR"], ["-oxX"], ["-oRXvrx"]] {
-        let [ours, theirs] = glances(&radiance, &words, &GLANCES.concat());
+        let [ours, theirs] = compare_rays(&radiance, &words, &GLANCES.concat());
         same_words(&ours, &theirs, &words);
     }
-    // A flat mirror shows its image behind it, glass with the pattern of what is beyond.
-    let [ours, _] = glances(&radiance, &["-oRX", "-pY"], GLANCES[1]);
+    // A flat mirror has its image behind it, and glass shows the pattern of the surface behind it.
+    let [ours, _] = compare_rays(&radiance, &["-oRX", "-pY"], GLANCES[1]);
     assert!(String::from_utf8_lossy(&ours).split_whitespace().all(|word| word.parse::<f64>().is_ok()));
 }
 
@@ -336,7 +337,7 @@ fn mirror_images_are_told_apart_as_in_real_rtrace() {
 fn the_contributions_of_a_tree_add_up_to_its_value() {
     let folder = Folder::new();
     folder.file("scene.rad", SCENE);
-    // Drawn rays and shadow rays end there alone: what comes directly and what the sky sends by one bounce.
+    // Sampled rays and shadow rays end there: direct light and one bounce of the sky.
     let words = ["rtrace", "-h", "-ab", "1", "-lw", "1e-9", "-oTVms", "scene.rad"];
     let text = run_with(command(&words).current_dir(folder.path("")), b"0 0 2 0 1 -.3\n").text();
     let record = |line: &str| {
@@ -350,7 +351,7 @@ fn the_contributions_of_a_tree_add_up_to_its_value() {
     assert!(told.iter().any(|(_, name)| name == "lamp") && told.iter().any(|(_, name)| name == "sky"), "{text}");
 }
 
-/// Where real rtrace stays alive, ours keeps what it was asked.
+/// Where real rtrace is persistent, ours stores the command line.
 #[test]
 fn a_control_file_says_again_what_was_asked() {
     let folder = Folder::new();
@@ -366,7 +367,7 @@ fn a_control_file_says_again_what_was_asked() {
         ["1.000000e+00", "2.000000e+00", "3.000000e+00", "4.000000e+00"]
     );
     assert_eq!(run("rtrace -PP some.per", input).text(), first);
-    // No process is named that somebody would end.
+    // No process number is stored that a script would kill.
     assert!(folder.read("some.per").starts_with(b"radsight\n"));
     let picture = "rpict -vp 0 0 5 -vd 0 0 -1 -vu 0 1 0 -x 4 -y 4 --samples 1 -S 3 -o p%d.hdr -PP view.per scene.rad";
     let views = "VIEW= -vp 0 0 5 -vd 0 0 -1 -vu 0 1 0\n";
@@ -377,11 +378,11 @@ fn a_control_file_says_again_what_was_asked() {
     folder.file("real.per", "somewhere 4711 /tmp/in /tmp/out /tmp/err\n");
     folder.file("elsewhere.per", "radsight\n/nowhere\nrtrace\nscene.rad\n");
     for (words, code, message) in [
-        ("rtrace -P new.per", 2, "no scene is named, and control file \"new.per\" holds no command line yet"),
-        ("rtrace -P real.per scene.rad", 1, "\"real.per\": another program's"),
-        ("rpict -P real.per", 1, "\"real.per\": another program's"),
+        ("rtrace -P new.per", 2, "no scene is given, and control file \"new.per\" has no command line yet"),
+        ("rtrace -P real.per scene.rad", 1, "\"real.per\": it belongs to another program"),
+        ("rpict -P real.per", 1, "\"real.per\": it belongs to another program"),
         ("rtrace -P view.per", 1, "its command line is for rpict, expected rtrace"),
-        ("rtrace -P elsewhere.per", 1, "its command line is for the folder \"/nowhere\""),
+        ("rtrace -P elsewhere.per", 1, "its command line was stored in the folder \"/nowhere\""),
         ("rtrace -P", 2, "option \"-P\" ends the command line"),
     ] {
         let run = run(words, input);

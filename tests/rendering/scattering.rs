@@ -1,10 +1,11 @@
-//! Every scattering material against real Radiance's, from both sides, near grazing, smooth and rough, plain and textured.
+//! Compares every scattering material with real Radiance, from both sides, near grazing, smooth and
+//! rough, plain and textured.
 
 use crate::program::{Folder, command, run_with};
 use radsight_test_support::Radiance;
 use std::fmt::Write;
 
-/// A material called `m`, to which a modifier may be added.
+/// A material called `m` that accepts a modifier.
 struct Material {
     name: &'static str,
     text: &'static str,
@@ -36,8 +37,9 @@ const SHEETS: &[Material] = &[
     material("ashik2, no orientation", "ashik2 m 4 0 0 0 . 0 8 .3 .4 .5 .2 .3 .4 30 60"),
 ];
 
-/// Those of whose reflected and transmitted shares Radiance finds all in light that is no source's: no texture must turn the normal
-/// under a rough highlight, whose weight it takes from the geometric one, and no transmitted lobe be rough.
+/// Materials whose reflected and transmitted shares of non-source light Radiance computes
+/// completely: no texture perturbs the normal under a rough highlight, whose weight it takes from
+/// the geometric one, and no transmitted lobe is rough.
 const EXACT_UNDER_SKY: &[Material] = &[
     material("trans, all clear", "trans m 0 0 7 .8 .6 .4 .02 0 1 1"),
     material("trans, smooth", "trans m 0 0 7 .8 .6 .4 .05 0 .5 .6"),
@@ -123,18 +125,18 @@ const FLOOR: &str = "m polygon floor 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n";
 const LIGHTS: &str = "void light warm 0 0 3 1000 800 500\nwarm sphere above 0 0 4 1 .5 3 .05\n\
                       void light cold 0 0 3 400 600 900\ncold sphere below 0 0 4 -.8 -.3 -2.5 .05\n";
 
-/// Large lights on both sides, which cover many lobes whole.
+/// Large lights on both sides, which cover many lobes completely.
 const PANELS: &str = "void light panel 0 0 3 10 8 5\npanel polygon above 0 0 12 0 -2 2 0 2 2 3 2 2 3 -2 2\n\
                       panel polygon below 0 0 12 -1 -1 -2 1 -1 -2 1 1 -2 -1 1 -2\n";
 
-/// Light from everywhere that is no source.
+/// Light from all directions that is not a source.
 const SKY: &str = "void brightfunc bright 2 1+.6*Dx+.3*Dy+.2*Dz . 0 0\nbright glow shine 0 0 4 1 .8 .6 0\n\
                    shine source sky 0 0 4 0 0 1 360\n";
 
 const TEXTURE: &str = "void texfunc bumps 4 .15*sin(3*Px) .1 .05*Nz . 0 0\n";
 const PATTERN: &str = "bumps colorfunc stains 4 .5+.4*Rdot if(Nz,1,.6) .7 . 0 0\n";
 
-/// A view of a place on the floor.
+/// A view of a point on the floor.
 struct Look {
     at: [f64; 2],
     azimuth_deg: f64,
@@ -163,16 +165,16 @@ impl Look {
     }
 }
 
-/// What both programs are asked, and how often.
+/// The query to both programs, and the number of repetitions.
 struct Question<'a> {
     options: &'a [&'a str],
     repeats_here: usize,
     repeats_there: usize,
-    /// Share by which the means may differ where there is no noise.
+    /// Tolerance of the means without noise.
     tolerance: f64,
 }
 
-/// Lights in small pieces with a random place in each, all of them tested.
+/// Lights in small jittered pieces, all of them tested.
 const DIRECT: &[&str] = &["-ds", ".01", "-dj", ".9", "-dt", "0", "-dc", "1", "-ab", "0", "-u-"];
 
 const LARGE: &[&str] = &["-ds", ".05", "-dj", ".9", "-dt", "0", "-dc", "1", "-ab", "0", "-u-"];
@@ -203,7 +205,7 @@ fn statistics(output: &str, repeats: usize) -> Statistics {
     values.chunks(repeats).map(|rays| [0, 1, 2].map(|band| of(rays, band))).collect()
 }
 
-/// What is wrong with a scene's radiances; nothing if the programs agree.
+/// The differences of a scene's radiances; empty if the programs agree.
 fn differences(radiance: &Radiance, name: &str, scene: &str, question: &Question<'_>) -> String {
     let folder = Folder::new();
     folder.file("scene.rad", scene);
@@ -243,7 +245,7 @@ fn differences(radiance: &Radiance, name: &str, scene: &str, question: &Question
     wrong
 }
 
-/// Compares materials with a question, each as it is and under a texture and a pattern.
+/// Compares materials in a query, each plain and under a texture and a pattern.
 fn compare(materials: &[Material], surroundings: &str, modified: &[bool], question: &Question<'_>) {
     let Some(radiance) = Radiance::find() else { return };
     let mut wrong = String::new();
@@ -281,7 +283,7 @@ fn ward_functions_under_small_lights() {
 
 const LARGE_LIGHTS: Question<'_> = Question { options: LARGE, repeats_here: 8192, repeats_there: 60, tolerance: 0.01 };
 
-/// Light is found both by sampling the panels and by drawing from the lobes.
+/// Light is found both by sampling the panels and by sampling the lobes.
 #[test]
 fn sheets_under_large_lights() {
     compare(SHEETS, PANELS, BOTH, &LARGE_LIGHTS);
@@ -305,7 +307,7 @@ fn scattering_functions_in_light_that_is_no_source_s() {
     compare(FUNCTIONS, SKY, BOTH, &NO_LIGHTS);
 }
 
-/// Lights of radiance 1 that tile what is within an angle of the zenith, evenly.
+/// Lights of radiance 1 that tile the cone around the zenith uniformly.
 fn tiles(count: usize, cos_of_edge: f64) -> String {
     let mut tiles = String::from("void light tile 0 0 3 1 1 1\n");
     let share = (1.0 - cos_of_edge) / count as f64;
@@ -320,7 +322,8 @@ fn tiles(count: usize, cos_of_edge: f64) -> String {
     tiles
 }
 
-/// Compares what we find along these rays under one source with what Radiance finds under small ones in its place.
+/// Compares our radiance along these rays under one source with Radiance's under small ones in its
+/// place.
 fn as_under_tiles(radiance: &Radiance, material: &str, source: &str, tiles: &str, looks: &[&str]) {
     let folder = Folder::new();
     let sheet = format!("void {material}\nm polygon sheet 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n");
@@ -339,15 +342,16 @@ fn as_under_tiles(radiance: &Radiance, material: &str, source: &str, tiles: &str
     }
 }
 
-/// Radiance draws from these highlights as if each draw gave the same, and finds other values under a glowing sky than under lights in
-/// its place, which it puts into the formula. We give the latter for both.
+/// Radiance weights all samples of these highlights equally, and gives other values under a glowing
+/// sky than under lights in its place, which it evaluates by the formula. Our result is the latter
+/// in both cases.
 #[test]
 fn a_sky_is_the_same_whether_it_glows_or_consists_of_lights() {
     let Some(radiance) = Radiance::find() else { return };
     let tiles = tiles(2000, 0.0);
     let glow = "void glow sky 0 0 4 1 1 1 0\nsky source s 0 0 4 0 0 1 180\n";
     let looks = ["0 0 1 .2 0 -1\n", "0 0 1 1 0 -1\n", "0 0 1 2.7 0 -1\n"];
-    // From below: what comes through.
+    // From below: transmitted light.
     let through = ["0 0 -1 .2 0 1\n", "0 0 -1 1 0 1\n", "0 0 -1 2.7 0 1\n"];
     for (material, looks) in [
         ("ashik2 m 4 0 1 0 . 0 8 0 0 0 .5 .5 .5 1000 10", looks),
@@ -361,7 +365,8 @@ fn a_sky_is_the_same_whether_it_glows_or_consists_of_lights() {
     }
 }
 
-/// Radiance widens a lobe by the solid angle of the source: beside the sun of the `trans2` render test by a third too much.
+/// Radiance widens a lobe by the solid angle of the source: near the sun of the `trans2` render
+/// test by a third too much.
 #[test]
 fn a_sun_beside_a_narrow_lobe_is_the_sum_of_its_parts() {
     let Some(radiance) = Radiance::find() else { return };

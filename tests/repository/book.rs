@@ -1,6 +1,7 @@
-//! The documentation: each page stands in the book once, and every link leads to something.
+//! The documentation: each page is in the book once, and every link resolves.
 //!
-//! Links are checked in the sources, without a network. Where `mdbook` is on the path, the book is built as well.
+//! Links are checked in the sources, without a network. If `mdbook` is on the path, the book is
+//! built as well.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -18,7 +19,7 @@ fn pages() -> BTreeSet<String> {
     names.filter(|name| name.ends_with(".md") && name != "SUMMARY.md").collect()
 }
 
-/// The targets of a page's links and pictures; what stands in code is none.
+/// The targets of a page's links and pictures, except in code.
 fn links(text: &str) -> Vec<String> {
     let mut links = Vec::new();
     let mut in_code = false;
@@ -36,7 +37,7 @@ fn links(text: &str) -> Vec<String> {
     links
 }
 
-/// What mdBook and forges call a heading in a link.
+/// The anchor of a heading in mdBook and on forges.
 fn anchors(text: &str) -> BTreeSet<String> {
     let headings = text.lines().filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
     let kept = |c: char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
@@ -45,7 +46,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// What is wrong with the links of a file.
+/// The broken links of a file.
 fn dead_links(file: &Path) -> Vec<String> {
     let text = fs::read_to_string(file).expect("a page is text");
     let folder = file.parent().expect("a page is in a folder");

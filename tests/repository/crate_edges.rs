@@ -1,12 +1,13 @@
-//! The walls between the crates: which crate may know which.
+//! The dependencies between the crates.
 //!
-//! Only cargo enforces a wall, so a new edge is made here first, with its reason in the commit message.
+//! Cargo enforces the boundaries, so a new edge is added here first, with its reason in the commit
+//! message.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What each crate of the workspace may know, without the `radsight-` that begins all their names.
+/// The allowed dependencies of each crate of the workspace, without the common prefix `radsight-`.
 /// A crate that is missing here may not exist.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("accel", &["diag", "ir"]),
@@ -92,7 +93,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("units", &[]),
 ];
 
-/// What tests, benchmarks and examples of a crate may know beyond that.
+/// Additional dependencies of a crate's tests, benchmarks and examples.
 const ALLOWED_IN_TESTS: &[(&str, &[&str])] = &[
     ("accel", &["sampling"]),
     ("bench", &["cal", "irradiance-cache"]),
@@ -110,20 +111,23 @@ const ALLOWED_IN_TESTS: &[(&str, &[&str])] = &[
     ("texture", &["diag"]),
 ];
 
-/// What a plugin may know: the layer for plugin authors. The plugin of the built-in models wraps them.
+/// The allowed dependencies of plugins: the layer for plugin authors. The plugin of the built-in
+/// models wraps them.
 const ALLOWED_IN_PLUGINS: &[&str] = &["brdf-sdk"];
 const ALLOWED_IN_BUILTIN_PLUGIN: &[&str] = &["brdf", "brdf-sdk"];
-/// The plugin of cube corners wraps the one of `retro`: one implementation, two ways to it.
+/// The plugin of cube corners wraps the one of `retro`: one implementation with two entry points.
 const ALLOWED_IN_PRISMATIC_PLUGIN: &[&str] = &["brdf-sdk", "retro"];
 const ALLOWED_IN_PLUGIN_TESTS: &[&str] = &["brdf-host"];
 
-/// Crates that know nothing of each other, in either direction and by no detour, but for the edges of `CROSSINGS`.
+/// Crates without a dependency in either direction, direct or indirect, except for the edges of
+/// `CROSSINGS`.
 const WALLED: &[&str] = &["ir", "parse", "render", "retro", "pinhole", "sensor"];
 
-/// Lowering fills the scene; rendering reads it, and knows the retroreflectors by their interface.
+/// Lowering fills the scene; rendering reads it, and uses the retroreflectors through their
+/// interface.
 const CROSSINGS: &[(&str, &str)] = &[("parse", "ir"), ("render", "ir"), ("render", "retro")];
 
-/// Packages from outside that some crates must never see, by any of their edges: who may not know what, and why.
+/// External packages that some crates must not use, directly or indirectly, with the reason.
 const FORBIDDEN_PACKAGES: &[(&str, &[&str])] = &[
     ("ir", &["nom", "obvhs", "image", "png", "clap", "libloading"]),
     ("parse", &["obvhs", "rayon", "clap", "libloading", "memmap2"]),
@@ -200,7 +204,7 @@ fn crates_know_what_the_list_allows() {
         let folder = manifest.path.parent().and_then(Path::file_name).expect("a folder");
         assert_eq!(folder.to_string_lossy(), name, "a crate's folder has its name");
         assert!(ALLOWED.iter().any(|(known, _)| *known == name), "crate {name} is not in the list");
-        // Equality: an edge that is allowed and not used is an open door.
+        // Equality: an allowed edge that is not used must be removed.
         assert_eq!(Manifest::edges(&manifest.dependencies), allowed(ALLOWED, &name), "edges of {name}");
         let in_tests = Manifest::edges(&manifest.test_dependencies);
         assert_eq!(in_tests, allowed(ALLOWED_IN_TESTS, &name), "edges of the tests of {name}");

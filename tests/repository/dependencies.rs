@@ -1,4 +1,4 @@
-//! Dependencies keep to `deny.toml`: their licences, where they come from, and one version of each.
+//! Dependencies follow `deny.toml`: licences, sources, and one version of each.
 
 use crate::program::root;
 use serde_json::Value;
@@ -18,7 +18,7 @@ fn listed(section: &str, key: &str, field: &str) -> BTreeSet<String> {
     rows.iter().map(text).collect()
 }
 
-/// The packages that a program for this machine is made of.
+/// The packages of the program on this machine.
 fn packages() -> Vec<Value> {
     let host = Command::new("rustc").arg("-vV").output().expect("rustc runs").stdout;
     let host = String::from_utf8(host).expect("text");
@@ -31,7 +31,7 @@ fn packages() -> Vec<Value> {
     all["packages"].as_array().expect("packages").clone()
 }
 
-/// Whether some of the choices of an SPDX expression is allowed; the old form has "/" for "OR".
+/// Whether one alternative of an SPDX expression is allowed; the old syntax has "/" for "OR".
 fn is_allowed(expression: &str, allowed: &BTreeSet<String>) -> bool {
     let expression = expression.replace('/', " OR ");
     let of_all = |part: &str| part.split(" OR ").any(|choice| allowed.contains(choice.trim_matches(['(', ')', ' '])));

@@ -1,4 +1,4 @@
-//! The gallery: its scenes are right, for real Radiance too, and its pictures are there and small.
+//! The gallery: its scenes are valid, also for real Radiance, and its pictures exist and are small.
 
 use crate::program::{Folder, command, root, run_with};
 use radsight_picture::read_png;
@@ -6,7 +6,7 @@ use radsight_test_support::Radiance;
 
 const SCENES: [&str; 5] = ["materials", "daylight", "prisms", "mist", "spectra"];
 
-/// No picture of the README is larger, in bytes.
+/// Largest picture of the README, bytes.
 const LARGEST: usize = 150_000;
 
 #[test]

@@ -1,13 +1,14 @@
-//! No file of the renderer's rooms imports another in a circle.
+//! The imports between files of the renderer's crates have no cycle.
 //!
-//! A file that is in no circle can be read, tested and lifted out with what stands below it alone. Only `use` and paths count that
-//! begin with `crate` or `super`; a `mod` line is no import, so a child may build on its parent.
+//! A file outside cycles can be read, tested and extracted with the files below it. Only `use` and
+//! paths that begin with `crate` or `super` count; a `mod` line is not an import, so a child may
+//! depend on its parent.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The crates that are held to it.
+/// The checked crates.
 const ROOMS: &[&str] = &["accel", "bsdf", "compile", "film", "light", "render", "texture"];
 
 /// The modules of a crate by their paths, `a::b`; the root is `lib`.
@@ -37,7 +38,8 @@ fn code(path: &Path) -> String {
     code.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-/// The paths in a file that begin with `crate` or `super`, those of a list in braces one by one, as seen from the root of the crate.
+/// The paths in a file that begin with `crate` or `super`, with lists in braces expanded, relative
+/// to the root of the crate.
 fn paths(module: &str, code: &str) -> Vec<String> {
     let parent = module.rsplit_once("::").map_or("", |(parent, _)| parent);
     let mut found = Vec::new();
@@ -58,7 +60,7 @@ fn paths(module: &str, code: &str) -> Vec<String> {
     found
 }
 
-/// The module that a path names or leads into.
+/// The module that a path names.
 fn target<'m>(modules: &'m BTreeMap<String, PathBuf>, path: &str) -> Option<&'m str> {
     let mut path = path;
     loop {
@@ -69,7 +71,7 @@ fn target<'m>(modules: &'m BTreeMap<String, PathBuf>, path: &str) -> Option<&'m 
     }
 }
 
-/// Which modules each imports.
+/// The imports of each module.
 fn imports(source: &Path) -> BTreeMap<String, BTreeSet<String>> {
     let modules = modules(source);
     let of = |(module, path): (&String, &PathBuf)| {
@@ -80,7 +82,8 @@ fn imports(source: &Path) -> BTreeMap<String, BTreeSet<String>> {
     modules.iter().map(of).collect()
 }
 
-/// What is left when modules without imports are taken away again and again: those in circles, and what imports them.
+/// The rest after modules without imports are removed repeatedly: modules in cycles, and those that
+/// import them.
 fn in_circles(mut imports: BTreeMap<String, BTreeSet<String>>) -> BTreeMap<String, BTreeSet<String>> {
     loop {
         let free: BTreeSet<String> =

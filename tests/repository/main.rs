@@ -1,4 +1,4 @@
-//! What the repository promises about itself: its crates, their imports, its documentation.
+//! Properties of the repository: its crates, their imports, its documentation.
 
 #[path = "../program/mod.rs"]
 mod program;

@@ -1,5 +1,6 @@
-//! Numbers of twice the precision, each a sum of two (Dekker, "A floating-point technique for extending the available precision",
-//! Numerische Mathematik 18, 1971), and with them the intersections that ours are judged by.
+//! Numbers of twice the precision, each a sum of two (Dekker, "A floating-point technique for
+//! extending the available precision", Numerische Mathematik 18, 1971), and reference intersections
+//! computed with them.
 
 use glam::DVec3;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -22,7 +23,7 @@ impl Double {
         if self.high <= 0.0 {
             return Double::ZERO;
         }
-        // One step of Newton's from the root in single precision of the pair.
+        // One step of Newton's method from the root of the leading part.
         let root = Double::from(self.high.sqrt());
         let rest = (self - root * root).value();
         root + Double::from(rest / (2.0 * root.high))
@@ -104,7 +105,7 @@ pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Distance to a triangle, its edges included, along a direction of unit length within rounding.
+/// Distance to a triangle, including its edges, along a direction of approximately unit length.
 pub(crate) fn to_triangle(corners: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
     let (origin, direction) = (vector(origin), vector(direction));
     let [a, b, c] = corners.map(|corner| minus(vector(corner), origin));
@@ -116,7 +117,7 @@ pub(crate) fn to_triangle(corners: [DVec3; 3], origin: DVec3, direction: DVec3) 
     (is_inside && slope.value() != 0.0 && distance > 0.0).then_some(distance)
 }
 
-/// Distances to a sphere, the nearer one first, along a direction whose length need not be exactly 1.
+/// Distances to a sphere, the nearer one first, along a direction of any length.
 pub(crate) fn to_sphere(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
     let (direction, offset) = (vector(direction), minus(vector(origin), vector(center)));
     let [a, b, c] = [dot(direction, direction), dot(direction, offset), dot(offset, offset)];

@@ -1,4 +1,4 @@
-//! Scene text whose surfaces are hit by rays, without light or materials.
+//! Scene text for intersection tests, without light or materials.
 
 use glam::DVec3;
 use radsight_accel::{Geometry, Ray, ShaderId, ShaderTable, Substance};
@@ -13,12 +13,13 @@ pub(crate) struct Built {
 }
 
 impl Built {
-    /// Of surfaces that wear `void`.
+    /// The geometry of surfaces with `void`.
     pub(crate) fn new(text: &str) -> Built {
         Built::of(read(text))
     }
 
-    /// The same, moved and scaled in double precision: text has fewer digits, and no sphere of a millionth.
+    /// The same, translated and scaled in double precision: text has fewer digits, and no sphere of
+    /// a millionth.
     pub(crate) fn placed(text: &str, to_scene: &Transform) -> Built {
         let Scene { names, surfaces, vertices, spheres, cones, rings, .. } = read(text);
         let mut moved =
@@ -64,7 +65,7 @@ impl Built {
         Some((hit.distance, hit.front))
     }
 
-    /// Whether anything is between two points.
+    /// Whether anything occludes the segment between two points.
     pub(crate) fn is_blocked(&self, from: DVec3, to: DVec3) -> bool {
         let ray = Ray::new(from, to - from).expect("a direction");
         self.geometry.any_between(&self.scene, &ray, None, from.distance(to), |_| true)

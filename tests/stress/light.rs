@@ -1,4 +1,4 @@
-//! Light that goes to and fro a thousand times, and sums of many samples.
+//! Light with a thousand bounces, and sums of many samples.
 
 use crate::table::row;
 use glam::DVec3;
@@ -6,7 +6,8 @@ use radsight::{Ray, RenderOptions, Renderer, Scene};
 use radsight_render::PathLimit;
 use radsight_sampling::{DimensionSet, RaySampler};
 
-/// Mean of the first band over single paths from one start, and how many values are no numbers or below zero.
+/// Mean of the first band over single paths from one start, and the number of NaN or negative
+/// values.
 pub(crate) fn mean(
     scene: &str,
     mut options: RenderOptions,
@@ -24,10 +25,10 @@ pub(crate) fn mean(
     (values.iter().step_by(3).sum::<f64>() / rays as f64, wrong)
 }
 
-/// Of what the walls of the tests below are glow; the rest reflects.
+/// The share of glow in the walls of the tests below; the rest reflects.
 const GLOWING: f64 = 0.001;
 
-/// Options under which nothing but the number of reflections ends a path.
+/// Options under which only the number of reflections ends a path.
 fn so_deep(depth: u32) -> RenderOptions {
     RenderOptions {
         ambient_bounces: depth,
@@ -38,7 +39,8 @@ fn so_deep(depth: u32) -> RenderOptions {
     }
 }
 
-/// Between a mirror and a wall that glows a little and mirrors the rest: the sum of a series that is cut at the depth.
+/// Between a mirror and a wall that glows a little and mirrors the rest: a series truncated at the
+/// depth.
 #[test]
 fn mirrors_that_face_each_other() {
     for (reflectance, depth) in [(1.0_f64, 10), (1.0, 1_000), (0.999, 1_000)] {
@@ -48,7 +50,7 @@ fn mirrors_that_face_each_other() {
              both polygon b 0 0 12 -9 1 -9 9 1 -9 9 1 9 -9 1 9\n"
         );
         let (found, wrong) = mean(&scene, so_deep(depth), DVec3::new(0.1, 0.5, 0.1), DVec3::Y, 1);
-        // Each turn is two reflections.
+        // Each round trip is two reflections.
         let turn = (1.0 - GLOWING) * reflectance * reflectance;
         let expected: f64 = (0..=depth / 2).map(|turns| GLOWING * turn.powi(turns as i32)).sum();
         assert_eq!(wrong, 0);
@@ -57,7 +59,8 @@ fn mirrors_that_face_each_other() {
     }
 }
 
-/// A sphere whose inside glows a little and reflects the rest: what it has is what it sends, as often as it takes.
+/// A sphere whose inside glows a little and reflects the rest: its radiance is a geometric series
+/// of the emission.
 #[test]
 fn a_white_furnace_a_thousand_bounces_deep() {
     for (albedo, glowing) in [(0.9_f64, 0.1), (0.999, 0.01), (1.0, 0.01)] {
@@ -73,15 +76,15 @@ fn a_white_furnace_a_thousand_bounces_deep() {
         let case = format!("furnace of albedo {albedo}, 1000 bounces");
         row(&case, "radiance, against the series", 0.01, (found / expected - 1.0).abs());
     }
-    // Albedo 1: nothing is lost in a thousand bounces, and the light that is there stays.
+    // Albedo 1: no light is lost in a thousand bounces.
     let scene = "void plastic white 0 0 5 1 1 1 0 0\nwhite bubble room 0 0 4 0 0 0 1\nvoid glow g 0 0 4 1 1 1 0\ng sphere lamp 0 0 4 0 0 0 .5\n";
     let (found, wrong) = mean(scene, so_deep(1_000), DVec3::new(0.7, 0.0, 0.0), DVec3::new(0.3, 0.8, -0.1), 2_000);
     assert_eq!(wrong, 0);
-    row("furnace of albedo 1, depth 1000", "radiance about a lamp of 1, against 1", 0.01, (found - 1.0).abs());
+    row("furnace of albedo 1, depth 1000", "radiance around a lamp of 1, against 1", 0.01, (found - 1.0).abs());
 }
 
-/// Sums as the film makes them, in double precision one after another, over what the sequence gives after a thousand million
-/// samples: the mean stays what it is.
+/// Sums as in the film, in double precision in sequence, over the sample sequence after 10⁹
+/// samples: the mean is unchanged.
 #[test]
 fn sums_of_many_samples() {
     let whole: u64 = 1 << 30;
@@ -92,9 +95,10 @@ fn sums_of_many_samples() {
             sums = std::array::from_fn(|dimension| sums[dimension] + taken[dimension]);
         }
         let worst = sums.map(|sum| (sum / f64::from(1 << 16) - 0.5).abs()).into_iter().fold(0.0, f64::max);
-        row(&format!("samples from number {first:.1e} on"), "mean of 65,536 of them, against one half", 2e-5, worst);
+        row(&format!("samples from number {first:.1e} on"), "mean of 65,536 samples, against one half", 2e-5, worst);
     }
-    // A thousand million equal shares added to a sum that is as large: the rounding of each is bounded by half a unit.
+    // 10⁹ equal terms added to a sum of the same size: the rounding error of each is at most half a
+    // unit in the last place.
     let (mut sum, step) = (0.0_f64, 0.1_f64);
     for _ in 0..1 << 24 {
         sum += step;

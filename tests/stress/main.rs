@@ -1,7 +1,8 @@
-//! Scenes at the ends of what numbers can say, each against a closed form, brute force in higher precision, or itself moved and scaled.
+//! Scenes at the limits of number ranges, compared with a closed form, with brute force in higher
+//! precision, or with themselves after translation and scaling.
 //!
-//! Every case prints its row of the table in `docs/stress.md`:
-//! `cargo test --release --test stress -- --nocapture --test-threads 1 | grep '^|'`.
+//! Every case prints its row of the table in `docs/stress.md`: `cargo test --release --test stress
+//! -- --nocapture --test-threads 1 | grep '^|'`.
 
 #[path = "../program/mod.rs"]
 mod program;

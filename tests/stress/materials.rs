@@ -1,4 +1,4 @@
-//! Materials at the ends of their parameters, and dielectrics that touch.
+//! Materials at the limits of their parameters, and touching dielectrics.
 
 use crate::light::mean;
 use crate::rays::Numbers;
@@ -10,7 +10,8 @@ use radsight_render::PathLimit;
 
 const RAYS: usize = 4_096;
 
-/// In a white furnace, from just above the surface down to 0.0001° over it, nothing sends on more than it gets.
+/// In a white furnace, from normal incidence to 0.0001° above the surface, no material reflects
+/// more than it receives.
 #[test]
 fn roughness_and_grazing() {
     let mut wrong = 0;
@@ -32,7 +33,7 @@ fn roughness_and_grazing() {
                 let from = DVec3::new(-wide, 0.0, high) * 1e-3;
                 let (found, bad) = mean(&scene, options, from, DVec3::new(wide, 0.0, -high), RAYS);
                 (wrong, tried) = (wrong + bad, tried + 3 * RAYS);
-                // The formula of rough transmission gains near grazing (docs/stress.md).
+                // The formula of rough transmission gains energy near grazing (docs/stress.md).
                 let is_judged = !material.starts_with("trans") || degrees < 80.0;
                 worst = if is_judged { worst.max(found / most - 1.0) } else { worst };
             }
@@ -43,7 +44,7 @@ fn roughness_and_grazing() {
     count("the same", "values below zero or no numbers", tried, wrong);
 }
 
-/// The share that comes back by drawn directions, against the integral of the lobe.
+/// The albedo from sampled directions, compared with the integral of the lobe.
 #[test]
 fn retroreflectors_from_a_hair_to_a_hemisphere() {
     for (model, widths) in [
@@ -69,12 +70,12 @@ fn retroreflectors_from_a_hair_to_a_hemisphere() {
                 if degrees < 80.0 {
                     row(
                         &case,
-                        "albedo by draws, against the integral",
+                        "sampled albedo, against the integral",
                         0.02,
                         (drawn - integral).abs() / integral.max(0.01),
                     );
                 } else {
-                    row(&case, "albedo by draws, above 1", 0.01, (drawn - 1.0).max(0.0));
+                    row(&case, "sampled albedo, above 1", 0.01, (drawn - 1.0).max(0.0));
                 }
             }
         }
@@ -103,7 +104,8 @@ fn albedo_of_draws(sheet: &impl Brdf, outgoing: DVec3) -> f64 {
     sum / f64::from(side * side)
 }
 
-/// ∫ f·cos θ over the hemisphere, in rings about the way back whose widths grow from a hundredth of the lobe's.
+/// ∫ f·cos θ over the hemisphere, in rings around the retroreflection direction whose widths grow
+/// from a hundredth of the lobe's.
 fn integral_of_lobe(sheet: &impl Brdf, outgoing: DVec3, width: f64) -> f64 {
     let (x, y) = outgoing.any_orthonormal_pair();
     let (rings, slices): (u32, u32) = (1_500, 64);
@@ -126,7 +128,8 @@ fn integral_of_lobe(sheet: &impl Brdf, outgoing: DVec3, width: f64) -> f64 {
     sum
 }
 
-/// Glass in water in glass whose surfaces touch or lie within each other by a hair: light of all around stays what it is.
+/// Glass in water in glass with touching or nearly touching surfaces: light of a uniform
+/// environment is unchanged.
 #[test]
 fn dielectrics_that_touch() {
     for gap in [0.0, 1e-12, 1e-9, 1e-6, 1e-3] {

@@ -1,4 +1,4 @@
-//! Exposures, sensors and sizes at their ends; the same bits whatever computes them.
+//! Exposures, sensors and sizes at their limits; the same bits for any way of computing them.
 
 use crate::program::{Folder, ROOM, command, run_with};
 use crate::table::{count, row};
@@ -6,7 +6,7 @@ use radsight_picture::{FileFormat, Header, Image, Picture, read_image, write_ima
 use radsight_sensor::{BitDepth, ExposureUnit, PowerLaw, PowerLawDescription};
 use std::process::Command;
 
-/// What each format keeps of fifteen orders either side of one.
+/// The precision of each format over fifteen orders of magnitude on either side of 1.
 #[test]
 fn thirty_orders_of_exposure() {
     let values: Vec<f32> = (-15..=15).flat_map(|order| [10f32.powi(order); 3]).collect();
@@ -73,7 +73,7 @@ fn rpict(folder: &Folder, program: &mut Command, size: [&str; 2], threads: &str)
     run_with(program, b"").done()
 }
 
-/// The bits without the header, which has the command line and the time.
+/// The bits without the header, which contains the command line and the time.
 fn pixels(bytes: &[u8]) -> &[u8] {
     &bytes[Header::read(bytes).expect("a header").1..]
 }
@@ -104,7 +104,7 @@ fn threads_give_the_same_bits() {
     count("1, 2 and 7 threads", "pictures of other bits", 2, others);
 }
 
-/// The variable names a program that was built with another profile.
+/// The variable names a program built with another profile.
 #[test]
 fn profiles_give_the_same_bits() {
     let Some(other) = std::env::var_os("RADSIGHT_OTHER_PROFILE") else {

@@ -1,8 +1,8 @@
-//! Numbers and directions that are spread evenly and the same in every run.
+//! Uniformly distributed numbers and directions, the same in every run.
 
 use glam::DVec3;
 
-/// A generator of numbers (Vigna's splitmix64).
+/// A random number generator (Vigna's splitmix64).
 pub(crate) struct Numbers(u64);
 
 impl Numbers {

@@ -1,4 +1,4 @@
-//! Sizes, places and shapes at the ends of what numbers can say.
+//! Sizes, positions and shapes at the limits of number ranges.
 
 use crate::geometry::{Built, polygon};
 use crate::rays::Numbers;
@@ -16,7 +16,8 @@ void ring disk 0 0 8 2 -2 1 0 .6 .8 .25 1
 void polygon kite 0 0 9 -3 -3 1 -1 -3.5 2 -2 -1 3
 ";
 
-/// How far the hits of rays are from those in the room as it is, in its own lengths, and how many rays meet something else.
+/// The largest error of ray hits relative to the untransformed room, in its own units, and the
+/// number of rays with another hit.
 fn against_the_room(scale: f64, offset: DVec3) -> (f64, usize) {
     let plain = Built::new(ROOM);
     let moved = Built::placed(ROOM, &Transform { translation: offset, scale, ..Transform::IDENTITY });
@@ -54,7 +55,7 @@ fn offsets() {
     for sizes in [1e2, 1e5, 1e8] {
         let offset = DVec3::new(sizes, -sizes, sizes / 2.0);
         let (worst, others) = against_the_room(1.0, offset);
-        // What a coordinate is rounded to there, times what slanted rays make of it.
+        // The rounding error of a coordinate there, times the amplification by oblique rays.
         let rounding = sizes * f64::EPSILON;
         let share = others as f64 / RAYS as f64;
         row(
@@ -72,7 +73,7 @@ fn offsets() {
     }
 }
 
-/// A strip of triangles up to a thousand million times as long as wide, side by side.
+/// A strip of adjacent triangles up to 10⁹ times as long as wide.
 #[test]
 fn needles() {
     for thin in [1e-3, 1e-6, 1e-9] {
@@ -97,7 +98,7 @@ fn needles() {
             let x = if index % 2 == 0 { column * thin } else { numbers.within(0.0, f64::from(count_of) * thin) };
             let aim = DVec3::new(x, numbers.within(1e-3, 1.0 - 1e-3), 0.0);
             let origin = aim + DVec3::new(numbers.within(-1.0, 1.0) * thin, numbers.within(-0.5, 0.5), 1.0);
-            // Where rounding puts the aim outside of the strip, nothing has to be there.
+            // If rounding moves the target outside the strip, there need be no hit.
             let is_within = x > thin && x < f64::from(count_of - 1) * thin;
             match built.first(origin, aim - origin) {
                 Some((distance, _)) => worst = worst.max((distance - origin.distance(aim)).abs()),
@@ -109,7 +110,7 @@ fn needles() {
     }
 }
 
-/// Whatever lies on what, a ray meets the first of them, and shadows know of both.
+/// For overlapping surfaces, a ray meets the first one, and shadow rays find both.
 #[test]
 fn nearly_coincident_surfaces() {
     for gap in [0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-3] {
@@ -126,7 +127,7 @@ fn nearly_coincident_surfaces() {
             open += usize::from(!built.is_blocked(origin, aim - (origin - aim)));
         }
         count(&format!("sheets {gap:.0e} apart"), "shadow rays that pass both", RAYS, open);
-        // Within 1e-6 Radiance's rule chooses either.
+        // Within 1e-6 Radiance's rule selects either.
         let tolerance = if gap <= 1e-6 { 1.75 * gap + 1e-12 } else { 1e-12 };
         row(&format!("sheets {gap:.0e} apart"), "distance to the first", tolerance, worst);
     }

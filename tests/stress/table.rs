@@ -1,4 +1,4 @@
-//! Rows of the table, and the judgement of each.
+//! Rows of the table, and their checks.
 
 /// Prints a row and checks that the worst case is within the tolerance.
 #[track_caller]
@@ -7,7 +7,7 @@ pub(crate) fn row(case: &str, checked: &str, tolerance: f64, worst: f64) {
     assert!(worst <= tolerance, "{case}: {checked}: {worst} is more than {tolerance}");
 }
 
-/// The same for faults that are counted, of which there may be none.
+/// The same for counted faults, of which there may be none.
 #[track_caller]
 pub(crate) fn count(case: &str, checked: &str, tried: usize, wrong: usize) {
     println!("| {case} | {checked} | 0 of {tried} | {wrong} |");

@@ -1,4 +1,4 @@
-//! Closed surfaces let no ray out.
+//! Rays cannot leave closed surfaces.
 
 use crate::double_double::{to_sphere, to_triangle};
 use crate::geometry::{Built, polygon};
@@ -7,7 +7,7 @@ use crate::table::{count, row};
 use glam::{DMat3, DQuat, DVec3, EulerRot};
 use radsight_ir::Transform;
 
-/// A ball of triangles whose corners are moved about, far from any axis.
+/// A ball of triangles with displaced corners, far from any axis.
 fn crumpled_ball(numbers: &mut Numbers, center: DVec3, size: f64) -> Vec<[DVec3; 3]> {
     let t = (1.0 + 5f64.sqrt()) / 2.0;
     let mut corners: Vec<DVec3> = [(-1.0, t), (1.0, t), (-1.0, -t), (1.0, -t)]
@@ -37,7 +37,7 @@ fn crumpled_ball(numbers: &mut Numbers, center: DVec3, size: f64) -> Vec<[DVec3;
     faces.iter().map(|face| face.map(|corner| corners[corner])).collect()
 }
 
-/// Four faces for one; the middles of sides are shared.
+/// Subdivides each face into four; the midpoints of sides are shared.
 fn split(faces: &[[usize; 3]], corners: &mut Vec<DVec3>) -> Vec<[usize; 3]> {
     let mut middles = std::collections::BTreeMap::new();
     let mut middle = |a: usize, b: usize| {
@@ -54,7 +54,7 @@ fn split(faces: &[[usize; 3]], corners: &mut Vec<DVec3>) -> Vec<[usize; 3]> {
     four
 }
 
-/// A point that a ray is aimed at: on a face, an edge, or a corner.
+/// The target of a ray: on a face, an edge, or a corner.
 fn target(numbers: &mut Numbers, [a, b, c]: [DVec3; 3], index: usize) -> DVec3 {
     let (u, v) = (numbers.share(), numbers.share());
     match index % 4 {
@@ -106,12 +106,13 @@ fn closed_meshes() {
     }
 }
 
-/// What rounding of coordinates leaves, as a share of the size. Corners that lie on each other within it may stand for each other.
+/// The rounding error of coordinates, relative to the size. Corners closer than this may be
+/// exchanged.
 fn tolerance(center: DVec3, size: f64) -> f64 {
     1e-12 * (1.0 + center.length() / size)
 }
 
-/// Points inside a body, and points on its rims and seams.
+/// Points inside a solid, and points on its edges and seams.
 struct Body {
     name: &'static str,
     text: String,

@@ -9,12 +9,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A folder with hostile files. Programs run in the folder `work` of it.
+/// A folder with hostile files. Programs run in its folder `work`.
 pub(crate) struct Trap {
     pub(crate) folder: Folder,
 }
 
-/// What must never change.
+/// Files that must not change.
 pub(crate) const PRECIOUS: &str = "years of work\n";
 
 /// Files of a hostile folder with their texts.
@@ -112,12 +112,12 @@ impl Trap {
         run_with(command(words).current_dir(self.work("")), input)
     }
 
-    /// Words as a shell splits those without quotation marks.
+    /// Splits words as a shell does, without quotes.
     pub(crate) fn run_line(&self, line: &str) -> Run {
         self.run(&line.split(' ').collect::<Vec<_>>())
     }
 
-    /// All files and what they hold.
+    /// All files and their content.
     pub(crate) fn state(&self) -> BTreeMap<PathBuf, Vec<u8>> {
         fn add(folder: &Path, files: &mut BTreeMap<PathBuf, Vec<u8>>) {
             for entry in fs::read_dir(folder).expect("a folder is read") {
@@ -134,7 +134,7 @@ impl Trap {
         files
     }
 
-    /// Removes what mkillum writes when nobody names it.
+    /// Removes the default output of mkillum.
     pub(crate) fn remove_illum_data(&self) {
         for entry in fs::read_dir(self.work("")).expect("a folder is read") {
             let path = entry.expect("an entry").path();
@@ -145,7 +145,7 @@ impl Trap {
         }
     }
 
-    /// Runs the program and checks that nothing came of it but messages and standard output.
+    /// Runs the program and checks that it has only written messages and standard output.
     #[track_caller]
     pub(crate) fn leaves_no_trace(&self, words: &[&str], input: &[u8]) -> Run {
         let before = self.state();
@@ -165,7 +165,7 @@ impl Trap {
         run
     }
 
-    /// The same, and the program has to say why it did not.
+    /// The same, and the program must report the reason.
     #[track_caller]
     pub(crate) fn refuses(&self, words: &[&str], message: &str) {
         let run = self.leaves_no_trace(words, b"0 0 0 0 1 0\n");
@@ -174,7 +174,7 @@ impl Trap {
     }
 }
 
-/// A library whose first act is to leave a mark; `None` without a C compiler.
+/// A library that leaves a mark when it is loaded; `None` without a C compiler.
 pub(crate) fn evil_library(trap: &Trap) -> Option<PathBuf> {
     trap.file(
         "evil.c",

@@ -1,9 +1,10 @@
-//! How long functions are.
+//! Measures the lengths of functions.
 
-/// Lines of each function of a source that rustfmt has formatted, from `fn` to the closing brace; tests are left out.
+/// Lengths in lines of the functions of a source formatted by rustfmt, from `fn` to the closing
+/// brace, without tests.
 ///
-/// In formatted text a function ends at the first line that is a brace as far to the right as its own line, so no parser
-/// is needed.
+/// In formatted text a function ends at the first closing brace with the indentation of its first
+/// line, so no parser is needed.
 pub(crate) fn function_lengths(source: &str) -> Vec<usize> {
     let lines: Vec<&str> = source.lines().take_while(|line| *line != "#[cfg(test)]").collect();
     let lengths = lines.iter().enumerate().filter(|(_, line)| begins_function(line));
@@ -19,7 +20,7 @@ fn is_qualifier(word: &str) -> bool {
     word.starts_with("pub") || ["const", "async", "unsafe", "extern", "\"C\""].contains(&word)
 }
 
-/// Lines of the function that begins at the first line; `None` for one without a body.
+/// Length of the function that begins at the first line; `None` if it has no body.
 fn length(lines: &[&str]) -> Option<usize> {
     let indent = lines[0].len() - lines[0].trim_start().len();
     let opening = lines.iter().position(|line| line.ends_with(['{', '}', ';']))?;

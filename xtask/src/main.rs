@@ -1,4 +1,4 @@
-//! `cargo xtask TASK`: what those who work on radsight do again and again.
+//! `cargo xtask TASK`: recurring tasks of radsight's developers.
 #![forbid(unsafe_code)]
 
 mod function_lengths;
@@ -9,15 +9,15 @@ mod workspace;
 
 use std::process::ExitCode;
 
-/// A task by its name, with what it does.
+/// Name, description and function of a task.
 type Task = (&'static str, &'static str, fn() -> Result<(), String>);
 
 const TASKS: [Task; 5] = [
-    ("ci", "all that must pass before a merge, as .ci/run has it", ci),
-    ("lint", "format and lints alone", lint),
+    ("ci", "runs all checks that must pass before a merge, as .ci/run does", ci),
+    ("lint", "checks only format and lints", lint),
     ("structure", "measures crates, edges and functions, and writes them into docs/architecture.md", structure::write),
     ("sanitize", "tests the crates with unsafe code under AddressSanitizer", sanitize::check),
-    ("package", "checks that each crate that is to be published can be packaged", package::check),
+    ("package", "checks that each published crate can be packaged", package::check),
 ];
 
 fn main() -> ExitCode {

@@ -1,13 +1,13 @@
-//! Whether crates can be packaged.
+//! Checks that crates can be packaged.
 
 use crate::workspace::{self, Package};
 use std::fs;
 use std::process::Command;
 
-/// What a registry asks of a crate beside what cargo itself demands.
+/// Fields that a registry requires in addition to cargo.
 const WANTED: [&str; 5] = ["description", "license", "keywords", "categories", "readme"];
 
-/// Lists what each package would hold, and checks what a registry shows of it.
+/// Lists the content of each package, and checks the fields that a registry shows.
 pub(crate) fn check() -> Result<(), String> {
     let packages = workspace::packages()?;
     let mut mistakes = Vec::new();
@@ -18,7 +18,7 @@ pub(crate) fn check() -> Result<(), String> {
     if mistakes.is_empty() { Ok(()) } else { Err(mistakes.join("\n")) }
 }
 
-/// What cargo says where it cannot list what the package would hold.
+/// Cargo's message if it cannot list the content of a package.
 fn unlisted(package: &Package) -> Result<(), String> {
     let words = ["package", "--list", "--allow-dirty", "--quiet", "--package", &package.name];
     let output = Command::new("cargo").args(words).current_dir(workspace::root()).output();

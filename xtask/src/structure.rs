@@ -1,4 +1,4 @@
-//! The figures of `docs/architecture.md`: crates, their sizes and edges, and how long functions are.
+//! The figures of `docs/architecture.md`: crates, their sizes and edges, and lengths of functions.
 
 use crate::function_lengths::function_lengths;
 use crate::workspace::{self, Package};
@@ -6,8 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
 
-const BEGIN: &str = "<!-- `cargo xtask structure` writes what follows. -->\n";
-const END: &str = "<!-- `cargo xtask structure` wrote what stands above. -->\n";
+const BEGIN: &str = "<!-- `cargo xtask structure` writes the part below. -->\n";
+const END: &str = "<!-- `cargo xtask structure` wrote the part above. -->\n";
 
 /// Writes the figures between the marks of the page.
 pub(crate) fn write() -> Result<(), String> {
@@ -19,7 +19,7 @@ pub(crate) fn write() -> Result<(), String> {
     fs::write(&path, page).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// A crate with what is measured of it.
+/// A crate and its measurements.
 struct Measured {
     package: Package,
     lines: usize,
@@ -57,7 +57,8 @@ fn function_sentence(crates: &[Measured]) -> String {
     )
 }
 
-/// The layer of each crate: one above the highest that it is built on. Crates of a cycle would have none.
+/// The layer of each crate: one above the highest crate that it depends on. Crates in a cycle would
+/// have none.
 fn layers(crates: &[Measured]) -> BTreeMap<&str, usize> {
     let mut layers: BTreeMap<&str, usize> = BTreeMap::new();
     while layers.len() < crates.len() {
@@ -76,7 +77,7 @@ fn layers(crates: &[Measured]) -> BTreeMap<&str, usize> {
     layers
 }
 
-/// The edges that no longer way says already, as a Mermaid flow chart.
+/// The transitive reduction of the edges as a Mermaid flow chart.
 fn drawing(crates: &[Measured]) -> String {
     let edges: BTreeMap<&str, &BTreeSet<String>> =
         crates.iter().map(|measured| (measured.package.name.as_str(), &measured.package.edges)).collect();

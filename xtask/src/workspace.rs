@@ -1,4 +1,4 @@
-//! The workspace: its folder, its crates, programs that run in it.
+//! The workspace: its root folder, its crates, and commands that run in it.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -35,16 +35,16 @@ pub(crate) fn host_triple() -> Result<String, String> {
 
 /// A crate of the workspace.
 pub(crate) struct Package {
-    /// The whole name.
+    /// The full name.
     pub(crate) name: String,
     pub(crate) folder: PathBuf,
-    /// Crates of the workspace that it is built on, by their whole names.
+    /// Full names of the workspace crates that it depends on.
     pub(crate) edges: BTreeSet<String>,
     pub(crate) may_be_published: bool,
 }
 
 impl Package {
-    /// The name without what all of them begin with.
+    /// The name without the common prefix.
     pub(crate) fn short_name(&self) -> &str {
         self.name.strip_prefix("radsight-").unwrap_or(&self.name)
     }

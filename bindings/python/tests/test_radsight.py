@@ -100,7 +100,7 @@ def test_pages_hold_values_error_and_time():
         assert said in page
     preview = radsight.Renderer(scene).render(view, 48, 36)
     assert preview.relative_error is None and preview.samples is None
-    assert "No error map came with it" in preview.report_html()
+    assert "The input has no error map" in preview.report_html()
 
 
 def test_pages_of_captures_have_grey_values():

@@ -1,4 +1,5 @@
-//! What a user feels, one by one: `cargo bench -p radsight-bench`. Whole programs beside others are what `radsight-bench` measures.
+//! Operations that a user notices, one by one: `cargo bench -p radsight-bench`. `radsight-bench`
+//! measures whole programs.
 
 use divan::{Bencher, black_box};
 use glam::DVec3;
@@ -17,10 +18,10 @@ fn main() {
     divan::main();
 }
 
-/// Squares along each side of the land; each is two triangles.
+/// Squares along each side of the terrain; each is two triangles.
 const SQUARES: u32 = 200;
 
-/// Hilly land of 80,000 triangles.
+/// Hilly terrain of 80,000 triangles.
 fn land() -> String {
     let height = |i: u32, j: u32| {
         let (x, y) = (f64::from(i) / f64::from(SQUARES), f64::from(j) / f64::from(SQUARES));
@@ -44,12 +45,12 @@ fn plan(texts: &[&str], loader: &MemoryLoader) -> RenderPlan {
     RenderPlan::new(scene, RenderOptions::default(), &NoModels).expect("the scene can be rendered")
 }
 
-/// The place of ray `index` on a unit square, without any order (Roberts' sequence R2).
+/// The position of ray `index` on a unit square, incoherent (Roberts' sequence R2).
 fn place(index: u64) -> [f64; 2] {
     [0.754_877_666_246_693, 0.569_840_290_998_053].map(|step| (0.5 + step * index as f64).fract())
 }
 
-/// Rays without any order through the air above the land.
+/// Incoherent rays through the air above the terrain.
 fn ray(index: u64) -> Ray {
     let ([x, y], [turn, height]) = (place(index), place(index * 7 + 3));
     let turn = std::f64::consts::TAU * turn;
@@ -145,7 +146,7 @@ fn shared_irradiance_among_1000_records(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// A pixel of 32 × 32 at a time would tell nothing: the whole small sheet.
+/// The whole small sheet, since a pixel of 32 × 32 alone would not be representative.
 #[divan::bench(sample_count = 20)]
 fn capture_of_a_small_sheet(bencher: Bencher<'_, '_>) {
     const CAMERA: &str = include_str!("../../../radiance-scenes/gripps/fig11.toml");

@@ -1,4 +1,4 @@
-//! How near a capture is to the truth.
+//! The error of a capture relative to the truth.
 
 use crate::error::BenchError;
 use crate::figure::Subject;
@@ -6,11 +6,11 @@ use crate::figure::Subject;
 /// A capture compared with its truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Accuracy {
-    /// `rms(E−T)/mean(T)`, as measured: the truth's own noise is in it.
+    /// `rms(E−T)/mean(T)` as measured, including the truth's own noise.
     pub(crate) error: f64,
-    /// The same with the truth's noise taken off in squares; 0 where the noise is all there is.
+    /// The same with the truth's noise subtracted in squares; 0 if only noise is left.
     pub(crate) own_error: f64,
-    /// Share of pixels whose grey value is within one of the truth's, after the figure's sensor.
+    /// Share of pixels whose grey value is within one of the truth's, with the figure's sensor.
     pub(crate) within_one_grey: f64,
 }
 

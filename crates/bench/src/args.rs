@@ -5,7 +5,7 @@ use crate::generated::SQUARES;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
-/// Time and error of radsight beside real Radiance.
+/// Measures time and error of radsight and real Radiance
 #[derive(Debug, Parser)]
 #[command(name = "radsight-bench", version, about)]
 pub(crate) struct Program {
@@ -13,7 +13,7 @@ pub(crate) struct Program {
     pub(crate) command: Command,
 }
 
-/// What is measured.
+/// The measurement to run.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Captures of the paper's figures: time, error against the truth, and Radiance's time for the same error
@@ -22,43 +22,47 @@ pub(crate) enum Command {
     Race(Race),
     /// Other people's rpict commands beside real Radiance: processor time, and how near the pictures are to the truth
     Commands(Commands),
-    /// Random rooms: whether rpict --error ends at the asked error, by references of single paths
+    /// Random rooms: whether rpict --error reaches the requested error, with references of
+    /// independent paths
     Rooms(Rooms),
-    /// Few sensor points: mean, deviation over seeds and time of rtrace -I beside real Radiance's
+    /// Few sensor points: mean, deviation over seeds and time of rtrace -I, with real Radiance's
     Sensors(Sensors),
-    /// Rays without any order against a million triangles: first and any hits a second, beside Embree and real rtrace
+    /// Incoherent rays in a million triangles: first and any hits per second, with Embree and real
+    /// rtrace
     Rays(Rays),
-    /// How time and memory grow with triangles, lights, pixels and threads, beside the other programs
+    /// Growth of time and memory with triangles, lights, pixels and threads, with other programs
     Scaling(Scaling),
-    /// Scenes of a million triangles and of nested arrays: time and memory from text to a hierarchy, beside oconv
+    /// Scenes of a million triangles and of nested arrays: time and memory from text to a
+    /// hierarchy, with oconv
     Load(Load),
     /// Runs a program and prints its processor time and wall time in s and its peak memory in MiB
     #[command(hide = true)]
     Cost {
-        /// Seconds of processor time after which a process is ended
+        /// Limit of processor time, seconds
         #[arg(long, value_name = "SECONDS")]
         limit: Option<u64>,
-        /// What the program reads
+        /// Standard input of the program
         #[arg(long, value_name = "FILE")]
         input: Option<PathBuf>,
-        /// Where what it writes goes
+        /// File for its standard output
         #[arg(long, value_name = "FILE")]
         output: Option<PathBuf>,
         /// The program and its arguments
         #[arg(required = true, trailing_var_arg = true)]
         words: Vec<String>,
     },
-    /// What a reflectance model costs in a plugin, beside the same model in the program
+    /// The cost of a reflectance model in a plugin, compared with the built-in one
     Plugin(Plugin),
 }
 
 /// `radsight-bench commands`.
 #[derive(Debug, Args)]
 pub(crate) struct Commands {
-    /// Folders with a script run.sh, which makes its files in $OUT and finds Radiance's function files in $RADLIB
+    /// Folders with a script run.sh, which writes its files to $OUT and finds Radiance's function
+    /// files in $RADLIB
     #[arg(required = true, value_name = "FOLDER")]
     pub(crate) folders: Vec<PathBuf>,
-    /// Rays a pixel of the truth
+    /// Rays per pixel of the truth
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub(crate) truth: u32,
 }
@@ -69,28 +73,29 @@ pub(crate) struct Rooms {
     /// Seeds of the rooms, from A to B
     #[arg(long, value_name = "A..B", default_value = "1..20", value_parser = crate::rooms::seeds)]
     pub(crate) seeds: (u64, u64),
-    /// Errors that are asked for, as shares
+    /// Requested relative errors
     #[arg(long, value_name = "E,…", value_delimiter = ',', default_values_t = [0.1, 0.05, 0.02])]
     pub(crate) errors: Vec<f64>,
-    /// Seconds that rpict may take for a picture (its --time-limit); without it, as long as it takes
+    /// Time limit of rpict for a picture, seconds (its --time-limit); unlimited by default
     #[arg(long, value_name = "SECONDS")]
     pub(crate) limit: Option<f64>,
-    /// Columns of the pictures; rows are three quarters of that
+    /// Columns of the pictures; rows are three quarters of them
     #[arg(long, value_name = "N", default_value_t = 48)]
     pub(crate) columns: usize,
-    /// Seconds of processor time that may be spent on a room's references; what is there already is kept and made better
+    /// Processor time for a room's references, seconds; existing references are refined
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
     pub(crate) reference_budget: f64,
-    /// Also renders every room with real Radiance at ever better settings, for the time to the same error
+    /// Also render every room with real Radiance at increasing quality, for the time to the same
+    /// error
     #[arg(long)]
     pub(crate) beside: bool,
-    /// Seconds of processor time that one of its pictures may take
+    /// Limit of processor time for one of its pictures, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 30)]
     pub(crate) beside_limit: u64,
-    /// Writes scenes, views and options, names their folders, and ends
+    /// Write scenes, views and options, print their folders, and exit
     #[arg(long)]
     pub(crate) scenes_only: bool,
-    /// Where rooms and references go [default: bench in the folder above this program's]
+    /// Folder of rooms and references [default: bench in the folder above this program's]
     #[arg(long, value_name = "DIR")]
     pub(crate) folder: Option<PathBuf>,
 }
@@ -98,10 +103,10 @@ pub(crate) struct Rooms {
 /// `radsight-bench sensors`.
 #[derive(Debug, Args)]
 pub(crate) struct Sensors {
-    /// Runs of each program, each with random numbers of its own
+    /// Runs of each program, each with its own random numbers
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..))]
     pub(crate) repeat: u32,
-    /// Runs of single paths whose mean is the truth
+    /// Runs of independent paths whose mean is the truth
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(2..))]
     pub(crate) truth: u32,
     /// Options of both programs
@@ -112,7 +117,7 @@ pub(crate) struct Sensors {
         default_value = "-ab 2 -aa .1 -ar 256 -ad 2048 -as 256"
     )]
     pub(crate) options: String,
-    /// Leaves real Radiance out
+    /// Omit real Radiance
     #[arg(long)]
     pub(crate) alone: bool,
 }
@@ -120,34 +125,36 @@ pub(crate) struct Sensors {
 /// `radsight-bench race`.
 #[derive(Debug, Args)]
 pub(crate) struct Race {
-    /// Scenes, by name; all of them unless told otherwise
+    /// Names of scenes; all by default
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub(crate) scenes: Vec<String>,
-    /// Lists the scenes and ends
+    /// List the scenes and exit
     #[arg(long)]
     pub(crate) list: bool,
-    /// Seconds of processor time that a run may take: a program's series of ever dearer settings ends with the first that takes longer
+    /// Limit of processor time of a run, seconds: a program's series of increasing quality ends
+    /// with the first run that exceeds it
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
     pub(crate) budget: f64,
-    /// Seconds of processor time after which a process of another program is ended, and its series with it
+    /// Processor time after which another program is stopped, with its series, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 120)]
     pub(crate) limit: u64,
-    /// Seconds of processor time that may be spent on a scene's reference; what is there already is kept and made better
+    /// Processor time for a scene's reference, seconds; an existing reference is refined
     #[arg(long, value_name = "SECONDS", default_value_t = 120.0)]
     pub(crate) reference_budget: f64,
-    /// Noise at which a reference is good enough, as a share
+    /// Relative noise at which a reference is sufficient
     #[arg(long, value_name = "SHARE", default_value_t = 0.003)]
     pub(crate) reference_noise: f64,
-    /// Leaves the other programs out
+    /// Omit the other programs
     #[arg(long)]
     pub(crate) alone: bool,
-    /// Compares wall time instead of processor time
+    /// Compare wall time instead of processor time
     #[arg(long)]
     pub(crate) wall: bool,
-    /// Where the page, the CSV file and the references go [default: bench in the folder above this program's]
+    /// Folder of the page, the CSV file and the references [default: bench in the folder above this
+    /// program's]
     #[arg(long, value_name = "DIR")]
     pub(crate) folder: Option<PathBuf>,
-    /// The repository with the scenes [default: the one that this program was built from]
+    /// Repository with the scenes [default: the one from which this program was built]
     #[arg(long, value_name = "DIR")]
     pub(crate) repo: Option<PathBuf>,
 }
@@ -155,13 +162,13 @@ pub(crate) struct Race {
 /// `radsight-bench plugin`.
 #[derive(Debug, Args)]
 pub(crate) struct Plugin {
-    /// Rays a pixel
+    /// Rays per pixel
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) samples: u32,
-    /// Times that each capture is repeated; the least time counts
+    /// Repetitions of each capture; the smallest time is used
     #[arg(long, value_name = "R", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) repeat: u32,
-    /// The repository with the scenes [default: the one that this program was built from]
+    /// Repository with the scenes [default: the one from which this program was built]
     #[arg(long, value_name = "DIR")]
     pub(crate) repo: Option<PathBuf>,
 }
@@ -172,30 +179,32 @@ pub(crate) struct Capture {
     /// Figures to capture
     #[arg(value_name = "FIGURE", default_values = ["t8", "t9", "t10", "t11", "t13", "t14"])]
     pub(crate) figures: Vec<Figure>,
-    /// Rays a pixel of radsight's captures
+    /// Rays per pixel of radsight's captures
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4, 8, 16, 32, 64, 128, 256],
           value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) samples: Vec<u32>,
-    /// Errors that radsight is asked for, as shares of the mean exposure
+    /// Requested errors of radsight, relative to the mean exposure
     #[arg(long, value_name = "E,…", value_delimiter = ',', default_values_t = [0.02, 0.01, 0.005])]
     pub(crate) errors: Vec<f64>,
-    /// Times that each capture of radsight is repeated, with another seed each; times and errors are medians
+    /// Repetitions of each capture of radsight, each with another seed; times and errors are
+    /// medians
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) repeat: u32,
-    /// Rays a pixel through real rtrace
+    /// Rays per pixel through real rtrace
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4],
           value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) radiance_samples: Vec<u32>,
-    /// Also 16 rays a pixel through real rtrace, which takes minutes a figure
+    /// Also trace 16 rays per pixel through real rtrace, which takes minutes per figure
     #[arg(long)]
     pub(crate) long: bool,
-    /// Leaves real Radiance out
+    /// Omit real Radiance
     #[arg(long)]
     pub(crate) alone: bool,
-    /// Also writes every run as a line of comma-separated values
+    /// Also write every run as a line of comma-separated values
     #[arg(long, value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
-    /// The repository with the scenes and the truth [default: the one that this program was built from]
+    /// Repository with the scenes and the truth [default: the one from which this program was
+    /// built]
     #[arg(long, value_name = "DIR")]
     pub(crate) repo: Option<PathBuf>,
 }
@@ -203,13 +212,13 @@ pub(crate) struct Capture {
 /// `radsight-bench rays`.
 #[derive(Debug, Args)]
 pub(crate) struct Rays {
-    /// How many rays
+    /// Number of rays
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) rays: u32,
-    /// Squares along each side of the land; each is two triangles
+    /// Squares along each side of the terrain; each is two triangles
     #[arg(long, value_name = "N", default_value_t = SQUARES, value_parser = clap::value_parser!(u32).range(1..=4000))]
     pub(crate) squares: u32,
-    /// Turns of the programs; rates are those of the best, ratios medians over the turns
+    /// Repetitions of each program; rates are those of the fastest, ratios are medians over the repetitions
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) repeat: u32,
 }
@@ -217,19 +226,20 @@ pub(crate) struct Rays {
 /// `radsight-bench scaling`.
 #[derive(Debug, Args)]
 pub(crate) struct Scaling {
-    /// Most triangles
+    /// Largest number of triangles
     #[arg(long, value_name = "N", default_value_t = 1e7)]
     pub(crate) triangles: f64,
-    /// Seconds of processor time that a run of another program may be expected to take: its series ends before that
+    /// Largest expected processor time of a run of another program, seconds: its series ends before
+    /// it
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     pub(crate) budget: f64,
-    /// Times that each program is run; medians count
+    /// Repetitions of each program; medians are used
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) repeat: u32,
-    /// Leaves the other programs out
+    /// Omit the other programs
     #[arg(long)]
     pub(crate) alone: bool,
-    /// Where the CSV file goes; `race` makes a section of its page of it [default: as for race]
+    /// CSV file, which `race` includes in its page [default: as for race]
     #[arg(long, value_name = "DIR")]
     pub(crate) folder: Option<PathBuf>,
 }
@@ -237,13 +247,13 @@ pub(crate) struct Scaling {
 /// `radsight-bench load`.
 #[derive(Debug, Args)]
 pub(crate) struct Load {
-    /// Times that each program is run; what is printed are medians
+    /// Repetitions of each program; medians are printed
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) repeat: u32,
 }
 
 impl Capture {
-    /// Rays a pixel through real rtrace, ascending.
+    /// Rays per pixel through real rtrace, ascending.
     pub(crate) fn radiance_samples(&self) -> Vec<u32> {
         let mut samples = self.radiance_samples.clone();
         if self.long {

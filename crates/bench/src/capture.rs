@@ -20,7 +20,7 @@ pub(crate) fn run(arguments: &Capture) -> Result<(), BenchError> {
         arguments.repo.clone().unwrap_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")));
     let folder = tempfile::tempdir().map_err(|reason| BenchError::Temporary { reason })?;
     let radsight = Radsight::find();
-    let radiance = if arguments.alone { Err("left out by --alone".to_owned()) } else { Radiance::find() };
+    let radiance = if arguments.alone { Err("omitted by --alone".to_owned()) } else { Radiance::find() };
     let version = radiance.as_ref().map(|radiance| radiance.version().to_owned()).map_err(Clone::clone);
     print(&machine::describe(&radsight, &version));
     let bench = Bench { arguments, radsight, radiance: radiance.ok(), folder: folder.path() };
@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &Capture) -> Result<(), BenchError> {
         bench.own_runs(&subject, &mut runs)?;
         bench.radiance_runs(&subject, &mut runs)?;
         if let Some(path) = &arguments.csv {
-            // After every figure: a long run that is ended keeps what it has.
+            // Print after every figure, so that an interrupted run keeps its results.
             fs::write(path, table::csv(&runs)).map_err(|reason| BenchError::Write { path: path.clone(), reason })?;
         }
     }
@@ -83,12 +83,12 @@ impl Bench<'_> {
     }
 }
 
-/// What is going on, for whoever waits.
+/// Prints progress.
 fn say(subject: &Subject, setting: Setting) {
     eprintln!("{} {} {setting}", subject.figure, setting.program());
 }
 
-/// Prints to standard output; a reader that went away is no fault.
+/// Prints to standard output; a missing reader is no fault.
 pub(crate) fn print(text: &str) {
     let _ = io::stdout().write_all(text.as_bytes());
 }

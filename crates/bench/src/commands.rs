@@ -1,8 +1,9 @@
-//! `radsight-bench commands`: other people's `rpict` commands, as they stand, beside real Radiance.
+//! `radsight-bench commands`: published `rpict` commands, unchanged, with real Radiance.
 //!
-//! A folder has a script `run.sh` that makes octrees and pictures. It is run once with each program's `oconv` and with an `rpict`
-//! that only notes how it was called; then each program makes every picture. The truth is a picture of single paths with many
-//! rays a pixel, which shares nothing between points and interpolates nothing.
+//! A folder has a script `run.sh` that makes octrees and pictures. It is run once with each
+//! program's `oconv` and with an `rpict` that only records its calls; then each program renders
+//! every picture. The truth is a picture of independent paths with many rays per pixel, without a
+//! cache or interpolation.
 
 use crate::args::Commands;
 use crate::error::BenchError;
@@ -18,29 +19,29 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What takes less is not told apart, s.
+/// Smallest time that can be measured, s.
 const LEAST_TIME: f64 = 0.1;
 
-/// Side of the blocks that are compared, pixels, and how far they may be off.
+/// Side of the compared blocks, pixels, and their tolerance.
 const BLOCK: usize = 8;
 const NEAR: f64 = 0.05;
 
-/// What is darker than this share of the median counts as if it had it.
+/// Luminances below this share of the median are raised to it in relative errors.
 const DARK: f64 = 0.01;
 
-/// A call of `rpict` that a script made.
+/// A recorded call of `rpict`.
 #[derive(Debug)]
 struct Call {
     folder: PathBuf,
     words: Vec<String>,
 }
 
-/// How near a picture is to the truth.
+/// The error of a picture relative to the truth.
 #[derive(Clone, Copy, Debug)]
 struct Nearness {
     /// Share of blocks within [`NEAR`].
     blocks: f64,
-    /// Root mean square of the blocks' relative errors.
+    /// Rms of the blocks' relative errors.
     error: f64,
 }
 
@@ -104,9 +105,9 @@ pub(crate) fn run(arguments: &Commands) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// Programs that stand before others in PATH while a script runs.
+/// Wrappers that precede other programs in PATH while a script runs.
 struct Shims {
-    /// With `rpict` alone, and with radsight's other programs too.
+    /// For `rpict` alone, and for radsight's other programs.
     folders: [PathBuf; 2],
 }
 
@@ -124,14 +125,14 @@ impl Shims {
                 for name in ["xform", "getbbox"] {
                     script(&folder.join(name), &format!("exec '{program}' {name} \"$@\""))?;
                 }
-                // The scripts' own commands are what the user typed.
+                // The scripts' own commands are trusted.
                 script(&folder.join("oconv"), &format!("exec '{program}' oconv --allow-commands \"$@\""))?;
             }
         }
         Ok(Shims { folders })
     }
 
-    /// The calls of `rpict` by a script, whose octrees one of the programs made.
+    /// The calls of `rpict` by a script, with the octrees of one of the programs.
     fn calls(&self, radiance: &Radiance, place: &Path, program: &str) -> Result<Vec<Call>, BenchError> {
         let (calls, made) = (place.join(format!("{program}-calls")), place.join(format!("{program}-made")));
         make_folder(&calls)?;
@@ -167,7 +168,7 @@ fn library(radiance: &Radiance) -> PathBuf {
     path.and_then(|path| std::env::split_paths(path).last()).unwrap_or_else(|| PathBuf::from("."))
 }
 
-/// The same picture by single paths.
+/// The same picture by independent paths.
 fn truth_words(words: &[String], samples: u32) -> Vec<String> {
     let (octree, options) = words.split_last().map_or((None, words), |(last, rest)| (Some(last.clone()), rest));
     let further = ["-aa", "0", "-ff", "-pj", "1", "-lr", "-16", "-lw", "1e-6", "-st", "0", "--samples"];
@@ -242,7 +243,7 @@ fn script(path: &Path, text: &str) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// Copies a folder with all in it.
+/// Copies a folder recursively.
 fn copy(from: &Path, to: &Path) -> Result<(), BenchError> {
     make_folder(to)?;
     let entries = fs::read_dir(from).map_err(|error| read_error(from, error.to_string()))?;

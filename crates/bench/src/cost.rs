@@ -1,4 +1,4 @@
-//! What a program costs.
+//! The cost of a program.
 
 use crate::error::BenchError;
 use std::fs::File;
@@ -9,15 +9,15 @@ use std::time::{Duration, Instant};
 /// Time of a process with its children.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Cost {
-    /// From start to end, s.
+    /// Wall time, s.
     pub(crate) wall: f64,
-    /// Of all processors, user and system, s. NaN where the system does not tell.
+    /// Processor time of all threads, user and system, s. NaN if the system does not report it.
     pub(crate) processor: f64,
 }
 
-/// Runs a program to its end, with its standard input and output in files, and measures it.
+/// Runs a program with its standard input and output in files, and measures it.
 ///
-/// `hint` ends the message when the program cannot be started.
+/// `hint` ends the message if the program cannot be started.
 pub(crate) fn measure(
     command: &mut Command,
     input: Option<&Path>,
@@ -52,19 +52,19 @@ pub(crate) fn measure(
     Ok(Cost { wall, processor })
 }
 
-/// A command as one would type it, without quotes.
+/// A command line as text, without quotes.
 fn words(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
     words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
 }
 
-/// Processor time of all children that have ended, and theirs, s.
+/// Processor time of all ended child processes, including their own, s.
 #[cfg(unix)]
 pub(crate) fn processor_time_of_children() -> f64 {
     processor_time_of(nix::sys::resource::UsageWho::RUSAGE_CHILDREN)
 }
 
-/// Processor time of this process, s. NaN where the system does not tell.
+/// Processor time of this process, s. NaN if the system does not report it.
 #[cfg(unix)]
 pub(crate) fn processor_time() -> f64 {
     processor_time_of(nix::sys::resource::UsageWho::RUSAGE_SELF)

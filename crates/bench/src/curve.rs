@@ -1,17 +1,18 @@
 //! Time as a function of error.
 
-/// The time to an error, and how it is known.
+/// The time to an error, and its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum TimeTo {
-    /// Between two runs, or at one, s.
+    /// Interpolated between two runs, or measured, s.
     Interpolated(f64),
     /// Even the cheapest run was more accurate: its time, s.
     AtMost(f64),
-    /// No run was so accurate.
+    /// No run was accurate enough.
     NotReached,
 }
 
-/// The runs of one kind that pay: each dearer one is more accurate than all cheaper ones.
+/// The Pareto-optimal runs of one kind: each more expensive one is more accurate than all cheaper
+/// ones.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Curve {
     /// (error, time in s), time ascending and error descending.
@@ -19,7 +20,7 @@ pub(crate) struct Curve {
 }
 
 impl Curve {
-    /// From (error, time in s) of runs in any order; what is not positive is left out.
+    /// From (error, time in s) of runs in any order; non-positive values are skipped.
     pub(crate) fn new(runs: impl IntoIterator<Item = (f64, f64)>) -> Curve {
         let mut runs: Vec<(f64, f64)> = runs.into_iter().filter(|(error, time)| *error > 0.0 && *time > 0.0).collect();
         runs.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.total_cmp(&b.0)));
@@ -32,7 +33,7 @@ impl Curve {
         Curve { points }
     }
 
-    /// The time to an error, on straight lines between runs in logarithms of both.
+    /// The time to an error, by log-log linear interpolation between runs.
     pub(crate) fn time_to(&self, error: f64) -> TimeTo {
         let Some(next) = self.points.iter().position(|point| point.0 <= error) else { return TimeTo::NotReached };
         let (low_error, dear) = self.points[next];
@@ -63,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn beyond_the_runs_nothing_is_made_up() {
+    fn nothing_is_extrapolated_past_the_runs() {
         let curve = Curve::new([(0.01, 4.0), (0.02, 1.0)]);
         assert_eq!(curve.time_to(0.5), TimeTo::AtMost(1.0));
         assert_eq!(curve.time_to(0.009), TimeTo::NotReached);

@@ -1,14 +1,16 @@
-//! How much longer Radiance takes to the same error.
+//! The ratio of Radiance's time to ours at equal error.
 
 use crate::curve::{Curve, TimeTo};
 use crate::figure::Figure;
 use crate::run::{RadianceOptions, Run, Setting};
 use crate::table::Table;
 
-/// Compares processor times at each error that Radiance reached, and at the error that is wanted of the figure.
+/// Compares processor times at each error that Radiance reached, and at the target error of the
+/// figure.
 ///
-/// What is extrapolated takes time in proportion to 1/error², as independent samples without bias do. That is in Radiance's favour:
-/// it folds a light's extent into the highlight's width, and a bias does not fall with more rays.
+/// Extrapolation assumes time in proportion to 1/error², as for independent unbiased samples. This
+/// favours Radiance: it folds a light's extent into the highlight's width, and a bias does not
+/// decrease with more rays.
 pub(crate) fn report(runs: &[Run], figures: &[Figure]) -> String {
     let heading = ["figure", "rtrace", "at error %", "rtrace s", "--samples s", "ratio", "--error s", "ratio", "note"];
     let mut table = Table::new(&heading, 2);
@@ -28,10 +30,11 @@ pub(crate) fn report(runs: &[Run], figures: &[Figure]) -> String {
     table.to_text()
 }
 
-/// An error above this share of the one with fewer rays is mostly bias, and there is nothing to extrapolate.
+/// If more rays reduce the error by less than this factor, it is mostly bias and is not
+/// extrapolated.
 const STALLED: f64 = 0.9;
 
-/// (error, processor time in s); the error is the one as measured, for both programs.
+/// (error, processor time in s); measured errors for both programs.
 fn point(run: &Run) -> (f64, f64) {
     (run.accuracy.error, run.cost.processor)
 }
@@ -69,7 +72,7 @@ fn row(figure: Figure, options: RadianceOptions, error: f64, time: f64, ours: &[
     row
 }
 
-/// With one decimal where that matters.
+/// With one decimal if significant.
 fn ratio(value: f64) -> String {
     if value < 10.0 { format!("{value:.1}") } else { format!("{value:.0}") }
 }
@@ -86,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn measured_bounded_and_extrapolated_ratios_are_told_apart() {
+    fn measured_bounded_and_extrapolated_ratios_are_distinguished() {
         let text = report(
             &[
                 run(Setting::Samples(4), 0.04, 0.5),

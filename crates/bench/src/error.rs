@@ -1,9 +1,9 @@
-//! What can go wrong.
+//! Errors.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why the benchmark stopped.
+/// Why the benchmark failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum BenchError {
@@ -12,32 +12,32 @@ pub(crate) enum BenchError {
     Read { path: PathBuf, reason: String },
     #[error("cannot write \"{}\": {reason}", path.display())]
     Write { path: PathBuf, reason: io::Error },
-    /// A program that cannot be started.
+    /// A program cannot be started.
     #[error("cannot run \"{program}\": {reason}{hint}")]
     Start { program: String, reason: io::Error, hint: &'static str },
-    /// A program that ended with an error.
+    /// A program failed.
     #[error("\"{command}\" failed ({status}): {message}")]
     Failed { command: String, status: std::process::ExitStatus, message: String },
-    /// A process that was ended at its limit.
+    /// A process was stopped at its limit.
     #[error("ended after {seconds} s of processor time")]
     TookTooLong { seconds: f64 },
-    /// A capture that cannot be compared with its truth.
-    #[error("{what} has {found} values, expected {expected} as the truth has")]
+    /// A capture cannot be compared with its truth.
+    #[error("{what} has {found} values, expected {expected} as in the truth")]
     Size { what: String, found: usize, expected: usize },
-    #[error("asked error {value} is not a share above 0, such as 0.005")]
+    #[error("the requested error is {value}, expected a relative error above 0, such as 0.005")]
     AskedError { value: f64 },
-    #[error("no scene is called \"{name}\"; --list names them")]
+    #[error("unknown scene \"{name}\"; --list prints all names")]
     UnknownScene { name: String },
-    #[error("camera file \"{}\" has no [sensor], expected one for grey values", path.display())]
+    #[error("camera file \"{}\" has no [sensor], which is needed for grey values", path.display())]
     NoSensor { path: PathBuf },
     #[error("Embree stopped: {reason}")]
     Embree { reason: String },
-    #[error("no temporary folder: {reason}")]
+    #[error("cannot create a temporary folder: {reason}")]
     Temporary { reason: io::Error },
 }
 
 impl BenchError {
-    /// 1 the input was wrong, 2 the command line was wrong, 3 a fault stopped the work.
+    /// 1 wrong input, 2 wrong command line, 3 a fault.
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             BenchError::Read { .. } | BenchError::Size { .. } | BenchError::NoSensor { .. } => 1,

@@ -1,4 +1,4 @@
-//! The figures of the paper that have a truth.
+//! The paper's figures with a truth.
 
 use crate::error::BenchError;
 use clap::ValueEnum;
@@ -48,7 +48,8 @@ impl Figure {
         }
     }
 
-    /// The error that a capture of the figure is to reach, as a share of the mean exposure: mirrors are harder.
+    /// The target error of a capture of the figure, relative to the mean exposure: mirrors are
+    /// harder.
     pub(crate) fn wanted_error(self) -> f64 {
         match self {
             Figure::T13 | Figure::T14 => 0.01,
@@ -72,12 +73,12 @@ pub(crate) struct Subject {
     pub(crate) sensor: Sensor,
     /// E_pixel in J/m², scanline order from the top left.
     pub(crate) truth: Vec<f64>,
-    /// The truth's own rms error as a share of its mean; 0 where it is not known.
+    /// The truth's own rms error, relative to its mean; 0 if unknown.
     pub(crate) truth_noise: f64,
 }
 
 impl Subject {
-    /// Reads what belongs to a figure in the repository.
+    /// Reads the files of a figure in the repository.
     pub(crate) fn read(figure: Figure, repository: &Path) -> Result<Subject, BenchError> {
         let scenes = repository.join("radiance-scenes/gripps");
         let truths = repository.join("tests/gripps/truth");
@@ -111,7 +112,7 @@ fn read_sensor(path: &Path) -> Result<Sensor, BenchError> {
     camera.sensor.ok_or_else(|| BenchError::NoSensor { path: path.to_owned() })
 }
 
-/// From lines such as `t8: noise rms/mean 0.00074; …`.
+/// Parses lines such as `t8: noise rms/mean 0.00074; …`.
 fn noise_of(figure: Figure, text: &str) -> f64 {
     let start = format!("{figure}: noise rms/mean ");
     let number = text.lines().find_map(|line| line.strip_prefix(&start)?.split(';').next());

@@ -5,14 +5,14 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// A scene in the folder that it was written to.
+/// A scene and its folder.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Generated {
     pub(crate) what: &'static str,
     pub(crate) file: &'static str,
 }
 
-/// Squares along each side of the land; each is two triangles.
+/// Squares along each side of the terrain; each is two triangles.
 pub(crate) const SQUARES: u32 = 707;
 
 const TRIANGLES: Generated = Generated { what: "999,698 triangles", file: "triangles.rad" };
@@ -27,7 +27,7 @@ pub(crate) fn write(folder: &Path) -> Result<[Generated; 2], BenchError> {
     Ok([TRIANGLES, ARRAYS])
 }
 
-/// Writes the land of triangles alone, with so many squares along each side; gives its file.
+/// Writes only the terrain, with `side` squares along each side; returns its file.
 pub(crate) fn triangles_in(folder: &Path, squares: u32) -> Result<&'static str, BenchError> {
     file(folder, TRIANGLES.file, |out| triangles(out, squares))?;
     Ok(TRIANGLES.file)
@@ -50,7 +50,7 @@ fn file(folder: &Path, name: &str, text: impl Fn(&mut BufWriter<File>) -> io::Re
     written.map_err(|reason| BenchError::Write { path, reason })
 }
 
-/// A hilly square of land.
+/// A hilly square of terrain.
 fn triangles(out: &mut BufWriter<File>, squares: u32) -> io::Result<()> {
     out.write_all(b"void plastic ground\n0\n0\n5 .5 .5 .5 0 0\n")?;
     let corner = |i: u32, j: u32| {

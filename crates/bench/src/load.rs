@@ -1,7 +1,8 @@
-//! `radsight-bench load`: from scene text to what a ray can be sent into, beside real Radiance's `oconv`.
+//! `radsight-bench load`: from scene text to a traceable hierarchy, with real Radiance's `oconv`.
 //!
-//! radsight reads the scene and builds its hierarchies in `rtrace` without a ray; `oconv` writes its octree to nowhere. Each program is
-//! run by a copy of this one, which tells what its only child took.
+//! radsight reads the scene and builds its hierarchies in `rtrace` without a ray; `oconv` writes
+//! its octree to the null device. Each program is run by a copy of this one, which reports the cost
+//! of its only child.
 
 use crate::args::Load;
 use crate::error::BenchError;

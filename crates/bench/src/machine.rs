@@ -1,4 +1,4 @@
-//! The machine that the figures hold for.
+//! The machine of the measurements.
 
 use crate::radsight::Radsight;
 use std::fs;

@@ -1,4 +1,5 @@
-//! `radsight-bench plugin`: what it costs to have a reflectance model in a plugin instead of in the program.
+//! `radsight-bench plugin`: the cost of a reflectance model in a plugin, compared with the built-in
+//! one.
 
 use crate::args::Plugin;
 use crate::capture::print;
@@ -16,13 +17,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Models as the program has them and as the plugin `builtin` has them, with their arguments.
+/// Built-in models and their versions in the plugin `builtin`, with arguments.
 const MODELS: [(&str, &str); 2] = [("lambert", "3 .5 .5 .5"), ("ward", "4 .5 .5 .5 .1")];
 
 /// The whole visible spectrum as one band.
 const GREY_BAND: Band = Band { centre_m: 555e-9, low_m: 380e-9, high_m: 780e-9 };
 
-/// Captures the paper's Fig. 14 with each model both ways, and prints what that takes.
+/// Captures the paper's Fig. 14 with each model both ways, and prints the costs.
 pub(crate) fn run(arguments: &Plugin) -> Result<(), BenchError> {
     let repository =
         arguments.repo.clone().unwrap_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")));
@@ -47,7 +48,7 @@ pub(crate) fn run(arguments: &Plugin) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// What other work on the machine disturbs least.
+/// The smallest time, which is least disturbed by other processes.
 fn least(seconds: Vec<f64>) -> f64 {
     seconds.into_iter().fold(f64::INFINITY, f64::min)
 }
@@ -101,7 +102,7 @@ fn wrong(path: &str, errors: &[Diagnostic], sources: &SourceMap) -> BenchError {
     BenchError::Read { path: PathBuf::from(path), reason }
 }
 
-/// The program's own models, called through the same interface.
+/// The built-in models, called through the same interface.
 struct InProgram;
 
 impl ModelSource for InProgram {
@@ -110,7 +111,7 @@ impl ModelSource for InProgram {
     }
 }
 
-/// One of the program's models in so many bands.
+/// A built-in model with this many bands.
 fn own_model<const BANDS: usize>(request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
     match (request.model, request.numbers) {
         ("lambert", [red, green, blue]) => {
@@ -122,7 +123,7 @@ fn own_model<const BANDS: usize>(request: &ModelRequest<'_>) -> Result<Arc<dyn B
             let specularity = std::array::from_fn::<_, BANDS, _>(|band| color[band]);
             Ok(Arc::new(WardIsotropic { specularity, roughness: *roughness }))
         }
-        (model, _) => Err(Diagnostic::error(format!("no model \"{model}\" is at hand"))),
+        (model, _) => Err(Diagnostic::error(format!("unknown model \"{model}\""))),
     }
 }
 
@@ -166,7 +167,7 @@ impl ModelSource for FromPlugin {
     }
 }
 
-/// Processor time of this process; the time of day where the system does not tell.
+/// Processor time of this process; wall time if the system does not report it.
 struct Clock {
     wall: Instant,
     processor: f64,

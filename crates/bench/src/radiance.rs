@@ -1,4 +1,4 @@
-//! Real Radiance: the same camera rays through its `rtrace`.
+//! Real Radiance: traces the same camera rays through its `rtrace`.
 
 use crate::accuracy::Accuracy;
 use crate::cost::{Cost, measure};
@@ -19,7 +19,7 @@ pub(crate) struct Radiance {
     version: String,
 }
 
-/// A figure as real Radiance loads it.
+/// A figure compiled by real Radiance.
 #[derive(Debug)]
 pub(crate) struct Octree {
     path: PathBuf,
@@ -29,7 +29,7 @@ impl Radiance {
     /// From `RADSIGHT_RADIANCE`, else on PATH.
     ///
     /// # Errors
-    /// Why it is not to be had, in words.
+    /// A description of why it is not available.
     pub(crate) fn find() -> Result<Radiance, String> {
         let home = std::env::var_os("RADSIGHT_RADIANCE").map(PathBuf::from);
         let (programs, library) =
@@ -47,7 +47,7 @@ impl Radiance {
         }
     }
 
-    /// What `rtrace -version` says.
+    /// The output of `rtrace -version`.
     pub(crate) fn version(&self) -> &str {
         &self.version
     }
@@ -77,7 +77,8 @@ impl Radiance {
         Ok(Octree { path })
     }
 
-    /// The time of `rtrace` alone, with two processes, and the accuracy of what it gives for `samples` rays a pixel.
+    /// The time of `rtrace` alone, with two processes, and the accuracy of its result for `samples`
+    /// rays per pixel.
     pub(crate) fn capture(
         &self,
         radsight: &Radsight,

@@ -1,4 +1,4 @@
-//! Our own program, as it was built beside this one.
+//! The `radsight` program built beside this one.
 
 use crate::accuracy::Accuracy;
 use crate::cost::{Cost, measure};
@@ -18,7 +18,7 @@ pub(crate) struct Radsight {
 }
 
 impl Radsight {
-    /// The one in the folder of this program.
+    /// The program in the folder of this one.
     pub(crate) fn find() -> Radsight {
         let folder = std::env::current_exe().ok().and_then(|own| own.parent().map(Path::to_owned)).unwrap_or_default();
         Radsight { program: folder.join(format!("radsight{}", std::env::consts::EXE_SUFFIX)) }

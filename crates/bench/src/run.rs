@@ -5,28 +5,28 @@ use crate::cost::Cost;
 use crate::figure::Figure;
 use std::fmt;
 
-/// How a capture was made.
+/// The settings of a capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Setting {
     /// `radsight capture --samples N`.
     Samples(u32),
     /// `radsight capture --error E`.
     Error(f64),
-    /// Real `rtrace` with N rays a pixel.
+    /// Real `rtrace` with N rays per pixel.
     Radiance(RadianceOptions, u32),
 }
 
 /// The options of real `rtrace`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RadianceOptions {
-    /// Its own defaults, under which an LED is one point or few.
+    /// Its defaults, with which an LED is one point or few.
     Defaults,
     /// `-ds .002 -dj 1`: LEDs in small pieces, jittered.
     Subdivided,
 }
 
 impl RadianceOptions {
-    /// As on a command line.
+    /// In command-line syntax.
     pub(crate) fn words(self) -> &'static [&'static str] {
         match self {
             RadianceOptions::Defaults => &[],
@@ -75,7 +75,7 @@ pub(crate) struct Run {
     pub(crate) repetitions: u32,
 }
 
-/// The median of each figure by itself; `None` of nothing.
+/// The median of each quantity; `None` for no runs.
 pub(crate) fn median(runs: &[(Cost, Accuracy)]) -> Option<(Cost, Accuracy)> {
     let of = |value: fn(&(Cost, Accuracy)) -> f64| middle(runs.iter().map(value).collect());
     Some((

@@ -2,11 +2,11 @@
 
 use crate::run::Run;
 
-/// Rows under a heading, with columns as wide as they need.
+/// Rows under a heading, with columns of the required width.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
-    /// This many columns from the left are text and stand to the left.
+    /// Number of left-aligned text columns.
     text_columns: usize,
 }
 
@@ -21,7 +21,7 @@ impl Table {
         self.rows.push(row);
     }
 
-    /// One line a row.
+    /// One line per row.
     pub(crate) fn to_text(&self) -> String {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let width = |column: usize| {
@@ -60,7 +60,7 @@ pub(crate) fn runs(runs: &[Run]) -> String {
     table.to_text()
 }
 
-/// All runs as comma-separated values, shares as shares.
+/// All runs as comma-separated values.
 pub(crate) fn csv(runs: &[Run]) -> String {
     let mut text =
         "figure,program,setting,wall_s,processor_s,error,error_less_truth_noise,within_one_grey,repetitions\n"

@@ -1,4 +1,5 @@
-//! What a program took, memory too: each is run by a copy of this program, which tells what its only child took.
+//! The cost of a program, including memory: a copy of this program runs it and reports the cost of
+//! its only child.
 
 use crate::capture::print;
 use crate::cost::{measure, processor_time_of_children};
@@ -6,29 +7,30 @@ use crate::error::BenchError;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// What a program took.
+/// The cost of a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Taken {
     /// Processor time, s.
     pub(crate) processor: f64,
-    /// From start to end, s.
+    /// Wall time, s.
     pub(crate) wall: f64,
-    /// The most memory that was resident, MiB. NaN where the system does not tell.
+    /// Peak resident memory, MiB. NaN if the system does not report it.
     pub(crate) peak: f64,
 }
 
 impl Taken {
-    /// The same without the time of a part; never less than nothing.
+    /// The cost without a part; never negative.
     pub(crate) fn less(self, part: Taken) -> Taken {
         let less = |time: f64, part: f64| (time - part).max(LEAST_TIME);
         Taken { processor: less(self.processor, part.processor), wall: less(self.wall, part.wall), peak: self.peak }
     }
 }
 
-/// What a clock can tell, s.
+/// Resolution of the clock, s.
 const LEAST_TIME: f64 = 1e-3;
 
-/// Runs a program in `folder` by way of `radsight-bench cost`, which this reads; `input` and `output` are its streams, else nothing is.
+/// Runs a program in `folder` through `radsight-bench cost` and reads its result; `input` and
+/// `output` are its streams, or null.
 pub(crate) fn taken(
     program: &mut Command,
     folder: &Path,
@@ -38,7 +40,7 @@ pub(crate) fn taken(
     taken_within(None, program, folder, (input, output))
 }
 
-/// The same, but a process that takes more than so many seconds of processor time is ended.
+/// The same, but a process that exceeds a limit of processor time is stopped.
 pub(crate) fn taken_within(
     limit: Option<u64>,
     program: &mut Command,
@@ -81,8 +83,8 @@ fn start_error(program: &str, reason: std::io::Error) -> BenchError {
     BenchError::Start { program: program.to_owned(), reason, hint: "" }
 }
 
-/// `radsight-bench cost`: runs a program and prints its processor time and wall time in s and its peak memory in MiB; of one that was ended
-/// at its limit, the limit alone.
+/// `radsight-bench cost`: runs a program and prints its processor time and wall time in s and its
+/// peak memory in MiB; for a stopped program, only the limit.
 pub(crate) fn cost(
     words: &[String],
     limit: Option<u64>,
@@ -103,27 +105,27 @@ pub(crate) fn cost(
     Ok(())
 }
 
-/// Whether a program failed for a limit of so many seconds: by its signal, or by the time that was taken, since a program that fails because one of its own
-/// processes was ended gets no signal.
+/// Whether a program failed at a limit of processor time: by its signal, or by the time used, since
+/// a program that fails because one of its own processes was stopped gets no signal.
 fn was_ended_at(seconds: u64, reason: &BenchError) -> bool {
     was_ended_for_its_time(reason) || processor_time_of_children() > seconds as f64 - TICKS
 }
 
-/// Seconds by which a process may have been ended too early, as far as can be told: the system's two clocks differ by its ticks.
+/// Tolerance of the limit, s: the system's two clocks differ by their ticks.
 const TICKS: f64 = 0.1;
 
-/// Has the system end every process that is started from here when it has taken so many seconds.
+/// Lets the system stop every child process after a number of seconds.
 #[cfg(unix)]
 fn limit_processor_time(seconds: u64) {
     use nix::sys::resource::{Resource, setrlimit};
-    // Without a limit a run takes longer, no more.
+    // Without a limit a run only takes longer.
     let _ = setrlimit(Resource::RLIMIT_CPU, seconds, seconds + 1);
 }
 
 #[cfg(not(unix))]
 fn limit_processor_time(_: u64) {}
 
-/// Whether the system itself ended the program for the processor time that it took.
+/// Whether the system stopped the program for its processor time.
 #[cfg(unix)]
 fn was_ended_for_its_time(reason: &BenchError) -> bool {
     use std::os::unix::process::ExitStatusExt;
@@ -136,7 +138,7 @@ fn was_ended_for_its_time(_: &BenchError) -> bool {
     false
 }
 
-/// The most memory that any child had resident, MiB.
+/// Peak resident memory of any child, MiB.
 #[cfg(unix)]
 fn peak_of_children() -> f64 {
     use nix::sys::resource::{UsageWho, getrusage};
@@ -155,7 +157,7 @@ mod tests {
     use std::process::Command;
 
     #[test]
-    fn a_program_that_was_ended_for_its_time_is_told_from_others_that_failed() {
+    fn a_program_that_exceeded_its_time_is_distinguished_from_failures() {
         let failure =
             |script: &str| measure(Command::new("sh").args(["-c", script]), None, None, "").expect_err("it fails");
         assert!(was_ended_for_its_time(&failure("kill -XCPU $$")));

@@ -1,14 +1,14 @@
-//! One message to the user.
+//! A message to the user.
 
 use crate::{SourceMap, Span};
 use std::fmt::Write;
 
-/// How much a message matters.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// Worth knowing; nothing is wrong.
+    /// Information; nothing is wrong.
     Note,
-    /// Suspect, but the work goes on.
+    /// A suspicious input; the work goes on.
     Warning,
     /// The input is wrong.
     Error,
@@ -24,38 +24,38 @@ impl Severity {
     }
 }
 
-/// A message, the place it speaks of, and what to do about it.
+/// A message with its position and hints.
 ///
-/// Messages are lower case, without a full stop, and name the value that is wrong and what was expected.
+/// Messages are lower case, without a full stop. They name the wrong value and what was expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// How much it matters.
+    /// How serious the message is.
     pub severity: Severity,
-    /// What is wrong.
+    /// The problem.
     pub message: String,
-    /// Where.
+    /// The position, if known.
     pub span: Option<Span>,
-    /// What to do about it.
+    /// Ways to correct it.
     pub hints: Vec<String>,
 }
 
 impl Diagnostic {
-    /// The input is wrong.
+    /// A diagnostic for wrong input.
     pub fn error(message: impl Into<String>) -> Self {
         Diagnostic { severity: Severity::Error, message: message.into(), span: None, hints: Vec::new() }
     }
 
-    /// The input is suspect.
+    /// A diagnostic for suspicious input.
     pub fn warning(message: impl Into<String>) -> Self {
         Diagnostic { severity: Severity::Warning, ..Diagnostic::error(message) }
     }
 
-    /// Something worth knowing.
+    /// A diagnostic for information.
     pub fn note(message: impl Into<String>) -> Self {
         Diagnostic { severity: Severity::Note, ..Diagnostic::error(message) }
     }
 
-    /// Points at a place.
+    /// Sets the position.
     #[must_use]
     pub fn at(mut self, span: Span) -> Self {
         self.span = Some(span);
@@ -76,7 +76,7 @@ impl Diagnostic {
         self
     }
 
-    /// The message as text for people, with the line, the caret, the hints and the chain of inclusion.
+    /// The message as text, with the source line, the caret, the hints and the chain of inclusion.
     #[must_use]
     pub fn render(&self, sources: &SourceMap) -> String {
         let mut out = String::new();
@@ -106,7 +106,7 @@ impl Diagnostic {
     }
 }
 
-/// The longest part of a source line that is shown, in characters.
+/// Longest part of a source line to show, in characters.
 const WIDEST_LINE: usize = 160;
 
 fn render_line(out: &mut String, sources: &SourceMap, span: Span, line_number: u32) {
@@ -118,7 +118,7 @@ fn render_line(out: &mut String, sources: &SourceMap, span: Span, line_number: u
     let before = String::from_utf8_lossy(&line.as_bytes()[..before_bytes]).chars().count();
     let marked_bytes = ((span.end as usize).saturating_sub(first)).min(line.len()).saturating_sub(before_bytes);
     let marked = String::from_utf8_lossy(&line.as_bytes()[before_bytes..before_bytes + marked_bytes]).chars().count();
-    // A long line is cut to the part around the mark.
+    // Shorten a long line to the part around the caret.
     let cut = before.saturating_sub(WIDEST_LINE / 2);
     let shown: String =
         line.chars().skip(cut).take(WIDEST_LINE).map(|c| if c == '\t' || c.is_control() { ' ' } else { c }).collect();

@@ -1,10 +1,11 @@
 //! Source spans, and diagnostics that show the line and a caret.
 //!
-//! A [`SourceMap`] keeps every text that was read and how it came to be read (which line of which text asked for it), so
-//! that a [`Diagnostic`] made anywhere later can be printed with file, line, column, caret, hint and the chain of inclusion.
+//! A [`SourceMap`] keeps every text that was read, and which line of which text included it. A
+//! [`Diagnostic`] created at any later time can thus be printed with file, line, column, caret,
+//! hint and the chain of inclusion.
 //!
-//! Guarantees: printing never panics, whatever the span; the same diagnostic always gives the same text. Knows nothing
-//! of Radiance and does no input or output.
+//! Guarantees: printing never panics, whatever the span; equal diagnostics print equal text. The
+//! crate knows nothing of Radiance and does no input or output.
 //!
 //! ```
 //! use radsight_diag::{Diagnostic, SourceMap};

@@ -1,6 +1,7 @@
 //! The nearest known name, for hints.
 
-/// The candidate closest to `name` by edits, if it is close enough to be a likely slip.
+/// The candidate with the smallest edit distance to `name`, if it is close enough to be a likely
+/// typing error.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (name.chars().count() / 3).max(1) + usize::from(name.len() > 3);
     candidates
@@ -17,7 +18,7 @@ pub fn hint_nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
     nearest(name, candidates).map(|candidate| format!("did you mean \"{candidate}\"?"))
 }
 
-/// Levenshtein distance, without regard to case.
+/// Levenshtein distance, ignoring case.
 fn edits(left: &str, right: &str) -> usize {
     strsim::levenshtein(&left.to_lowercase(), &right.to_lowercase())
 }

@@ -1,8 +1,8 @@
-//! Texts, the places in them, and how they came to be read.
+//! Source texts, spans in them, and their chains of inclusion.
 
 use std::sync::Arc;
 
-/// Names one text in a [`SourceMap`].
+/// Identifies a text in a [`SourceMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct SourceId(u32);
 
@@ -28,7 +28,7 @@ impl Span {
     }
 }
 
-/// Where a span begins, for people.
+/// The line and column at which a span begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Position {
     /// Line, from 1.
@@ -42,7 +42,7 @@ struct Source {
     name: String,
     text: Arc<[u8]>,
     included_at: Option<Span>,
-    /// Where the lines began, once the text is forgotten.
+    /// Offsets of the line starts, kept when the text is dropped.
     line_starts: Vec<u32>,
 }
 
@@ -53,7 +53,8 @@ pub struct SourceMap {
 }
 
 impl SourceMap {
-    /// Adds a text. `included_at` is the place that asked for it: a `!xform` line, a function file's name, and so on.
+    /// Adds a text. `included_at` is the span that included it: a `!xform` line, a function file's
+    /// name, and so on.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<[u8]>>, included_at: Option<Span>) -> SourceId {
         let id = SourceId(u32::try_from(self.sources.len()).expect("fewer than 2^32 files are read"));
         self.sources.push(Source { name: name.into(), text: text.into(), included_at, line_starts: Vec::new() });
@@ -79,18 +80,19 @@ impl SourceMap {
         &self.sources[source.0 as usize].text
     }
 
-    /// All texts that are not forgotten, in the order in which they were added; empty ones in the places of others.
+    /// All texts that are still kept, in the order in which they were added; a dropped text is
+    /// empty.
     pub fn texts(&self) -> impl Iterator<Item = &[u8]> {
         self.sources.iter().map(|source| &source.text[..])
     }
 
-    /// The place that asked for the text.
+    /// The span that included the text.
     #[must_use]
     pub fn included_at(&self, source: SourceId) -> Option<Span> {
         self.sources[source.0 as usize].included_at
     }
 
-    /// Drops the bytes of a text, to save memory once it was parsed. Spans into it then print without their line, and
+    /// Drops the bytes of a text to save memory. Spans into it then print without their line, and
     /// with columns in bytes.
     pub fn forget_text(&mut self, source: SourceId) {
         let source = &mut self.sources[source.0 as usize];
@@ -118,7 +120,8 @@ impl SourceMap {
         Position { line: u32::try_from(line).unwrap_or(u32::MAX), column: u32::try_from(column).unwrap_or(u32::MAX) }
     }
 
-    /// The whole line in which the span begins, without its end, and the byte at which it starts.
+    /// The whole line in which the span begins, without its line end, and the offset of its first
+    /// byte.
     #[must_use]
     pub fn line(&self, span: Span) -> (String, usize) {
         let text = self.text(span.source);

@@ -1,10 +1,11 @@
-//! Unit vectors in 32 bits, as Radiance's `dircode.c` packs them.
+//! Unit vectors in 32 bits, packed as in Radiance's `dircode.c`.
 //!
-//! Bits 0 to 2 are the signs of x, y and z. Two of the three magnitudes are stored with 13 bits each, from bit 5 and from
-//! bit 18; the largest is left out, since the length is one. Bit 3 says that the first is x rather than y, bit 4 that the
-//! second is z rather than the other of x and y. No code but that of no direction is zero.
+//! Bits 0 to 2 are the signs of x, y and z. Two of the three magnitudes have 13 bits each, from bit
+//! 5 and from bit 18; the largest is omitted, since the length is one. Bit 3 means that the first
+//! is x rather than y, bit 4 that the second is z rather than the other of x and y. Code zero means
+//! no direction.
 
-/// The code of a magnitude of one over √2, the most that a stored one can be.
+/// Scale of a stored magnitude; the largest is 1/√2.
 const SCALE: f64 = (8192.0 - 0.5) * std::f64::consts::SQRT_2;
 
 const FIRST_IS_X: u32 = 1 << 3;
@@ -13,7 +14,7 @@ const FIRST_SHIFT: u32 = 5;
 const SECOND_SHIFT: u32 = 18;
 const MASK: u32 = 0x1fff;
 
-/// The unit vector of a code; `None` for the code of no direction.
+/// The unit vector of a code; `None` for code zero.
 pub(crate) fn decode(code: u32) -> Option<[f64; 3]> {
     if code == 0 {
         return None;
@@ -27,7 +28,7 @@ pub(crate) fn decode(code: u32) -> Option<[f64; 3]> {
         (false, true) => [largest, first, second],
         (false, false) => [second, first, largest],
     };
-    // Damaged codes can hold two magnitudes that are together longer than one.
+    // A damaged code can hold two magnitudes whose vector is longer than one.
     let length = direction.iter().map(|component| component * component).sum::<f64>().sqrt();
     for (axis, component) in direction.iter_mut().enumerate() {
         *component /= if code & (1 << axis) == 0 { length } else { -length };

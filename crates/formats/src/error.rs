@@ -1,51 +1,51 @@
-//! What can be wrong with a file.
+//! Errors of reading and writing compiled files.
 
 use radsight_picture::PictureError;
 use std::borrow::Cow;
 
-/// Why bytes are not what they should be, or what is to be written has no place in the format.
+/// Why a file cannot be read, or data cannot be written in the format.
 ///
-/// Offsets count bytes from the first that was given.
+/// Offsets count bytes from the start of the input.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
     /// The information header is damaged.
     #[error(transparent)]
     Header(#[from] PictureError),
-    /// The header says that this is something else.
+    /// The header names another format.
     #[error("the format is {found}, expected {expected}")]
     Format {
-        /// What the header says.
+        /// The format in the header.
         found: String,
-        /// What it must say.
+        /// The expected format.
         expected: &'static str,
     },
     /// The file ends too early.
     #[error("byte {offset}: the file ends, expected {expected}")]
     Truncated {
-        /// The length of what there is.
+        /// The length of the file.
         offset: usize,
-        /// What must follow.
+        /// What was expected next.
         expected: Cow<'static, str>,
     },
-    /// Something else stands where a certain thing must be.
+    /// A value differs from what the format requires.
     #[error("byte {offset}: expected {expected}, found {found}")]
     Unexpected {
-        /// Where.
+        /// Offset of the value.
         offset: usize,
-        /// What must stand there.
+        /// The required value.
         expected: Cow<'static, str>,
-        /// What stands there.
+        /// The value found.
         found: String,
     },
     /// A count or index is more than the format can hold.
-    #[error("{what} is {found}, a file holds at most {most}")]
+    #[error("{what} is {found}, expected at most {most}")]
     TooMany {
-        /// What was to be written.
+        /// The count or index to be written.
         what: String,
-        /// How many or which.
+        /// Its value.
         found: usize,
-        /// The largest possible.
+        /// The largest value that the format can hold.
         most: usize,
     },
 }

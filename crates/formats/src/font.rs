@@ -1,15 +1,16 @@
 //! Polygonal fonts.
 //!
-//! A font file (`.fnt`) is text: for each character its code from 1 to 255, the number of its vertices, and the vertices as
-//! pairs of integers from 0 to 255 in its cell, x to the right and y up. Comments go from `#` to the end of the line. A
-//! character without vertices is a space (Radiance's `font.c`).
+//! A font file (`.fnt`) is text. Each character has its code from 1 to 255, the number of its
+//! vertices, and the vertices as pairs of integers from 0 to 255 in its cell, x to the right and y
+//! up. Comments extend from `#` to the end of the line. A character without vertices is a space
+//! (Radiance's `font.c`).
 
 use crate::FormatError;
 
 /// A polygonal font.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Font {
-    /// By character code, 256 of them; `None` where the font has no such character.
+    /// The 256 glyphs by character code; `None` for characters that the font lacks.
     pub glyphs: Vec<Option<Glyph>>,
 }
 
@@ -20,14 +21,14 @@ pub struct Glyph {
     pub vertices: Vec<(u8, u8)>,
 }
 
-/// More vertices than this Radiance does not read.
+/// Largest number of vertices that Radiance reads.
 const MOST_VERTICES: i64 = 32_000;
 
 impl Font {
     /// Reads a font.
     ///
     /// # Errors
-    /// At the first word that has no place in a font.
+    /// At the first word that is not valid in a font.
     ///
     /// ```
     /// use radsight_formats::Font;
@@ -41,7 +42,7 @@ impl Font {
         while let Some(word) = words.next() {
             let code = word.integer(1..=255, "a character code from 1 to 255")?;
             if glyphs[code as usize].is_some() {
-                return Err(word.unexpected("a character that was not given yet"));
+                return Err(word.unexpected("a character code that is not defined above"));
             }
             let count = words.expect("a number of vertices")?;
             let count = count.integer(0..=MOST_VERTICES, "a number of vertices from 0 to 32000")?;
@@ -59,7 +60,7 @@ impl Font {
     }
 }
 
-/// A word and where it stands.
+/// A word and its offset.
 struct Word<'a> {
     text: &'a [u8],
     offset: usize,

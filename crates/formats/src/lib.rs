@@ -1,10 +1,12 @@
 //! Compiled files of Radiance: octrees (`.oct`), meshes (`.rtm`), polygonal fonts (`.fnt`).
 //!
-//! Bytes become structs and structs bytes. Whatever the bytes, reading ends in time and memory that their length bounds, and
-//! an error says at which byte what was expected. What is written, real Radiance reads.
+//! The crate converts bytes to structs and structs to bytes. Reading takes time and memory
+//! proportional to the length of any input. An error gives the offset and what was expected there.
+//! Real Radiance reads what is written.
 //!
-//! Knows neither scenes nor rays: the primitives in a file are lists of words and numbers here, and `parse` makes a scene of
-//! them. The trees of cubes are checked and left out, since rays are traced with a hierarchy of radsight's own.
+//! Knows neither scenes nor rays: primitives are lists of words and numbers here, and `parse` makes
+//! a scene of them. Octree cells are checked and dropped, since radsight traces rays with its own
+//! bounding volume hierarchy.
 //!
 //! ```
 //! use radsight_formats::{Octree, OctreeContent, Tree};

@@ -1,9 +1,10 @@
 //! Meshes, as `obj2mesh` writes them.
 //!
-//! A mesh file (`.rtm`) holds an octree over triangles, the materials, and *patches* of up to 256 vertices: positions with
-//! 32 bits a coordinate in the bounding cube, normals in 32 bits, local coordinates with 32 bits each between limits.
-//! Triangles belong to the patch of their last vertex, with one byte for each vertex of the patch, and a number for those
-//! of other patches (Radiance's `mesh.h` and `readmesh.c`).
+//! A mesh file (`.rtm`) holds an octree over triangles, the materials, and *patches* of up to 256
+//! vertices: positions with 32 bits per coordinate in the bounding cube, normals in 32 bits, local
+//! coordinates with 32 bits each between limits. A triangle belongs to the patch of its last
+//! vertex. It refers to vertices of that patch by one byte, and to those of other patches by a
+//! number (Radiance's `mesh.h` and `readmesh.c`).
 
 use crate::FormatError;
 use crate::direction;
@@ -13,40 +14,40 @@ use crate::portable::Reader;
 use crate::tree;
 use radsight_picture::Header;
 
-/// What the header calls the format.
+/// The format name in the header.
 pub const MESH_FORMAT: &str = "Radiance_tmesh";
 
-/// The number at the start, without the bytes of an object's index.
+/// The magic number, without the size of an object index.
 pub(crate) const MAGIC: i64 = 319;
 
 pub(crate) const HAS_POSITIONS: usize = 1;
 pub(crate) const HAS_NORMALS: usize = 2;
 pub(crate) const HAS_COORDINATES: usize = 4;
 
-/// Vertices of a patch, at most.
+/// Largest number of vertices of a patch.
 pub(crate) const MOST_IN_PATCH: usize = 256;
 
-/// What 32 bits are divided by.
+/// Scale of 32-bit coordinates.
 const FULL: f64 = 4_294_967_296.0;
 
-/// A mesh file, but for its octree.
+/// A mesh file without its octree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh<'a> {
-    /// How it came to be.
+    /// The information header.
     pub header: Header,
     /// The corner of the cube with the smallest coordinates.
     pub origin: [f64; 3],
     /// Length of an edge of the cube.
     pub size: f64,
-    /// Modifiers; triangles have some of them as their materials.
+    /// Modifiers, some of which are the materials of triangles.
     pub objects: Vec<Object<'a>>,
     /// Positions.
     pub vertices: Vec<[f64; 3]>,
-    /// Unit normals, as many as vertices; empty if no vertex has one.
+    /// Unit normals, one per vertex; empty if no vertex has one.
     pub normals: Vec<Option<[f64; 3]>>,
-    /// Local coordinates, as many as vertices; empty if no vertex has any.
+    /// Local coordinates, one pair per vertex; empty if no vertex has any.
     pub coordinates: Vec<Option<[f64; 2]>>,
-    /// In the order of the patches.
+    /// Triangles in the order of the patches.
     pub triangles: Vec<Triangle>,
 }
 
@@ -93,22 +94,22 @@ impl<'a> Mesh<'a> {
     }
 }
 
-/// A vertex as a triangle names it, with the place of the name in the file.
+/// A reference from a triangle to a vertex, with its offset in the file.
 #[derive(Clone, Copy)]
 struct VertexName {
-    /// Patch and index in it.
+    /// Patch, and index in it.
     id: u32,
     offset: usize,
 }
 
-/// What was read of a mesh.
+/// The state of reading patches.
 struct Patches<'a> {
     mesh: Mesh<'a>,
-    /// Smallest and largest of each local coordinate.
+    /// Smallest and largest value of each local coordinate.
     limits: [[f64; 2]; 2],
-    /// The first vertex of each patch, and of the next one.
+    /// Index of the first vertex of each patch; the last entry is the total.
     starts: Vec<u32>,
-    /// Triangles that wait for the patches that they reach into.
+    /// Triangles whose vertices may lie in patches not read yet.
     triangles: Vec<([VertexName; 3], Option<u32>)>,
 }
 
@@ -246,7 +247,7 @@ fn far_vertex(reader: &mut Reader<'_>) -> Result<VertexName, FormatError> {
     Ok(VertexName { id, offset })
 }
 
-/// The `index`-th word of four bytes, the highest first.
+/// The `index`-th four-byte word, big-endian.
 fn word(bytes: &[u8], index: usize) -> u32 {
     bytes[4 * index..4 * index + 4].iter().fold(0, |sum, byte| sum << 8 | u32::from(*byte))
 }

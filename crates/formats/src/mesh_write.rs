@@ -1,4 +1,5 @@
-//! Writing meshes: triangles into patches, with the octree that real Radiance finds them by.
+//! Writes meshes: distributes triangles over patches and stores the octree by which real Radiance
+//! finds them.
 
 use crate::FormatError;
 use crate::direction;
@@ -9,30 +10,30 @@ use crate::tree::{self, Tree};
 use radsight_picture::Header;
 use std::collections::HashMap;
 
-/// Bytes of a triangle's name, as Radiance writes it.
+/// Size of a triangle index in bytes, as Radiance writes it.
 const INDEX_SIZE: usize = 4;
 
-/// Most triangles of a patch's own, and most of each kind that reach into others.
+/// Largest number of triangles inside a patch, and of each kind of shared triangles.
 const MOST_OWN: usize = 512;
 const MOST_JOINED: usize = 256;
 
-/// In the name of a triangle: that it reaches into one other patch, or two.
+/// Flags in a triangle's index: it shares vertices with one or two other patches.
 const JOINS_ONE: u32 = 0x200;
 const JOINS_TWO: u32 = 0x300;
 
-/// Names have 22 bits for the patch.
+/// Triangle indices have 22 bits for the patch.
 const MOST_PATCHES: usize = 1 << 22;
 
-/// How far local coordinates stay from their limits, as a share of their range, and at least.
+/// Margin between local coordinates and their limits: relative to their range, and at least.
 const COORDINATE_MARGIN: [f64; 2] = [2.0 / 65536.0, 1e-6];
 
-/// What 32 bits are divided by.
+/// Scale of 32-bit coordinates.
 const FULL: f64 = 4_294_967_296.0;
 
-/// A corner of a triangle that is to be written.
+/// A corner of a triangle to write.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
-    /// Within the cube.
+    /// Position inside the cube.
     pub position: [f64; 3],
     /// Unit vector.
     pub normal: Option<[f64; 3]>,
@@ -40,7 +41,7 @@ pub struct Corner {
     pub coordinates: Option<[f64; 2]>,
 }
 
-/// A triangle that is to be written.
+/// A triangle to write.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
     /// Counter-clockwise seen from the front.
@@ -49,10 +50,10 @@ pub struct Facet {
     pub material: Option<u32>,
 }
 
-/// A mesh that is to be written.
+/// A mesh to write.
 #[derive(Clone, Debug)]
 pub struct MeshParts<'a> {
-    /// How it came to be.
+    /// The information header.
     pub header: Header,
     /// The corner of the cube with the smallest coordinates.
     pub origin: [f64; 3],
@@ -65,14 +66,15 @@ pub struct MeshParts<'a> {
 }
 
 impl MeshParts<'_> {
-    /// The bytes of a mesh file; `tree` has the triangles that touch each cube, by their indices.
+    /// The bytes of a mesh file. `tree` lists the indices of the triangles that touch each cube.
     ///
     /// # Errors
     /// When there are more patches or materials than the format can hold.
     pub fn write(&self, tree: &Tree) -> Result<Vec<u8>, FormatError> {
         let mut patches = Patches::new(self);
         let mut names = vec![None; self.facets.len()];
-        // In the order of space, so that few triangles reach into other patches.
+        // The order of the octree keeps neighbours together, so few triangles share vertices across
+        // patches.
         patches.add_tree(tree, &mut names)?;
         let mut out = self.header.to_bytes();
         push_integer(&mut out, MAGIC + INDEX_SIZE as i64, 2);
@@ -88,7 +90,7 @@ impl MeshParts<'_> {
     }
 }
 
-/// The tree with the names of triangles for their indices.
+/// The tree with triangle indices replaced by those of the file.
 fn renamed(tree: &Tree, names: &[Option<u32>]) -> Tree {
     match tree {
         Tree::Empty => Tree::Empty,
@@ -101,7 +103,7 @@ fn renamed(tree: &Tree, names: &[Option<u32>]) -> Tree {
     }
 }
 
-/// A corner as it is stored.
+/// A corner as stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Vertex {
     position: [u32; 3],
@@ -109,7 +111,8 @@ struct Vertex {
     coordinates: Option<[u32; 2]>,
 }
 
-/// A triangle that reaches into other patches: the names of those corners, the places of its own, its material.
+/// A triangle that shares vertices with other patches: references to those vertices, the indices of
+/// its own, its material.
 struct Joined {
     others: Vec<u32>,
     own: Vec<u8>,
@@ -124,13 +127,13 @@ struct Patch {
     joins_two: Vec<Joined>,
 }
 
-/// All patches so far.
+/// The patches written so far.
 struct Patches<'m> {
     parts: &'m MeshParts<'m>,
-    /// Smallest and largest of each local coordinate.
+    /// Smallest and largest value of each local coordinate.
     limits: [[f64; 2]; 2],
     all: Vec<Patch>,
-    /// The names of vertices.
+    /// Vertices already stored, and their references.
     known: HashMap<Vertex, u32>,
 }
 
@@ -155,7 +158,7 @@ impl<'m> Patches<'m> {
         Ok(())
     }
 
-    /// Adds a triangle; gives its name.
+    /// Adds a triangle and returns its index.
     fn add(&mut self, facet: &Facet) -> Result<u32, FormatError> {
         let material = match facet.material {
             None => -1,
@@ -180,7 +183,7 @@ impl<'m> Patches<'m> {
                 return Ok(patch_of(0) << 10 | (patch.own.len() - 1) as u32);
             }
         }
-        // The other corner first, and the way around as it was.
+        // Put the corner in another patch first and keep the orientation.
         for [other, a, b] in [[0, 1, 2], [1, 2, 0], [2, 0, 1]] {
             let patch = &mut self.all[patch_of(a) as usize];
             if shares(a, b) && patch.joins_one.len() < MOST_JOINED {
@@ -201,7 +204,7 @@ impl<'m> Patches<'m> {
         self.add_apart(vertices, material)
     }
 
-    /// Adds a triangle with corners of its own, where no patch has room for one that it shares.
+    /// Adds a triangle with new vertices, where a patch has no room for a shared one.
     fn add_apart(&mut self, vertices: [Vertex; 3], material: i64) -> Result<u32, FormatError> {
         if self.all.last().is_none_or(|last| last.vertices.len() + 3 > MOST_IN_PATCH || last.own.len() >= MOST_OWN) {
             self.add_patch()?;
@@ -223,7 +226,7 @@ impl<'m> Patches<'m> {
         Ok(())
     }
 
-    /// The name of a vertex: patch and place in it.
+    /// The reference of a vertex: patch and index in it.
     fn vertex(&mut self, vertex: Vertex) -> Result<u32, FormatError> {
         if let Some(known) = self.known.get(&vertex) {
             return Ok(*known);
@@ -255,7 +258,7 @@ impl<'m> Patches<'m> {
     }
 }
 
-/// The range of local coordinates, a little wider, so that none is zero.
+/// The range of local coordinates with a margin, so that no coordinate is zero.
 fn limits(facets: &[Facet]) -> [[f64; 2]; 2] {
     let mut limits = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for pair in facets.iter().flat_map(|facet| facet.corners).filter_map(|corner| corner.coordinates) {
@@ -337,7 +340,7 @@ mod tests {
         MeshParts { header, origin: [-0.5; 3], size: 2.0, objects: vec![paint("a"), paint("b")], facets }
     }
 
-    /// Positions, normals and materials of all triangles, in an order that does not depend on patches.
+    /// Positions, normals and materials of all triangles, sorted so that patches do not matter.
     fn sorted(mut triangles: Vec<String>) -> Vec<String> {
         triangles.sort();
         triangles
@@ -371,7 +374,7 @@ mod tests {
         assert_eq!(sorted(read.collect()), sorted(written.collect()));
     }
 
-    /// Corners from the least, the way around kept.
+    /// The corners rotated so that the least comes first; the orientation is kept.
     fn least_turn([a, b, c]: [String; 3]) -> String {
         let turns = [[&a, &b, &c], [&b, &c, &a], [&c, &a, &b]];
         turns.map(|turn| turn.map(String::as_str).concat()).into_iter().min().unwrap_or_default()

@@ -4,7 +4,7 @@ use crate::FormatError;
 use crate::portable::{Reader, push_float, push_integer, push_string};
 use std::borrow::Cow;
 
-/// The types that Radiance 6 knows, in its own order; a file brings a list of its own.
+/// The types of Radiance 6, in its order. Each file has its own list.
 const TYPES: [&str; 59] = [
     "polygon",
     "cone",
@@ -67,7 +67,7 @@ const TYPES: [&str; 59] = [
     "specpict",
 ];
 
-/// More arguments of one kind than this real Radiance cannot read.
+/// Largest number of arguments of one kind that real Radiance can read.
 const MOST_ARGUMENTS: usize = 0x7fff;
 
 /// A primitive.
@@ -79,13 +79,13 @@ pub struct Object<'a> {
     pub modifier: Option<usize>,
     /// Its identifier.
     pub name: Cow<'a, [u8]>,
-    /// String arguments. An `alias` has its target here, or none if the target is its modifier.
+    /// String arguments. An `alias` has its target here, or none if its target is its modifier.
     pub strings: Vec<Cow<'a, [u8]>>,
     /// Real arguments, to about nine digits.
     pub reals: Vec<f64>,
 }
 
-/// Reads a list of types and the objects after it, up to the mark at their end.
+/// Reads a list of types and the objects after it, up to the end mark.
 pub(crate) fn read_objects<'a>(reader: &mut Reader<'a>, size: usize) -> Result<Vec<Object<'a>>, FormatError> {
     let mut types = Vec::new();
     loop {
@@ -119,7 +119,7 @@ fn read_object<'a>(
         -1 => None,
         index => match usize::try_from(index).ok().filter(|index| *index < own_index) {
             Some(index) => Some(index),
-            None => return Err(reader.unexpected(offset, "a modifier that stands before its object", index)),
+            None => return Err(reader.unexpected(offset, "a modifier defined before its object", index)),
         },
     };
     let name = reader.string("the name of an object")?.into();
@@ -130,7 +130,7 @@ fn read_object<'a>(
     Ok(Object { kind: kind.into(), modifier, name, strings: strings?, reals: reals? })
 }
 
-/// Writes the list of types, the objects and the mark at their end.
+/// Writes the list of types, the objects and the end mark.
 pub(crate) fn write_objects(out: &mut Vec<u8>, objects: &[Object<'_>], size: usize) -> Result<(), FormatError> {
     let mut types: Vec<&[u8]> = TYPES.iter().map(|name| name.as_bytes()).collect();
     for object in objects {

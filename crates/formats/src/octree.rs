@@ -1,8 +1,9 @@
 //! Octrees, as `oconv` writes them.
 //!
-//! An octree file (`.oct`) has an information header, the bounding cube, the names of scene files, the tree of cubes with
-//! the indices of the surfaces in each, and, if it is frozen, no names but the primitives themselves (Radiance's `readoct.c`
-//! and `sceneio.c`). Objects are numbered in the order of the scene text, modifiers and aliases included.
+//! An octree file (`.oct`) has an information header, the bounding cube, the names of scene files,
+//! and the tree of cubes with the indices of the surfaces in each. A frozen octree has the
+//! primitives themselves instead of names (Radiance's `readoct.c` and `sceneio.c`). Objects are
+//! numbered in the order of the scene text, including modifiers and aliases.
 
 use crate::FormatError;
 use crate::object::{Object, read_objects, write_objects};
@@ -10,34 +11,34 @@ use crate::portable::{Reader, push_integer, push_string};
 use crate::tree::{self, Tree};
 use radsight_picture::{Header, general};
 
-/// Significant digits of the cube, as real `oconv` writes it.
+/// Significant digits of the cube, as in real `oconv`.
 const CUBE_DIGITS: usize = 12;
 
-/// What the header calls the format.
+/// The format name in the header.
 pub const OCTREE_FORMAT: &str = "Radiance_octree";
 
-/// The number at the start, without the bytes of an object's index.
+/// The magic number, without the size of an object index.
 const MAGIC: i64 = 283;
 
-/// Bytes of an object's index, as Radiance writes it.
+/// Size of an object index in bytes, as Radiance writes it.
 const INDEX_SIZE: usize = 4;
 
-/// An octree file, but for its tree of cubes.
+/// An octree file without its tree of cubes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Octree<'a> {
-    /// How it came to be.
+    /// The information header.
     pub header: Header,
     /// The corner of the cube with the smallest coordinates.
     pub origin: [f64; 3],
-    /// Length of an edge of the cube, above zero, or zero if nothing has a place.
+    /// Length of an edge of the cube: positive, or zero if there is no surface.
     pub size: f64,
-    /// How many primitives there are.
+    /// Number of primitives.
     pub object_count: usize,
     /// Where the primitives are.
     pub content: OctreeContent<'a>,
 }
 
-/// Where the primitives of an octree are.
+/// Where the primitives of an octree are stored.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OctreeContent<'a> {
     /// In scene files, or commands after `!`.
@@ -47,16 +48,16 @@ pub enum OctreeContent<'a> {
 }
 
 impl<'a> Octree<'a> {
-    /// Whether bytes begin as those of an octree do.
+    /// Whether the bytes begin like an octree.
     #[must_use]
     pub fn is_octree(bytes: &[u8]) -> bool {
         bytes.starts_with(b"#?") && Reader::new(bytes, OCTREE_FORMAT).is_ok()
     }
 
-    /// Reads an octree. Its tree is checked, but not kept.
+    /// Reads an octree. Its tree is checked but not kept.
     ///
     /// # Errors
-    /// When the bytes are not a whole octree.
+    /// When the bytes are not a complete octree.
     pub fn read(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let (header, mut reader) = Reader::new(bytes, OCTREE_FORMAT)?;
         let size = index_size(&mut reader, MAGIC)?;
@@ -78,7 +79,7 @@ impl<'a> Octree<'a> {
         Ok(Octree { header, origin, size: edge, object_count, content })
     }
 
-    /// Writes an octree, in the form that Radiance's programs read.
+    /// Writes an octree in the form that Radiance's programs read.
     ///
     /// # Errors
     /// When an object has more arguments than the format can hold.
@@ -101,7 +102,7 @@ impl<'a> Octree<'a> {
     }
 }
 
-/// The number of bytes of an index, which is added to a magic number.
+/// The size of an index in bytes, which is added to a magic number.
 pub(crate) fn index_size(reader: &mut Reader<'_>, magic: i64) -> Result<usize, FormatError> {
     let offset = reader.offset();
     let found = reader.integer(2, "a magic number")?;

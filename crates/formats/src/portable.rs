@@ -1,14 +1,15 @@
-//! The numbers and strings of Radiance's binary files: big-endian integers of any width, floats of 31 bits and an exponent,
-//! strings that end with a zero byte (`getint`, `getflt` and `getstr` of Radiance's `portio.c`).
+//! Numbers and strings of Radiance's binary files: big-endian integers of any width, floats of a
+//! 31-bit mantissa and an exponent, zero-terminated strings (`getint`, `getflt` and `getstr` of
+//! Radiance's `portio.c`).
 
 use crate::FormatError;
 use radsight_picture::Header;
 use std::borrow::Cow;
 
-/// The mantissa of one.
+/// The mantissa that represents one.
 const FULL_MANTISSA: f64 = 0x7fff_ffff as f64;
 
-/// Reads from the start of a file to its end.
+/// A reader that advances from the start of a file to its end.
 #[derive(Clone, Debug)]
 pub(crate) struct Reader<'a> {
     bytes: &'a [u8],
@@ -16,7 +17,7 @@ pub(crate) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Reads the header, which must name the format; goes on after it.
+    /// Reads the header, which must name the format, and continues after it.
     pub(crate) fn new(bytes: &'a [u8], format: &'static str) -> Result<(Header, Self), FormatError> {
         let (header, offset) = Header::read(bytes)?;
         match header.format() {
@@ -51,14 +52,14 @@ impl<'a> Reader<'a> {
         Ok(taken)
     }
 
-    /// A signed integer of one to eight bytes, the highest first.
+    /// A signed big-endian integer of one to eight bytes.
     pub(crate) fn integer(&mut self, size: usize, what: &'static str) -> Result<i64, FormatError> {
         let bytes = self.take(size, what)?;
         let sign = if bytes.first().is_some_and(|byte| byte & 0x80 != 0) { -1 } else { 0 };
         Ok(bytes.iter().fold(sign, |sum, byte| (sum << 8) | i64::from(*byte)))
     }
 
-    /// An integer in a range.
+    /// An integer within a range.
     pub(crate) fn integer_in(
         &mut self,
         size: usize,
@@ -73,12 +74,12 @@ impl<'a> Reader<'a> {
         Err(self.unexpected(offset, format!("{what} from {} to {}", range.start(), range.end()), value))
     }
 
-    /// Two bytes without a sign.
+    /// An unsigned two-byte integer.
     pub(crate) fn count(&mut self, what: &'static str) -> Result<usize, FormatError> {
         Ok((self.integer(2, what)? & 0xffff) as usize)
     }
 
-    /// A mantissa of four bytes and an exponent of one. Half a unit is added, since writing cuts off.
+    /// A four-byte mantissa and a one-byte exponent. Half a unit is added, since writing truncates.
     pub(crate) fn float(&mut self, what: &'static str) -> Result<f64, FormatError> {
         let mantissa = self.integer(4, what)?;
         let exponent = self.integer(1, what)?;
@@ -89,7 +90,7 @@ impl<'a> Reader<'a> {
         Ok((mantissa as f64 + half) / FULL_MANTISSA * f64::powi(2.0, exponent as i32))
     }
 
-    /// A string without the zero byte at its end.
+    /// A string without its terminating zero.
     pub(crate) fn string(&mut self, what: &'static str) -> Result<&'a [u8], FormatError> {
         let rest = &self.bytes[self.offset..];
         let Some(length) = rest.iter().position(|byte| *byte == 0) else {
@@ -110,12 +111,12 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Appends an integer of so many bytes, the highest first.
+/// Appends a big-endian integer of `size` bytes.
 pub(crate) fn push_integer(out: &mut Vec<u8>, value: i64, size: usize) {
     out.extend_from_slice(&value.to_be_bytes()[8 - size..]);
 }
 
-/// Appends a float. What is too large becomes the largest, what is too small zero.
+/// Appends a float. Overflow gives the largest value, underflow zero.
 pub(crate) fn push_float(out: &mut Vec<u8>, value: f64) {
     let (fraction, exponent) = split(value);
     let (mantissa, exponent) = match exponent {
@@ -127,13 +128,13 @@ pub(crate) fn push_float(out: &mut Vec<u8>, value: f64) {
     push_integer(out, exponent, 1);
 }
 
-/// Appends a string and the zero byte after it; the string ends before a zero byte of its own.
+/// Appends a zero-terminated string. The string ends before any zero byte of its own.
 pub(crate) fn push_string(out: &mut Vec<u8>, string: &[u8]) {
     out.extend(string.iter().take_while(|byte| **byte != 0));
     out.push(0);
 }
 
-/// A fraction from ½ to 1 and a power of two, as C's `frexp` gives them.
+/// A mantissa from ½ to 1 and a binary exponent, as in C's `frexp`.
 fn split(value: f64) -> (f64, i64) {
     if value == 0.0 {
         return (0.0, 0);

@@ -1,4 +1,4 @@
-//! The tree of cubes inside octrees and meshes.
+//! The tree of cubes in octrees and meshes.
 
 use crate::FormatError;
 use crate::portable::{Reader, push_integer};
@@ -7,21 +7,23 @@ const EMPTY: u8 = 0;
 const FULL: u8 = 1;
 const TREE: u8 = 2;
 
-/// The most objects that one cube may hold.
+/// Largest number of objects in one cube.
 pub const MOST_IN_A_CUBE: usize = 511;
 
-/// A cube and what is in it. Child `i` is the half towards larger x if `i & 1`, y if `i & 2`, z if `i & 4`.
+/// A cube and its contents. Child `i` is the half towards larger x if `i & 1`, y if `i & 2`, z if
+/// `i & 4`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Tree {
-    /// Nothing.
+    /// No object.
     Empty,
-    /// Objects by their indices, rising; at most [`MOST_IN_A_CUBE`].
+    /// The indices of objects, ascending; at most [`MOST_IN_A_CUBE`].
     Full(Vec<u32>),
     /// Eight cubes of half the size.
     Split(Box<[Tree; 8]>),
 }
 
-/// Goes past a tree. Checks its form, in time and memory that its length bounds: every node takes a byte.
+/// Checks the form of a tree and skips it. Takes time and memory proportional to its length, since
+/// every node takes a byte.
 pub(crate) fn skip(reader: &mut Reader<'_>, size: usize) -> Result<(), FormatError> {
     let mut waiting = 1_usize;
     while waiting > 0 {

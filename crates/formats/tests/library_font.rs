@@ -1,4 +1,4 @@
-//! The font that comes with radsight, against the one of Radiance's older library, when there is a copy.
+//! Compares the built-in font with the one of Radiance's older library, if there is a copy.
 
 use radsight_formats::{Font, Glyph, library};
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ fn ours() -> Font {
     Font::read(library::file("helvet.fnt").unwrap().as_bytes()).unwrap()
 }
 
-/// Twice the area inside an outline; seams count nothing.
+/// Twice the area inside an outline; seams contribute zero.
 fn doubled_area(glyph: &Glyph) -> i64 {
     let vertices: Vec<(i64, i64)> = glyph.vertices.iter().map(|&(x, y)| (i64::from(x), i64::from(y))).collect();
     let next = vertices.iter().cycle().skip(1);

@@ -1,7 +1,8 @@
-//! The trait through which every library of radsight reads files and runs commands.
+//! The trait through which all libraries of radsight read files and run commands.
 //!
-//! Libraries do no input of their own: they ask a [`Loader`], so that a test, a fuzz target or another program decides what
-//! a name means. [`MemoryLoader`] serves names from memory; the program has one that searches the disk as Radiance does.
+//! Libraries do no input of their own: they ask a [`Loader`], so a test, a fuzz target or another
+//! program decides what a name means. [`MemoryLoader`] serves files from memory; the program has a
+//! loader that searches the disk as Radiance does.
 //!
 //! ```
 //! use radsight_loader::{FileKind, Loader, MemoryLoader};
@@ -14,20 +15,20 @@
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 
-/// What a file is wanted for; a loader may search different places, and name the kind in an error.
+/// The kind of a file. A loader may search different folders for each kind, and names it in errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FileKind {
     /// Scene text (`.rad`).
     Scene,
     /// Function definitions (`.cal`).
     Function,
-    /// Numbers on a grid (`.dat`).
+    /// A table of numbers (`.dat`).
     Data,
     /// A picture (`.hdr`, `.pic`).
     Picture,
     /// A polygonal font (`.fnt`).
     Font,
-    /// Text for `colortext` and its like.
+    /// Text for `colortext` and the other text patterns.
     Text,
     /// A mesh (`.rtm`, `.obj`).
     Mesh,
@@ -42,24 +43,24 @@ pub enum FileKind {
 /// A file's bytes and the path under which they were found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Loaded {
-    /// For messages; not to be opened again.
+    /// The path, for messages; it is not opened again.
     pub path: String,
     /// The whole content.
     pub bytes: Vec<u8>,
 }
 
-/// Why a file or a command's output could not be had.
+/// Why a file or the output of a command is not available.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {
-    /// No such file in any place that is searched.
+    /// No searched folder has the file.
     #[error("cannot find {kind} \"{name}\"{searched}")]
     NotFound {
         /// The name asked for.
         name: String,
-        /// In words.
+        /// The kind of file, in words.
         kind: &'static str,
-        /// Empty, or ` in …`.
+        /// The searched folders: empty, or ` in …`.
         searched: String,
     },
     /// The file is there but cannot be read.
@@ -67,13 +68,13 @@ pub enum LoadError {
     Unreadable {
         /// Where it was found.
         path: String,
-        /// What the system said.
+        /// The reason given by the operating system.
         reason: String,
     },
-    /// The file is the one that the program writes.
+    /// The file is the one that standard output writes.
     #[error("cannot read \"{path}\": standard output goes to the same file")]
     OwnOutput {
-        /// Its name.
+        /// The name of the file.
         path: String,
     },
     /// External commands are not allowed.
@@ -87,13 +88,13 @@ pub enum LoadError {
     CommandFailed {
         /// The command line.
         command: String,
-        /// Exit status or message.
+        /// Exit status or error message.
         reason: String,
     },
 }
 
 impl FileKind {
-    /// In words, for messages.
+    /// The kind in words, for messages.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -111,41 +112,42 @@ impl FileKind {
     }
 }
 
-/// Where names become bytes.
+/// Resolves names to bytes.
 pub trait Loader: Sync {
-    /// The whole file that `name` means.
+    /// The whole content of the file `name`.
     ///
     /// # Errors
-    /// When there is no such file or it cannot be read.
+    /// When the file does not exist or cannot be read.
     fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError>;
 
-    /// The same file, to be read as it comes.
+    /// A stream of the same content.
     ///
     /// # Errors
-    /// When there is no such file or it cannot be opened.
+    /// When the file does not exist or cannot be opened.
     fn open(&self, name: &str, kind: FileKind) -> Result<Box<dyn Read>, LoadError> {
         Ok(Box::new(Cursor::new(self.load(name, kind)?.bytes)))
     }
 
-    /// The names of files that a pattern of the shell (`*`, `?`, `[…]`) matches, sorted; none where nothing can be
-    /// listed or the pattern is none.
+    /// The sorted names of files that match a shell pattern (`*`, `?`, `[…]`). Empty if the loader
+    /// cannot list files or the text is not a pattern.
     fn names_like(&self, _pattern: &str) -> Vec<String> {
         Vec::new()
     }
 
-    /// The seed of what a program shuffles. The same each time, so that a scene does not change by itself, except
-    /// for a program that a user runs.
+    /// The seed for programs that shuffle their input. Constant by default, so that a scene is
+    /// reproducible; a program that the user runs overrides it.
     fn shuffle_seed(&self) -> u64 {
         0
     }
 
-    /// The standard output of a program that the caller has in process and a library cannot have, such as one that renders;
-    /// `None` when it has no such program. `argv[0]` is the program's name.
+    /// The standard output of a program that the host provides in process and a library cannot,
+    /// such as a renderer; `None` if the host has no such program. `argv[0]` is the program's name.
     fn run_program(&self, _argv: &[String], _standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
         None
     }
 
-    /// The standard output of an external command line, run by a shell. Refused unless the user allowed it.
+    /// The standard output of an external command line, run by a shell. Refused unless the user
+    /// allowed it.
     ///
     /// # Errors
     /// When commands are refused, or the command fails.
@@ -153,7 +155,7 @@ pub trait Loader: Sync {
         Err(LoadError::CommandRefused { command: command.to_owned() })
     }
 
-    /// The same, to be read as it comes. Whether the command fails is known only at its end.
+    /// A stream of the same output. Whether the command failed is known only at its end.
     ///
     /// # Errors
     /// When commands are refused, or the command cannot be run.
@@ -162,7 +164,8 @@ pub trait Loader: Sync {
     }
 }
 
-/// How `sh` matches names: hidden files only by name, and folders only where the pattern has a `/`.
+/// Pattern matching as in `sh`: hidden files match only an explicit dot, and folders only a `/` in
+/// the pattern.
 pub const AS_IN_SHELL: glob::MatchOptions =
     glob::MatchOptions { case_sensitive: true, require_literal_separator: true, require_literal_leading_dot: true };
 

@@ -1,16 +1,15 @@
-//! An allocator that calls a function of the program's when the system gives no more memory.
+//! An allocator that calls a function of the program when memory is exhausted.
 //!
-//! Without it a program ends by SIGABRT, with hidden files left behind and an exit code that says
-//! nothing. [`ReportingAllocator`] is the system's allocator otherwise: what it costs is one
-//! comparison with null.
+//! Without it a program ends by SIGABRT, leaves hidden files behind and gives no useful exit code.
+//! Otherwise [`ReportingAllocator`] is the system's allocator; it costs one comparison with null.
 //!
-//! Large pieces that are asked for at their full size, as hierarchies of boxes are, get huge pages where the system (Linux) leaves
-//! that to the program: rays go through them in no order, and would wait for the tables of small pages at every other step. What
-//! grows piece by piece, as texts do that are read, is mostly read in order and does not: the system takes longer to find huge pages.
+//! Large allocations of known size, such as acceleration structures, get huge pages where the system (Linux) leaves the choice to
+//! the program: incoherent rays would wait for a page-table walk at every other step. Buffers that grow do not: they are mostly
+//! read in order, and the system takes longer to find huge pages.
 //!
-//! Guarantees: the function runs once, in the thread that found no memory first; other threads wait
-//! meanwhile for the end of the process. Where the function itself finds no memory, the process
-//! aborts. This crate may not know limits, options or messages.
+//! Guarantees: the function runs once, in the thread that first found no memory; other threads wait
+//! for the end of the process. If the function itself finds no memory, the process aborts. This
+//! crate may not know limits, options or messages.
 //!
 //! ```
 //! #[global_allocator]
@@ -28,7 +27,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// What the program does when there is no memory: it gets the bytes that were asked for.
+/// The program's function for exhausted memory. Its argument is the number of bytes requested.
 pub type Exhausted = fn(usize) -> !;
 
 static EXHAUSTED: OnceLock<Exhausted> = OnceLock::new();
@@ -39,15 +38,16 @@ thread_local! {
     static ENDS_HERE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// From this size on a piece is worth huge pages, of which each has 2 MiB.
+/// Smallest allocation that gets huge pages, bytes; a huge page has 2 MiB.
 const LARGE: usize = 4 << 20;
 
-/// Says what to do when there is no memory. The first call counts.
+/// Sets the function to call when memory is exhausted. Only the first call has an effect.
 pub fn when_exhausted(act: Exhausted) {
     let _ = EXHAUSTED.set(act);
 }
 
-/// The system's allocator with huge pages for large pieces, which does what [`when_exhausted`] says instead of giving null.
+/// The system's allocator with huge pages for large allocations, which calls the function set by
+/// [`when_exhausted`] instead of returning null.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReportingAllocator;
 
@@ -55,7 +55,7 @@ pub struct ReportingAllocator;
 unsafe impl GlobalAlloc for ReportingAllocator {
     #[inline]
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's promises are those that the system's allocator asks for.
+        // SAFETY: the caller guarantees what the system's allocator requires.
         checked(in_huge_pages(unsafe { System.alloc(layout) }, layout.size()), layout.size())
     }
 
@@ -111,7 +111,7 @@ fn checked(memory: *mut u8, bytes: usize) -> *mut u8 {
     memory
 }
 
-/// Returns only where nothing was said, or to the function that says it.
+/// Returns only if no function is set, or in the thread that runs it.
 #[cold]
 fn exhausted(bytes: usize) {
     let Some(act) = EXHAUSTED.get() else { return };

@@ -1,4 +1,4 @@
-//! Completions of the shells.
+//! Shell completions.
 
 use crate::option::{OptionForm, ProgramOption};
 use crate::program::Program;
@@ -15,10 +15,10 @@ pub enum Shell {
 }
 
 impl Shell {
-    /// All of them.
+    /// All supported shells.
     pub const ALL: [Shell; 3] = [Shell::Bash, Shell::Zsh, Shell::Fish];
 
-    /// Where the completions of a program stand below a folder of shared files such as `/usr/share`.
+    /// The path of a program's completions below a shared folder such as `/usr/share`.
     #[must_use]
     pub fn file(self, name: &str) -> String {
         match self {
@@ -39,7 +39,7 @@ impl Shell {
     }
 }
 
-/// The words that mean an option, with the help of each.
+/// The words of an option, each with its help text.
 fn words(option: &'static ProgramOption) -> Vec<String> {
     let names = option.names();
     match option.form {

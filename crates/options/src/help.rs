@@ -1,15 +1,15 @@
-//! What `--help` prints.
+//! The text of `--help`.
 
 use crate::option::ProgramOption;
 use crate::program::Program;
 use std::fmt::Write;
 
-/// Columns of a line.
+/// Line width, columns.
 const WIDTH: usize = 100;
-/// Where the explanations begin.
+/// Column at which explanations begin.
 const INDENT: usize = 26;
 
-/// The help text of a program: its command line, what it does, and its options.
+/// The help text of a program: its command line, summary, and options.
 #[must_use]
 pub fn help(program: &Program) -> String {
     let mut text = format!("{}: {}\n\nUsage: {}\n", program.name, program.summary, program.synopsis);
@@ -34,7 +34,7 @@ pub fn help(program: &Program) -> String {
     text
 }
 
-/// What an option does, with its unit and its default in this program.
+/// The help text of an option, with its unit and its default in this program.
 pub(crate) fn explanation(program: &Program, option: &ProgramOption) -> String {
     let mut text = option.help.to_owned();
     if !option.unit.is_empty() {
@@ -51,7 +51,7 @@ pub(crate) fn explanation(program: &Program, option: &ProgramOption) -> String {
     text
 }
 
-/// Appends words in lines of [`WIDTH`] columns; all but the first begin with blanks.
+/// Appends words, wrapped at [`WIDTH`] columns; all lines but the first are indented.
 fn wrap(words: &str, indent: usize, text: &mut String) {
     let mut column = indent;
     for (place, word) in words.split_whitespace().enumerate() {

@@ -1,4 +1,4 @@
-//! Manual pages, in the language of `man(7)`.
+//! Manual pages in the `man(7)` language.
 
 use crate::help::explanation;
 use crate::program::Program;
@@ -35,21 +35,19 @@ pub fn manual_page(program: &Program) -> String {
         }
     }
     page.control("SH", ["EXIT STATUS"]);
-    page.text([roman(
-        "0 done, 1 the input was wrong, 2 the command line was wrong, 3 a limit or fault stopped the work.",
-    )]);
+    page.text([roman("0 success, 1 wrong input, 2 wrong command line, 3 a limit was exceeded or a fault occurred.")]);
     page.control("SH", ["SEE ALSO"]);
     page.text([bold("radsight"), roman("(1)")]);
     page.render()
 }
 
-/// A summary with a capital letter and a full stop.
+/// A summary as a sentence with a capital letter and a full stop.
 fn sentence(summary: &str) -> String {
     let mut letters = summary.chars();
     letters.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), letters.as_str()))
 }
 
-/// Where the page of a program goes in a folder of manual pages.
+/// The path of a program's page in a folder of manual pages.
 #[must_use]
 pub fn manual_page_file(name: &str) -> String {
     format!("man1/{name}.1")

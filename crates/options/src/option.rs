@@ -3,55 +3,57 @@
 /// An option of a program.
 #[derive(Clone, Copy, Debug)]
 pub struct ProgramOption {
-    /// As it is typed, with its dash; the first letters of it where [`OptionForm`] says so.
+    /// Its name with the dash; the first letters if [`OptionForm`] says so.
     pub name: &'static str,
-    /// Other names of the same option.
+    /// Other names of the option.
     pub aliases: &'static [&'static str],
-    /// How the word is written.
+    /// The form of its word.
     pub form: OptionForm,
-    /// What stands after the word, a name for each value; for attached text, what that text is.
+    /// The values after the word, a name for each; for attached text, the name of that text.
     pub values: &'static str,
     /// The unit of the values; empty for none.
     pub unit: &'static str,
-    /// The values that hold where the option is not given, as they are typed; `+` or `-` of a switch. Empty for none.
+    /// The default values as typed; `+` or `-` for a switch. Empty for none.
     pub default: &'static str,
-    /// What it does, as a sentence without its full stop.
+    /// The help text, a sentence without its full stop.
     pub help: &'static str,
-    /// How `-defaults` prints it; `None` where it does not.
+    /// Its format in `-defaults`; `None` if it is not listed.
     pub listing: Option<Listing>,
 }
 
-/// How the word of an option is written.
+/// The form of an option's word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OptionForm {
-    /// The name, then the values as words of their own.
+    /// The name, followed by the values as separate words.
     Word,
-    /// The name alone turns the state over; with `+` or `1` it is on, with `-` or `0` off.
+    /// The name alone toggles the state; a suffix `+` or `1` turns it on, `-` or `0` off.
     Switch,
-    /// The name with text attached to it, or without.
+    /// The name with optional text attached.
     Attached,
-    /// Any word that begins with the name, then the values: Radiance's program looks at no more letters.
+    /// Any word that begins with the name, then the values: Radiance's program compares only these
+    /// letters.
     Beginning,
-    /// The name, or the name with `+` in place of its dash, which takes the option back; then the values.
+    /// The name, or the name with `+` instead of its dash, which undoes the option; then the
+    /// values.
     Signed,
 }
 
-/// How `-defaults` prints an option: its form, and what stands behind `#`.
+/// The format of an option in `-defaults`, and the text after `#`.
 #[derive(Clone, Copy, Debug)]
 pub enum Listing {
-    /// A switch: what it means when it is off and on.
+    /// A switch, with its meaning when off and on.
     Switch([&'static str; 2]),
-    /// A switch that is printed only while it is on.
+    /// A switch that is listed only while it is on.
     SwitchOn(&'static str),
-    /// Whole numbers, padded to this width, then tabs.
+    /// Integers, padded to this width, then tabs.
     Whole(usize, &'static str, &'static str),
-    /// Numbers with six digits after the point, then tabs.
+    /// Numbers with six decimals, then tabs.
     Fixed(&'static str, &'static str),
-    /// Numbers with one digit after the point, then tabs.
+    /// Numbers with one decimal, then tabs.
     OneDigit(&'static str, &'static str),
-    /// Numbers with an exponent and two digits after the point, then tabs.
+    /// Numbers with an exponent and two decimals, then tabs.
     Scientific(&'static str, &'static str),
-    /// A line that the program writes: it depends on more than the words of the option.
+    /// A line computed by the program: it depends on more than the option's words.
     Computed,
 }
 
@@ -60,7 +62,7 @@ impl ProgramOption {
         ProgramOption { name, aliases: &[], form, values, unit: "", default: "", help, listing: None }
     }
 
-    /// How many words follow as values.
+    /// Number of values.
     #[must_use]
     pub fn value_count(&self) -> usize {
         match self.form {
@@ -74,7 +76,7 @@ impl ProgramOption {
         std::iter::once(self.name).chain(self.aliases.iter().copied())
     }
 
-    /// How the option is typed, for help and manual pages: `-bv[+|-]`, `-f[TEXT]`, `-vp X Y Z`.
+    /// The usage of the option, for help and manual pages: `-bv[+|-]`, `-f[TEXT]`, `-vp X Y Z`.
     #[must_use]
     pub fn usage(&self) -> String {
         let names: Vec<&str> = self.names().collect();
@@ -127,12 +129,12 @@ pub(crate) const fn attached(name: &'static str, text: &'static str, help: &'sta
     ProgramOption::new(name, OptionForm::Attached, text, help)
 }
 
-/// An option of which the first letters count.
+/// An option identified by its first letters.
 pub(crate) const fn beginning(name: &'static str, values: &'static str, help: &'static str) -> ProgramOption {
     ProgramOption::new(name, OptionForm::Beginning, values, help)
 }
 
-/// An option that `+` takes back.
+/// An option that `+` undoes.
 pub(crate) const fn signed(name: &'static str, values: &'static str, help: &'static str) -> ProgramOption {
     ProgramOption::new(name, OptionForm::Signed, values, help)
 }

@@ -6,15 +6,15 @@ use radsight_diag::nearest;
 /// A program.
 #[derive(Clone, Copy, Debug)]
 pub struct Program {
-    /// As it is called.
+    /// Its name.
     pub name: &'static str,
-    /// What it does, in one line without a full stop.
+    /// Its purpose, in one line without a full stop.
     pub summary: &'static str,
-    /// The whole command line.
+    /// Its command line.
     pub synopsis: &'static str,
-    /// More about it for its manual page; empty for none.
+    /// A description for its manual page; empty for none.
     pub description: &'static str,
-    /// The options, in the order in which help and `-defaults` print them.
+    /// The options in the order of help and `-defaults`.
     pub groups: &'static [Group],
     /// Defaults that differ from those of shared options: name and values.
     pub defaults: &'static [(&'static str, &'static str)],
@@ -29,24 +29,24 @@ pub struct Group {
     pub options: &'static [ProgramOption],
 }
 
-/// An option that a word was read as.
+/// A word parsed as an option.
 #[derive(Clone, Copy, Debug)]
-pub struct Recognised {
+pub struct ParsedOption {
     /// The option.
     pub option: &'static ProgramOption,
-    /// The state that a switch is set to; `None` for another option, and for a switch that is turned over.
+    /// The state set by a switch; `None` for other options, and for a switch that is toggled.
     pub state: Option<bool>,
 }
 
-impl Recognised {
-    /// How many words the option takes, its own among them.
+impl ParsedOption {
+    /// Number of words of the option, including its own.
     #[must_use]
     pub fn words(&self) -> usize {
         1 + self.option.value_count()
     }
 }
 
-/// More options are not listed in an error.
+/// Largest number of options listed in an error.
 const MOST_LISTED: usize = 24;
 
 impl Program {
@@ -61,10 +61,11 @@ impl Program {
         self.defaults.iter().find(|(name, _)| *name == option.name).map_or(option.default, |(_, own)| own)
     }
 
-    /// Reads a word as an option: a whole name before a switch, and that before the longest beginning.
+    /// Parses a word as an option. An exact name takes precedence over a switch, and a switch over
+    /// the longest prefix.
     #[must_use]
-    pub fn recognise(&self, word: &str) -> Option<Recognised> {
-        let plain = |option| Recognised { option, state: None };
+    pub fn parse_word(&self, word: &str) -> Option<ParsedOption> {
+        let plain = |option| ParsedOption { option, state: None };
         let is_whole = |option: &&ProgramOption| option.form != OptionForm::Attached;
         let whole = self.options().filter(is_whole).find(|option| option.names().any(|name| name == word));
         if let Some(option) = whole {
@@ -76,22 +77,22 @@ impl Program {
                 "-" | "0" => Some(false),
                 _ => return None,
             };
-            Some(Recognised { option, state })
+            Some(ParsedOption { option, state })
         });
         toggled.or_else(|| self.options().filter(|option| begins(option, word)).max_by_key(longest).map(plain))
     }
 
-    /// The option that is nearest to a word, if that is likely a slip.
+    /// The option most similar to a word, if a typing error is likely.
     #[must_use]
     pub fn near(&self, word: &str) -> Option<&'static str> {
         let names = || self.options().flat_map(ProgramOption::names);
         let other_case = names().find(|name| name.eq_ignore_ascii_case(word) && *name != word);
-        // Two characters are near to all others of two characters.
+        // A name of two characters is similar to all others of two characters.
         let long_enough = |name: &&str| name.len().min(word.len()) > 2;
         other_case.or_else(|| nearest(word, names().filter(long_enough)))
     }
 
-    /// What to tell of a word that is no option: the nearest one, or where they stand.
+    /// The hint for an unknown option: the most similar option, or where options are listed.
     #[must_use]
     pub fn hint(&self, word: &str) -> String {
         if let Some(near) = self.near(word) {

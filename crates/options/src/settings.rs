@@ -1,23 +1,23 @@
-//! The options of a program as they stand, and how `-defaults` prints them: in Radiance's form, with Radiance's values.
+//! The current options of a program, and their listing by `-defaults` in Radiance's format.
 //!
-//! Scripts read them, and give them to a program again. Some steer approximations that radsight does not make: their
-//! values change nothing, but are shown as they were given.
+//! Scripts read the listing and pass it to programs again. Some options control approximations that
+//! radsight does not make; their values have no effect but are listed as given.
 
 use crate::option::{Listing, ProgramOption};
-use crate::program::{Program, Recognised};
+use crate::program::{ParsedOption, Program};
 
-/// What was given, or else the default, of each option of a program.
+/// The given or default values of all options of a program.
 #[derive(Clone, Debug)]
 pub struct Settings {
     program: &'static Program,
-    /// The words after each option, in the order of the table; `+` or `-` of a switch.
+    /// The values of each option, in table order; `+` or `-` for a switch.
     values: Vec<Vec<String>>,
-    /// The names of those that were given, the last one last.
+    /// The names of the given options, the last one last.
     latest: Vec<&'static str>,
 }
 
 impl Settings {
-    /// Those that nothing was said about.
+    /// The defaults.
     #[must_use]
     pub fn new(program: &'static Program) -> Settings {
         let values = program.options().map(|option| words_of(program.default_of(option)));
@@ -30,8 +30,8 @@ impl Settings {
         self.program
     }
 
-    /// Keeps what the first of some words was read as, with the values behind it.
-    pub fn note(&mut self, found: &Recognised, words: &[String]) {
+    /// Records a parsed option with the values after it.
+    pub fn note(&mut self, found: &ParsedOption, words: &[String]) {
         let options = self.program.options();
         let Some((option, values)) =
             options.zip(&mut self.values).find(|(option, _)| std::ptr::eq(*option, found.option))
@@ -49,7 +49,7 @@ impl Settings {
         self.latest.push(option.name);
     }
 
-    /// The option that was given last among some, with its values; `None` where none of them was.
+    /// The last given of some options, with its values; `None` if none was given.
     #[must_use]
     pub fn latest(&self, among: &[&str]) -> Option<(&'static str, &[String])> {
         let name = self.latest.iter().rev().find(|name| among.contains(name))?;
@@ -64,8 +64,8 @@ impl Settings {
         values.and_then(|(_, values)| values.first()?.parse().ok()).unwrap_or(0.0)
     }
 
-    /// A line for each option that is printed, in the order of the table. `computed` gives the lines that depend on more
-    /// than the words of an option; `None` for one that is to be left out.
+    /// The lines of the listing, in table order. `computed` returns lines that depend on more than
+    /// the option's words, or `None` to omit them.
     #[must_use]
     pub fn lines(&self, computed: &dyn Fn(&'static ProgramOption) -> Option<String>) -> Vec<String> {
         let has_spectra = self.number("-cs") > 3.0;
@@ -124,7 +124,7 @@ mod tests {
         let mut settings = Settings::new(crate::program(program).expect("a program"));
         let mut at = 0;
         while at < words.len() {
-            let found = settings.program().recognise(&words[at]).expect("an option");
+            let found = settings.program().parse_word(&words[at]).expect("an option");
             settings.note(&found, &words[at..]);
             at += found.words();
         }

@@ -1,4 +1,4 @@
-//! What must hold of every entry of the table.
+//! Invariants of every entry of the table.
 
 use radsight_options::{OptionForm, Shell, help, manual_page, programs};
 use std::collections::HashSet;
@@ -19,10 +19,10 @@ fn names_are_unambiguous() {
         let mut known = HashSet::new();
         for option in program.options() {
             for name in option.names() {
-                // A name may stand alone before values, and with text attached.
+                // A name may occur once with separate values and once with attached text.
                 let is_new = known.insert((name, option.form == OptionForm::Attached));
                 assert!(is_new, "{} has {name} twice", program.name);
-                let found = program.recognise(name).map(|found| found.option.name);
+                let found = program.parse_word(name).map(|found| found.option.name);
                 assert_eq!(found, Some(option.name), "{} {name}", program.name);
             }
         }
@@ -56,14 +56,14 @@ fn states_of_switches_are_attached() {
     for (word, state) in
         [("-w", None), ("-w+", Some(true)), ("-w1", Some(true)), ("-w-", Some(false)), ("-w0", Some(false))]
     {
-        let found = rtrace.recognise(word).expect("a switch");
+        let found = rtrace.parse_word(word).expect("a switch");
         assert_eq!((found.option.name, found.state, found.words()), ("-w", state, 1), "{word}");
     }
-    assert!(rtrace.recognise("-wx").is_none() && rtrace.recognise("-").is_none());
+    assert!(rtrace.parse_word("-wx").is_none() && rtrace.parse_word("-").is_none());
     for (word, name, words) in
         [("-f", "-f", 2), ("-faf", "-f", 1), ("-ld+", "-ld", 1), ("-lr", "-lr", 2), ("-ov", "-o", 1)]
     {
-        let found = rtrace.recognise(word).expect("an option");
+        let found = rtrace.parse_word(word).expect("an option");
         assert_eq!((found.option.name, found.words()), (name, words), "{word}");
     }
 }

@@ -1,4 +1,4 @@
-//! Hidden files that are opened only to add to them.
+//! Hidden files that are open only while data are appended.
 
 use crate::leftovers::{hidden_file, remove_leftovers};
 use crate::whole_file::sync_name;
@@ -7,11 +7,11 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
 
-/// A file in the making that is closed between additions, for outputs of which there are more than
-/// can be open at once.
+/// An unfinished file that is closed between additions, for programs with more outputs than can be
+/// open at once.
 ///
-/// Unlike a [`crate::WholeFile`] it stays when the program is ended by a signal, for who goes on
-/// with it.
+/// Unlike a [`crate::WholeFile`], it stays when a signal ends the program, so that another run can
+/// continue it.
 #[derive(Debug)]
 pub struct ClosedFile {
     path: TempPath,
@@ -19,25 +19,25 @@ pub struct ClosedFile {
 }
 
 impl ClosedFile {
-    /// Begins a file.
+    /// Creates the file.
     ///
     /// # Errors
-    /// When no file can be made in the target's folder.
+    /// When no file can be created in the target's folder.
     pub fn create(target: &Path) -> io::Result<ClosedFile> {
         Ok(ClosedFile { path: hidden_file(target)?.into_temp_path(), target: target.to_owned() })
     }
 
-    /// Goes on with a file of [`crate::leftovers`], of which the first `length` bytes stay.
+    /// Continues a file from [`crate::leftovers`] and keeps its first `length` bytes.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When the file cannot be written.
     pub fn adopt(target: &Path, leftover: &Path, length: u64) -> io::Result<ClosedFile> {
         let file = File::options().write(true).open(leftover)?;
         file.set_len(length)?;
         Ok(ClosedFile { path: TempPath::try_from_path(leftover)?, target: target.to_owned() })
     }
 
-    /// Adds to the end.
+    /// Appends bytes.
     ///
     /// # Errors
     /// When the file cannot be opened or written.
@@ -45,11 +45,11 @@ impl ClosedFile {
         File::options().append(true).open(&self.path)?.write_all(bytes)
     }
 
-    /// Gives the file its name, over a file that has it; it is on the disk then. Leftovers of
-    /// killed programs are removed.
+    /// Syncs the file to the disk and gives it its name, replacing a file of that name. Removes
+    /// leftovers of killed programs.
     ///
     /// # Errors
-    /// When the disk is full or the name cannot be given.
+    /// When the disk is full or the file cannot be renamed.
     pub fn commit(self) -> io::Result<()> {
         File::options().append(true).open(&self.path)?.sync_all()?;
         self.path.persist(&self.target).map_err(|failed| failed.error)?;
@@ -58,7 +58,7 @@ impl ClosedFile {
         Ok(())
     }
 
-    /// Leaves the file as it is, to be found by [`crate::leftovers`].
+    /// Keeps the unfinished file, to be found by [`crate::leftovers`].
     ///
     /// # Errors
     /// When the system refuses.

@@ -1,4 +1,4 @@
-//! Which files this process has read, so that no output goes over one of them.
+//! The files that this process has read, so that no output overwrites one of them.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, Metadata};
@@ -14,7 +14,7 @@ type Identity = std::path::PathBuf;
 /// The names under which files were read.
 static READ: Mutex<BTreeMap<Identity, String>> = Mutex::new(BTreeMap::new());
 
-/// Notes that a file is an input. Pipes and devices are not noted: writing to them destroys
+/// Records a file as an input. Pipes and devices are not recorded, since writing to them destroys
 /// nothing.
 pub fn remember(path: &Path, file: &File) {
     if let Some(identity) = file.metadata().ok().and_then(|found| identity(path, &found)) {
@@ -34,20 +34,20 @@ pub fn name_of(path: &Path) -> Option<String> {
     })
 }
 
-/// The names under which files were read, one for each file.
+/// The names under which files were read, one per file.
 #[must_use]
 pub fn names() -> Vec<String> {
     READ.lock().unwrap_or_else(PoisonError::into_inner).values().cloned().collect()
 }
 
-/// Takes back that a file is an input: it belongs to this program, which writes it anew.
+/// Removes a file from the inputs: it belongs to this program, which rewrites it.
 pub fn forget(path: &Path) {
     if let Some(identity) = fs::metadata(path).ok().and_then(|found| identity(path, &found)) {
         READ.lock().unwrap_or_else(PoisonError::into_inner).remove(&identity);
     }
 }
 
-/// Whether a file is the one that standard output goes to.
+/// Whether standard output goes to this file.
 #[must_use]
 pub fn is_standard_output(path: &Path, file: &File) -> bool {
     let of = |found: io::Result<Metadata>| found.ok().and_then(|found| identity(path, &found));

@@ -1,8 +1,8 @@
-//! What happens at SIGINT, SIGTERM and SIGHUP: what is to be saved is saved, hidden files are
-//! removed, and the program ends by the signal, so that a shell sees 130 or 143 and stops its loop.
+//! Handles SIGINT, SIGTERM and SIGHUP: saves what is to be saved, removes hidden files, and ends
+//! the program by the signal, so that a shell sees 130 or 143 and stops its loop.
 //!
-//! Signals that were ignored when the program began, as in `nohup` and in background jobs of
-//! scripts, stay ignored.
+//! Signals that were ignored at the start, as in `nohup` and in background jobs of scripts, stay
+//! ignored.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,11 +18,11 @@ struct State {
     files: BTreeMap<u64, PathBuf>,
     actions: BTreeMap<u64, Action>,
     is_watching: bool,
-    /// Whether the first signal is only noted, and which one came.
+    /// Whether the first signal is only recorded, and which signal came.
     is_postponed: bool,
 }
 
-/// The signal that was noted; 0 for none.
+/// The recorded signal; 0 for none.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 
 static STATE: Mutex<State> = Mutex::new(State {
@@ -37,8 +37,8 @@ fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Makes a file that is removed at a signal. No signal is handled between its making and its being
-/// known.
+/// Creates a file that is removed at a signal. No signal is handled between its creation and its
+/// registration.
 pub(crate) fn make_file<F>(make: impl FnOnce() -> io::Result<(F, PathBuf)>) -> io::Result<(F, FileGuard)> {
     let mut state = state();
     watch(&mut state);
@@ -48,12 +48,12 @@ pub(crate) fn make_file<F>(make: impl FnOnce() -> io::Result<(F, PathBuf)>) -> i
     Ok((file, FileGuard(number)))
 }
 
-/// A file that is removed at a signal as long as this lives.
+/// A file that is removed at a signal while this guard lives.
 #[derive(Debug)]
 pub(crate) struct FileGuard(u64);
 
 impl FileGuard {
-    /// Does something after which the file is no longer to be removed, with no signal handled in
+    /// Performs an action after which the file must not be removed. No signal is handled in
     /// between.
     pub(crate) fn release<T>(self, act: impl FnOnce() -> T) -> T {
         let mut state = state();
@@ -70,11 +70,11 @@ impl Drop for FileGuard {
     }
 }
 
-/// What is done at a signal, in a thread of its own, as long as this lives.
+/// An action to run at a signal while this guard lives. It runs in a thread of its own.
 #[derive(Debug)]
 pub struct ActionGuard(u64);
 
-/// Does something at a signal, before the program ends by it.
+/// Registers an action to run at a signal before the program ends.
 #[must_use]
 pub fn at_signal(action: impl FnOnce() + Send + 'static) -> ActionGuard {
     let mut state = state();
@@ -91,12 +91,12 @@ impl Drop for ActionGuard {
     }
 }
 
-/// As long as this lives, the first signal is only noted, so that the work can be ended in order;
+/// While this lives, the first signal is only recorded, so that the work can be finished in order;
 /// the second one ends the program.
 #[derive(Debug)]
 pub struct Postponed(());
 
-/// Begins to note signals.
+/// Starts to record signals.
 #[must_use]
 pub fn postpone() -> Postponed {
     let mut state = state();
@@ -105,14 +105,14 @@ pub fn postpone() -> Postponed {
     Postponed(())
 }
 
-/// Whether a signal was noted.
+/// Whether a signal was recorded.
 #[must_use]
 pub fn is_asked() -> bool {
     ASKED.load(Ordering::Relaxed) != 0
 }
 
 impl Postponed {
-    /// Ends the program by the signal that was noted; does nothing if none was.
+    /// Ends the program by the recorded signal, if any.
     pub fn end(self) {
         let asked = ASKED.load(Ordering::Relaxed);
         if asked != 0 {
@@ -134,21 +134,21 @@ impl State {
     }
 }
 
-/// Saves, removes, and ends the program.
+/// Runs the actions, removes hidden files, and ends the program.
 fn end_by(signal: i32) {
-    // Actions write files themselves, so the state must be free for them.
+    // Actions write files themselves, so the state must be unlocked.
     let actions = std::mem::take(&mut state().actions);
     actions.into_values().for_each(|action| action());
-    // From here on no file can be begun.
+    // No file can be created from here on.
     let state = state();
     state.files.values().for_each(|path| drop(fs::remove_file(path)));
     end_process(signal);
 }
 
-/// Removes all hidden files and ends the program at once, without what else it does at its end: for
-/// faults after which nothing can be relied on.
+/// Removes all hidden files and ends the program at once, without other cleanup: for faults after
+/// which the state cannot be trusted.
 pub fn end_with(code: i32) -> ! {
-    // Whoever has the state at this moment may be the one that met the fault.
+    // The thread that holds the lock may be the one with the fault.
     if let Ok(state) = STATE.try_lock() {
         state.files.values().for_each(|path| drop(fs::remove_file(path)));
     }
@@ -160,7 +160,7 @@ pub fn end_with(code: i32) -> ! {
 
 #[cfg(unix)]
 fn end_process(signal: i32) {
-    // It only fails for signals that do not end a program.
+    // It fails only for signals that do not end a program.
     let _ = signal_hook::low_level::emulate_default_handler(signal);
     std::process::exit(128 + signal);
 }
@@ -176,7 +176,7 @@ fn watch(state: &mut State) {
     if std::mem::replace(&mut state.is_watching, true) {
         return;
     }
-    // Without a thread to take them, signals end the program as they always did.
+    // Without a thread to receive them, signals end the program by default.
     let (send, receive) = std::sync::mpsc::channel::<Signals>();
     let watcher = move || {
         let Ok(mut signals) = receive.recv() else { return };
@@ -203,7 +203,7 @@ fn take(signal: i32) {
     end_by(signal);
 }
 
-/// The signals that ask a program to end, but for those that are ignored.
+/// The signals that request termination, except ignored ones.
 #[cfg(unix)]
 fn not_ignored() -> Vec<i32> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};

@@ -1,4 +1,4 @@
-//! Hidden files that programs left behind when they were killed.
+//! Hidden files of programs that were killed.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -6,16 +6,16 @@ use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
-/// Ends the names of hidden files.
+/// Suffix of the names of hidden files.
 pub(crate) const SUFFIX: &str = ".part";
 
-/// Random characters in the names of hidden files.
+/// Number of random characters in the names of hidden files.
 pub(crate) const RANDOM_CHARACTERS: usize = 6;
 
-/// Longer names would leave no room for what a hidden one has more; file systems have 255 bytes.
+/// Longest target name, bytes. File systems allow 255; a hidden name adds a prefix and a suffix.
 const LONGEST_NAME: usize = 200;
 
-/// How the names of the hidden files of a target begin.
+/// Prefix of the names of a target's hidden files.
 pub(crate) fn prefix(target: &Path) -> OsString {
     let name = target.file_name().unwrap_or_default();
     let mut prefix = OsString::from(".");
@@ -35,8 +35,8 @@ pub(crate) fn folder(target: &Path) -> &Path {
     target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Makes a hidden file for a target, with the mode of the file that it replaces, or else what the
-/// umask allows.
+/// Creates a hidden file for a target, with the mode of the file that it replaces or the mode that
+/// the umask allows.
 pub(crate) fn hidden_file(target: &Path) -> io::Result<NamedTempFile> {
     let prefix = prefix(target);
     let mut builder = Builder::new();
@@ -48,18 +48,18 @@ pub(crate) fn hidden_file(target: &Path) -> io::Result<NamedTempFile> {
     };
     let before = fs::metadata(target).ok();
     if before.is_some() {
-        // A file that is protected from writing is not replaced either.
+        // A write-protected file is not replaced.
         File::options().write(true).open(target)?;
     }
     let file = builder.tempfile_in(folder(target))?;
     if let Some(before) = before {
-        // Whoever may not set the mode may still write.
+        // A process that may not set the mode may still write.
         let _ = file.as_file().set_permissions(before.permissions());
     }
     Ok(file)
 }
 
-/// The hidden files of a target that no running program is writing.
+/// The hidden files of a target that no running program writes.
 #[must_use]
 pub fn leftovers(target: &Path) -> Vec<PathBuf> {
     let prefix = prefix(target);
@@ -75,18 +75,18 @@ pub fn leftovers(target: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Removes the hidden files of a target that no running program is writing.
+/// Removes the hidden files of a target that no running program writes.
 pub(crate) fn remove_leftovers(target: &Path) {
     for path in leftovers(target) {
-        // The lock is kept until the name is gone: who begins a file under it takes another name
-        // then.
+        // Keep the lock until the name is removed, so that a program that creates a file of this
+        // name takes another one.
         let Some(lock) = abandoned(&path) else { continue };
         let _ = fs::remove_file(&path);
         drop(lock);
     }
 }
 
-/// The file, locked, if no other process has it locked.
+/// The locked file, unless another process has it locked.
 fn abandoned(path: &Path) -> Option<File> {
     let file = File::open(path).ok()?;
     file.try_lock().ok()?;

@@ -1,17 +1,17 @@
 //! Files that appear whole or not at all.
 //!
-//! A [`WholeFile`] is written under a random hidden name in the folder of its target and takes the
-//! target's name when it is complete and on the disk. What a killed program leaves behind is such a
-//! hidden file, never a half of the target; the next program that writes the target removes it, and
-//! [`leftovers`] finds it for who wants to go on with it.
+//! A [`WholeFile`] is written under a random hidden name in the folder of its target. It takes the
+//! target's name when it is complete and on the disk. A killed program leaves such a hidden file
+//! behind, never a part of the target. The next program that writes the target removes it, and
+//! [`leftovers`] finds it for a program that continues it.
 //!
-//! Guarantees: a hidden file is opened with `O_CREAT | O_EXCL`, so that no link planted under its
-//! name is followed; at SIGINT, SIGTERM and SIGHUP all hidden files are removed before the program
-//! ends by that signal ([`interrupt`]); a file that was read can be told from a target
-//! ([`inputs`]), through links and hard links too.
+//! Guarantees: a hidden file is opened with `O_CREAT | O_EXCL`, so a link planted under its name is
+//! not followed. At SIGINT, SIGTERM and SIGHUP all hidden files are removed before the program ends
+//! by that signal ([`interrupt`]). Files that were read are recognised as targets, also through
+//! links and hard links ([`inputs`]).
 //!
-//! This crate may not know formats, options or messages. It is the only one besides the program
-//! that writes to the disk.
+//! This crate may not know formats, options or messages. Apart from the program, no other crate
+//! writes to the disk.
 //!
 //! ```
 //! use std::io::Write;
@@ -26,15 +26,15 @@
 #![forbid(unsafe_code)]
 
 mod closed_file;
+mod destination;
 pub mod inputs;
 pub mod interrupt;
 mod leftovers;
-mod place;
 mod shared_file;
 mod whole_file;
 
 pub use closed_file::ClosedFile;
+pub use destination::Destination;
 pub use leftovers::leftovers;
-pub use place::Place;
 pub use shared_file::SharedFile;
 pub use whole_file::WholeFile;

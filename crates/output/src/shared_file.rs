@@ -5,9 +5,10 @@ use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// A file that nobody else replaces meanwhile, if they ask for it in the same way. The lock ends when this is dropped.
+/// A file with an advisory lock, so that no other holder of the lock replaces it. Dropping this
+/// releases the lock.
 ///
-/// Who only reads needs no lock: the file is always whole.
+/// Reading alone needs no lock: the file is always whole.
 #[derive(Debug)]
 pub struct SharedFile {
     file: File,
@@ -15,40 +16,40 @@ pub struct SharedFile {
 }
 
 impl SharedFile {
-    /// Waits until nobody else has the file. Where there is none it is made, with nothing in it.
+    /// Waits for the lock. Creates an empty file if there is none.
     ///
     /// # Errors
-    /// When it cannot be opened for writing, or the system has no locks for it.
+    /// When the file cannot be opened for writing, or the system has no locks for it.
     pub fn lock(target: &Path) -> io::Result<SharedFile> {
         loop {
             let file = File::options().read(true).write(true).create(true).truncate(false).open(target)?;
             file.lock()?;
-            // Who had it before has put another file in its place.
+            // The previous holder of the lock has replaced the file.
             if is_still(&file, target)? {
                 return Ok(SharedFile { file, target: target.to_owned() });
             }
         }
     }
 
-    /// All that is in it.
+    /// The whole content.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// When the file cannot be read.
     pub fn read(&mut self) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         self.file.read_to_end(&mut bytes)?;
         Ok(bytes)
     }
 
-    /// Puts a whole new file in its place.
+    /// Replaces the file by a new one.
     ///
     /// # Errors
-    /// When that cannot be written; the file is as it was then.
+    /// When the new file cannot be written; the old one is unchanged then.
     pub fn replace(self, bytes: &[u8]) -> io::Result<()> {
         let mut whole = WholeFile::create(&self.target)?;
         whole.write_all(bytes)?;
         if cfg!(windows) {
-            // An open file cannot be replaced there.
+            // Windows cannot replace an open file.
             drop(self.file);
         }
         whole.commit()
@@ -66,7 +67,7 @@ fn is_still(file: &File, target: &Path) -> io::Result<bool> {
     }
 }
 
-/// There an open file keeps its name.
+/// On Windows an open file keeps its name.
 #[cfg(not(unix))]
 fn is_still(_file: &File, target: &Path) -> io::Result<bool> {
     fs::exists(target)

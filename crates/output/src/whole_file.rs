@@ -1,4 +1,4 @@
-//! A file that is written under a hidden name until it is whole.
+//! A file that is written under a hidden name until it is complete.
 
 use crate::interrupt::{FileGuard, make_file};
 use crate::leftovers::{folder, hidden_file, remove_leftovers};
@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A file in the making. Dropped before [`WholeFile::commit`], it leaves nothing.
+/// An unfinished file. Dropped before [`WholeFile::commit`], it leaves nothing.
 #[derive(Debug)]
 pub struct WholeFile {
     file: NamedTempFile,
@@ -15,29 +15,28 @@ pub struct WholeFile {
     target: PathBuf,
 }
 
-/// How often a name is tried that another process takes for a leftover.
+/// Number of names to try. Another process may take a name for a leftover.
 const MOST_TRIES: usize = 16;
 
 impl WholeFile {
-    /// Begins a file. It will have the mode of the file that it replaces, or else what the umask
+    /// Creates the file, with the mode of the file that it replaces or the mode that the umask
     /// allows.
     ///
-    /// The target is taken as it stands: a link there would be replaced ([`crate::Place`] follows
-    /// it).
+    /// The target name is used as it stands: a link of that name would be replaced
+    /// ([`crate::Destination`] follows links).
     ///
     /// # Errors
-    /// When no file can be made in the target's folder.
+    /// When no file can be created in the target's folder.
     pub fn create(target: &Path) -> io::Result<WholeFile> {
         for _ in 0..MOST_TRIES {
             let begun = WholeFile::begin(target)?;
-            // A lock tells others that this is no leftover. One who was quicker may have removed
-            // it.
+            // The lock marks the file as no leftover. Another process may have removed it before.
             let _ = begun.file.as_file().lock();
             if begun.file.path().exists() {
                 return Ok(begun);
             }
         }
-        Err(io::Error::other("the hidden file beside it is removed again and again"))
+        Err(io::Error::other("another process keeps removing the unfinished hidden file beside it"))
     }
 
     fn begin(target: &Path) -> io::Result<WholeFile> {
@@ -55,17 +54,17 @@ impl WholeFile {
         self.file.as_file()
     }
 
-    /// Where the file will be.
+    /// The path of the finished file.
     #[must_use]
     pub fn target(&self) -> &Path {
         &self.target
     }
 
-    /// Gives the file its name, over a file that has it; it is on the disk then. Leftovers of
-    /// killed programs are removed.
+    /// Syncs the file to the disk and gives it its name, replacing a file of that name. Removes
+    /// leftovers of killed programs.
     ///
     /// # Errors
-    /// When the disk is full or the name cannot be given; the target is as it was then.
+    /// When the disk is full or the file cannot be renamed; the target is unchanged then.
     pub fn commit(self) -> io::Result<()> {
         let target = self.target.clone();
         self.finish(|file, target| file.persist(target).map_err(|failed| failed.error))?;
@@ -73,10 +72,10 @@ impl WholeFile {
         Ok(())
     }
 
-    /// Gives the file its name unless another file has it.
+    /// Gives the file its name unless a file of that name exists.
     ///
     /// # Errors
-    /// `AlreadyExists` when there is one, and as [`WholeFile::commit`].
+    /// `AlreadyExists` when it does, and as [`WholeFile::commit`].
     pub fn commit_new(self) -> io::Result<()> {
         let target = self.target.clone();
         self.finish(|file, target| file.persist_noclobber(target).map_err(|failed| failed.error))?;
@@ -84,16 +83,16 @@ impl WholeFile {
         Ok(())
     }
 
-    /// Where the file is until it has its name.
+    /// The path of the unfinished file.
     #[must_use]
     pub fn hidden_path(&self) -> &Path {
         self.file.path()
     }
 
-    /// Leaves the file under its hidden name, to be found by [`crate::leftovers`].
+    /// Keeps the unfinished file under its hidden name, to be found by [`crate::leftovers`].
     pub fn keep(self) {
         let WholeFile { file, guard, .. } = self;
-        // Where the system refuses to keep it, it is lost as it would be otherwise.
+        // If the system refuses to keep it, the file is lost as without this call.
         guard.release(|| drop(file.keep()));
     }
 
@@ -116,8 +115,8 @@ impl Write for WholeFile {
     }
 }
 
-/// A name is on the disk when its folder is. Not every file system can do that, and the file is
-/// whole all the same.
+/// A name is on the disk when its folder is. Not every file system can sync a folder; the file is
+/// whole in any case.
 pub(crate) fn sync_name(target: &Path) {
     if let Ok(folder) = File::open(folder(target)) {
         let _ = folder.sync_all();

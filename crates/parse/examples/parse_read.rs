@@ -1,6 +1,6 @@
-//! Reads scene files and says what is in them and how long it took: `parse_read FILE…`.
+//! Reads scene files and reports their surfaces, modifiers and reading time: `parse_read FILE…`.
 //!
-//! `parse_read --million` writes a million triangles into memory first and reads those.
+//! `parse_read --million` generates a million triangles in memory and reads those first.
 
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 use radsight_parse::{Input, ReadOptions, UnusedModifiers, bounds, read_scene};

@@ -1,7 +1,7 @@
-//! Damages scene files and reads them: `parse_stress SECONDS SEED FILE…`.
+//! Mutates scene files at random and reads them: `parse_stress SECONDS SEED FILE…`.
 //!
-//! Prints the damaged text and stops when reading takes more than five seconds; a panic leaves the text in
-//! `parse_stress.crash` of the working directory.
+//! Stops when reading takes more than five seconds, and prints the mutated text. A panic leaves the
+//! text in `parse_stress.crash` of the working directory.
 
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, ReadOptions, UnusedModifiers, bounds, read_scene, write_scene};
@@ -80,7 +80,7 @@ fn damaged(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     text
 }
 
-/// A linear congruential generator: the same texts each time.
+/// A linear congruential generator; the same seed gives the same texts.
 struct Random(u64);
 
 impl Random {

@@ -1,12 +1,12 @@
-//! The box around a scene, as Radiance computes it.
+//! The bounding box of a scene, as Radiance computes it.
 
 use glam::DVec3;
 use radsight_ir::{Cone, Cube, Ring, Scene, Shape, Sphere, Surface, Transform};
 
-/// How much larger than the scene the cube of `oconv` is, on each side: Radiance's own margin.
+/// Margin by which the cube of `oconv` exceeds the scene on each side, as in Radiance.
 const CUBE_MARGIN: f64 = 1e-5;
 
-/// A box along the axes, scene units.
+/// An axis-aligned bounding box, scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// The corner with the smallest coordinates.
@@ -15,9 +15,9 @@ pub struct Bounds {
     pub high: DVec3,
 }
 
-/// The box that real `getbbox` prints; `None` for a scene without local surfaces.
+/// The bounding box that real `getbbox` prints; `None` for a scene without local surfaces.
 ///
-/// Flat and round surfaces are bounded exactly, meshes and placed scenes by the cubes of their own files.
+/// Flat and round surfaces are bounded exactly, meshes and instances by the cubes of their files.
 #[must_use]
 pub fn bounds(scene: &Scene) -> Option<Bounds> {
     let mut all = Bounds::EMPTY;
@@ -25,7 +25,7 @@ pub fn bounds(scene: &Scene) -> Option<Bounds> {
     all.checked()
 }
 
-/// The box around one surface, as [`bounds`] has it; `None` for a distant one.
+/// The bounding box of one surface, computed as in [`bounds`]; `None` for a distant source.
 #[must_use]
 pub fn surface_bounds(scene: &Scene, surface: &Surface) -> Option<Bounds> {
     let mut own = Bounds::EMPTY;
@@ -33,7 +33,7 @@ pub fn surface_bounds(scene: &Scene, surface: &Surface) -> Option<Bounds> {
     own.checked()
 }
 
-/// The cube that real `oconv` builds its octree in; `None` for a scene without local surfaces.
+/// The cube in which real `oconv` builds its octree; `None` for a scene without local surfaces.
 #[must_use]
 pub fn cube(scene: &Scene) -> Option<Cube> {
     bounds(scene).map(|bounds| bounds.cube(CUBE_MARGIN))
@@ -42,7 +42,7 @@ pub fn cube(scene: &Scene) -> Option<Cube> {
 impl Bounds {
     const EMPTY: Bounds = Bounds { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
 
-    /// Itself, if it has a point.
+    /// The box itself if it is not empty.
     fn checked(self) -> Option<Bounds> {
         self.low.cmple(self.high).all().then_some(self)
     }
@@ -89,8 +89,9 @@ impl Bounds {
         self.add_circle(ring.center, ring.normal, ring.outer_radius);
     }
 
-    /// A circle reaches `radius·sin(angle between axis and coordinate)` along each coordinate; the sine comes from the two
-    /// other components of the axis, which keeps its digits where it is small.
+    /// Extends the box by a circle. A circle extends `radius·sin(angle between axis and
+    /// coordinate)` along each coordinate; the sine comes from the two other components of the
+    /// axis, which keeps its digits where it is small.
     fn add_circle(&mut self, center: DVec3, axis: DVec3, radius: f64) {
         let reach = radius * DVec3::new(axis.y.hypot(axis.z), axis.z.hypot(axis.x), axis.x.hypot(axis.y));
         self.add(center - reach);

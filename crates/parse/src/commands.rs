@@ -1,11 +1,12 @@
-//! What the commands of scene text need besides their programs: a directory to look in, and a line without line ends.
+//! What the commands in scene text need besides their programs: a directory to search, and a line
+//! without line ends.
 
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 
-/// Looks for names in a directory first. `xform` goes to the directory of the file it reads, so that commands in the file
-/// find their files beside it.
+/// Searches a directory first. `xform` uses the directory of the file that it reads, so commands in
+/// the file find files beside it.
 pub(crate) struct DirectoryLoader<'a> {
-    /// Empty for none.
+    /// The directory; empty for none.
     pub(crate) directory: String,
     pub(crate) loader: &'a dyn Loader,
 }
@@ -23,7 +24,7 @@ impl Loader for DirectoryLoader<'_> {
         if self.directory.is_empty() || pattern.starts_with('/') {
             return self.loader.names_like(pattern);
         }
-        // The directory's own name is none of the pattern.
+        // The directory's own name is not part of the pattern.
         let folder = format!("{}/", self.directory);
         let names = self.loader.names_like(&format!("{}{pattern}", glob_literal(&folder)));
         names.into_iter().map(|name| name.strip_prefix(&folder).map(str::to_owned).unwrap_or(name)).collect()
@@ -42,7 +43,7 @@ impl Loader for DirectoryLoader<'_> {
     }
 }
 
-/// A name as a pattern that matches nothing else.
+/// A pattern that matches this name and nothing else.
 fn glob_literal(name: &str) -> String {
     name.chars().fold(String::with_capacity(name.len()), |mut pattern, character| {
         match character {
@@ -62,7 +63,8 @@ pub(crate) fn directory_of(path: &str) -> String {
     }
 }
 
-/// A `!` line as a shell gets it: without the `!`, and with line ends of one byte. Keeps every byte in its place.
+/// A `!` line as a shell gets it: without the `!`, and with one-byte line ends. All other bytes
+/// keep their offsets.
 pub(crate) fn command_line(line: &[u8]) -> String {
     let mut bytes = line.get(1..).unwrap_or_default().to_vec();
     for at in 0..bytes.len() {

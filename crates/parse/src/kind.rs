@@ -5,13 +5,13 @@ use std::fmt;
 /// What a primitive type is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Something that a ray can hit.
+    /// A shape that a ray can hit.
     Surface,
-    /// A placed mesh or octree.
+    /// A transformed mesh or octree.
     Volume,
     /// How light leaves a surface.
     Material,
-    /// Turns the normal.
+    /// Perturbs the normal.
     Texture,
     /// Multiplies the colour.
     Pattern,
@@ -23,7 +23,7 @@ pub enum Role {
 
 macro_rules! kinds {
     ($($(#[$doc:meta])* $variant:ident $name:literal $role:ident $placed:literal;)*) => {
-        /// A primitive type, by the word that names it in scene text.
+        /// A primitive type, by its keyword in scene text.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[non_exhaustive]
         pub enum Kind {
@@ -37,13 +37,13 @@ macro_rules! kinds {
             /// All types.
             pub const ALL: &'static [Kind] = &[$(Kind::$variant,)*];
 
-            /// The word that names the type.
+            /// The keyword of the type.
             #[must_use]
             pub fn name(self) -> &'static str {
                 NAMES[self as usize]
             }
 
-            /// The type that a word names.
+            /// The type with this keyword.
             #[must_use]
             pub fn from_word(word: &[u8]) -> Option<Kind> {
                 KINDS_BY_NAME.binary_search_by(|(name, _)| (*name).as_bytes().cmp(word)).ok().map(|at| KINDS_BY_NAME[at].1)
@@ -57,8 +57,8 @@ macro_rules! kinds {
                 }
             }
 
-            /// Whether a transform is written as words after the string arguments (functions, data, placed scenes),
-            /// rather than worked into the numbers.
+            /// Whether a transform is written as string arguments at the end (functions, data,
+            /// instances) instead of being applied to the real arguments.
             #[must_use]
             pub fn takes_transform_words(self) -> bool {
                 match self {
@@ -152,7 +152,8 @@ kinds! {
     ApertureBsdf "aBSDF" Material true;
     /// `antimatter`
     Antimatter "antimatter" Material false;
-    /// `brdfplugin`: a reflectance model from a shared library; not of Radiance.
+    /// `brdfplugin`: a reflectance model from a shared library. A type of radsight's own, not of
+    /// Radiance.
     BrdfPlugin "brdfplugin" Material false;
     /// `texfunc`
     TexFunc "texfunc" Texture true;

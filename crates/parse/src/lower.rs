@@ -28,8 +28,9 @@ use radsight_loader::Loader;
 
 /// Reads scene files, in order, into one scene.
 ///
-/// All the mistakes of all the files are in [`Read::diagnostics`]; if there is an error among them, the scene lacks what
-/// the errors are about. The result does not depend on anything but the inputs, the options and what the loader gives.
+/// [`Read::diagnostics`] lists all mistakes of all files. After an error, the scene lacks the
+/// primitives that the errors concern. The result depends on nothing but the inputs, the options
+/// and the loader's files.
 #[must_use]
 pub fn read_scene(inputs: &[Input], loader: &dyn Loader, options: &ReadOptions) -> Read {
     let mut reader = reader::Reader::new(loader, options);

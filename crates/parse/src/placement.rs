@@ -1,19 +1,19 @@
-//! How the primitives of a text are changed before they join a scene: what `xform` does to each type.
+//! Applies a placement to primitives: what `xform` does to each type.
 
 use crate::Kind;
 use glam::DVec3;
 use radsight_ir::Transform;
 
-/// The effect of one or more `xform`s.
+/// The combined effect of one or more `xform`s.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Placement {
-    /// From the text's coordinates to those of the scene.
+    /// Transform from the coordinates of the text to those of the scene.
     pub(crate) transform: Transform,
-    /// Whether `-I` was given: surfaces show their other side.
+    /// Whether `-I` was given: surfaces are turned inside out.
     pub(crate) inside_out: bool,
-    /// Stands before the names of surfaces, with a `.` between.
+    /// Prefix of surface names, joined with a `.`.
     pub(crate) prefix: String,
-    /// Replaces the modifiers of surfaces.
+    /// Modifier that replaces those of all surfaces.
     pub(crate) modifier: Option<NewModifier>,
 }
 
@@ -21,7 +21,7 @@ pub(crate) struct Placement {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct NewModifier {
     pub(crate) name: String,
-    /// Where it was asked for.
+    /// Span of the option, if it stands in a scene.
     pub(crate) span: Option<radsight_diag::Span>,
 }
 
@@ -32,7 +32,7 @@ impl Default for Placement {
 }
 
 impl Placement {
-    /// This placement, and then `outer`.
+    /// This placement followed by `outer`.
     pub(crate) fn then(&self, outer: &Placement) -> Placement {
         let prefix = match (&*outer.prefix, &*self.prefix) {
             ("", inner) => inner.to_owned(),
@@ -47,17 +47,18 @@ impl Placement {
         }
     }
 
-    /// Whether no number changes.
+    /// Whether numbers stay unchanged.
     pub(crate) fn keeps_numbers(&self) -> bool {
         !self.inside_out && self.transform == Transform::IDENTITY
     }
 
-    /// The type that a primitive becomes.
+    /// The type of a primitive after placement.
     pub(crate) fn kind(&self, kind: Kind) -> Kind {
         if self.inside_out { kind.inside_out() } else { kind }
     }
 
-    /// The real arguments of a primitive, placed; `out` is overwritten. A wrong number of arguments passes unchanged.
+    /// The real arguments of a primitive after placement; overwrites `out`. A wrong number of
+    /// arguments passes unchanged.
     pub(crate) fn reals(&self, kind: Kind, reals: &[f64], out: &mut Vec<f64>) {
         out.clear();
         out.extend_from_slice(reals);
@@ -103,7 +104,7 @@ impl Placement {
         }
     }
 
-    /// A name in the sources of a mist; relayed sources are joined with `>`.
+    /// A name in the source list of a mist; names of virtual sources are joined with `>`.
     pub(crate) fn mist_source(&self, name: &str) -> String {
         if self.prefix.is_empty() {
             return name.to_owned();
@@ -127,14 +128,14 @@ impl Placement {
         placed.write_to_slice(coordinates);
     }
 
-    /// A vector keeps its length in the scene's units: it is scaled too.
+    /// Transforms a vector, including its scale.
     fn vector(&self, components: &mut [f64]) {
         let placed = self.transform.direction(DVec3::from_slice(components)) * self.transform.scale;
         placed.write_to_slice(components);
     }
 }
 
-/// Transmissivities of one unit of length become those of one new unit.
+/// Converts transmittances per old unit of length to those per new unit.
 fn per_length(color: &mut [f64], scale: f64) {
     if scale != 1.0 {
         color.iter_mut().for_each(|band| *band = band.powf(1.0 / scale));

@@ -1,4 +1,4 @@
-//! How many arguments each type takes, what they are called, and what they may be.
+//! The number, names and ranges of the arguments of each type.
 
 use crate::Kind;
 use std::fmt;
@@ -7,11 +7,11 @@ use std::fmt;
 pub(crate) struct Signature {
     pub(crate) strings: Count,
     pub(crate) reals: Count,
-    /// The real arguments with a fixed place, in order.
+    /// The real arguments with fixed positions, in order.
     pub(crate) arguments: &'static [Argument],
 }
 
-/// How many arguments there may be.
+/// The allowed numbers of arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Count {
     Exactly(usize),
@@ -19,7 +19,7 @@ pub(crate) enum Count {
     OneOf(&'static [usize]),
     /// At least the first number, and a multiple of the second.
     MultipleOf(usize, usize),
-    /// Radiance reads them and does nothing with them.
+    /// Any number; Radiance reads and ignores them.
     Ignored,
 }
 
@@ -57,7 +57,7 @@ pub(crate) struct Argument {
     pub(crate) range: Range,
 }
 
-/// What a value may sensibly be. Radiance takes any, so a value outside is a warning.
+/// The plausible range of a value. Radiance accepts any value, so one outside gives a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Range {
     Any,
@@ -82,7 +82,7 @@ impl Range {
             Range::Any => "any number",
             Range::NotNegative => "a number not below zero",
             Range::Positive => "a number above zero",
-            Range::Share => "a share from 0 to 1",
+            Range::Share => "a number from 0 to 1",
         }
     }
 }
@@ -119,7 +119,7 @@ const FIRST_WAVELENGTH: Argument = argument("first wavelength in nm", Positive);
 const LAST_WAVELENGTH: Argument = argument("last wavelength in nm", Positive);
 const DIFFUSE_NINE: &[Argument] = &[RED, GREEN, BLUE, RED, GREEN, BLUE, RED, GREEN, BLUE];
 
-/// What a type takes.
+/// The arguments of a type.
 pub(crate) fn signature(kind: Kind) -> Signature {
     let exactly = |arguments: &'static [Argument]| Signature {
         strings: Count::Ignored,
@@ -206,7 +206,7 @@ pub(crate) fn signature(kind: Kind) -> Signature {
 }
 
 impl Signature {
-    /// The names of the real arguments, for a hint; none where they have no fixed places.
+    /// The names of the real arguments, for a hint; `None` if they have no fixed positions.
     pub(crate) fn hint(&self) -> Option<String> {
         let names: Vec<&str> = self.arguments.iter().map(|argument| argument.name).collect();
         (!names.is_empty()).then(|| format!("the real arguments are {}", names.join(", ")))

@@ -1,39 +1,42 @@
-//! The words that describe a transform: `-t -rx -ry -rz -s -mx -my -mz -i`.
+//! Transform options: `-t -rx -ry -rz -s -mx -my -mz -i`.
 //!
-//! They stand after the options of `xform`, and at the end of the string arguments of functions, data and placed scenes.
-//! The transforms apply from left to right; `-i n` ends a group and repeats the next one `n` times.
+//! They stand after the options of `xform`, and at the end of the string arguments of functions,
+//! data and instances. Transforms apply from left to right; `-i n` ends a group and repeats the
+//! next one `n` times.
 
 use crate::syntax::{is_space, parse_integer, parse_real};
 use glam::{DMat3, DVec3};
 use radsight_ir::Transform;
 
-/// A transform, and how many of the words it took.
+/// A transform, and the number of words that describe it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TransformWords {
     pub(crate) transform: Transform,
     pub(crate) taken: usize,
-    /// Why the word after the taken ones is not part of the transform, if it looks like an option.
+    /// Why the next word is not part of the transform, if it looks like an option.
     pub(crate) stopped: Option<Stopped>,
 }
 
-/// A word that looks like a part of a transform and is none.
+/// A word that looks like part of a transform but is not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Stopped {
-    /// Index of the word at fault; one past the last word when one is missing.
+    /// Index of the faulty word; one past the last word if one is missing.
     pub(crate) index: usize,
     pub(crate) mistake: String,
 }
 
-/// The transform that words describe as those of `xform` do, such as `-rz 30 -t 1 0 0`; they apply from left to right.
+/// Parses a transform in the notation of `xform`, such as `-rz 30 -t 1 0 0`. Options apply from
+/// left to right.
 ///
 /// # Errors
-/// Which word is wrong, by its number, and why.
+/// The index of the faulty word and the reason.
 pub fn transform<W: AsRef<str>>(words: &[W]) -> Result<Transform, (usize, String)> {
     let read = read(words);
     match (read.stopped, words.get(read.taken)) {
         (Some(stopped), _) => Err((stopped.index, stopped.mistake)),
         (None, Some(word)) => {
-            let mistake = format!("\"{}\" is no part of a transform, expected such as -t or -rz", word.as_ref());
+            let mistake =
+                format!("\"{}\" is not a transform option, expected an option such as -t or -rz", word.as_ref());
             Err((read.taken, mistake))
         }
         (None, None) => Ok(read.transform),
@@ -114,7 +117,7 @@ impl<W: AsRef<str>> Reader<'_, W> {
         if factor == 0.0 {
             return Err(Stopped { index, mistake: "the factor of -s is 0".to_owned() });
         }
-        // A negative factor turns everything inside out as well.
+        // A negative factor also inverts the object.
         let rotation = if factor < 0.0 { -DMat3::IDENTITY } else { DMat3::IDENTITY };
         Ok(Transform { rotation, scale: factor.abs(), translation: DVec3::ZERO })
     }
@@ -139,7 +142,7 @@ impl<W: AsRef<str>> Reader<'_, W> {
     }
 }
 
-/// A turn about an axis; quarter turns are exact.
+/// A rotation about an axis; multiples of 90 degrees are exact.
 fn rotation(axis: DVec3, degrees: f64) -> Transform {
     let (sine, cosine) = match degrees.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),
@@ -159,7 +162,7 @@ fn mirror(axis: DVec3) -> Transform {
     Transform { rotation: DMat3::from_diagonal(DVec3::ONE - 2.0 * axis), ..Transform::IDENTITY }
 }
 
-/// `count` times the same transform; none for zero and below.
+/// The transform applied `count` times; the identity for zero and below.
 fn power(transform: Transform, count: i64) -> Transform {
     let (mut result, mut square, mut left) = (Transform::IDENTITY, transform, count.max(0));
     while left > 0 {
@@ -172,7 +175,7 @@ fn power(transform: Transform, count: i64) -> Transform {
     result
 }
 
-/// Words that read back as the transform: mirror, scale, turns about x, y and z, shift.
+/// Words that parse back to the transform: mirror, scale, rotations about x, y and z, translation.
 pub(crate) fn write(transform: &Transform) -> Vec<String> {
     let mut words = Vec::new();
     let mut option = |name: &str, values: &[f64]| {

@@ -1,8 +1,8 @@
-//! The scene as text that Radiance reads.
+//! Writes a scene as text that Radiance reads.
 //!
-//! What the text loses: comments, commands (their output is written), the modifiers that no surface uses if they were
-//! skipped, and aliases (the copy under the other name is written). Names of modifiers are made unique where two share one.
-//! Plugins are written as `brdfplugin`, which only radsight reads.
+//! Comments and commands are lost (the output of commands is written), as are skipped modifiers and
+//! aliases (the copy under the alias's name is written). Modifiers that share a name get unique
+//! names. Plugins are written as `brdfplugin`, which only radsight reads.
 
 mod modifiers;
 mod surfaces;
@@ -41,11 +41,11 @@ pub fn write_scene(scene: &Scene, out: &mut dyn Write) -> fmt::Result {
 struct Writer<'a> {
     scene: &'a Scene,
     out: &'a mut dyn Write,
-    /// By the index of the modifier.
+    /// Unique names, by modifier index.
     names: Vec<String>,
 }
 
-/// The three groups of arguments, of which the integers are always none.
+/// String and real arguments. There are never integer arguments.
 #[derive(Default)]
 struct Arguments {
     strings: Vec<String>,
@@ -89,7 +89,7 @@ impl Writer<'_> {
     }
 }
 
-/// A name for each modifier that no other has. The first to have a name keeps it.
+/// A unique name for each modifier. The first modifier of a name keeps it.
 fn unique_names(scene: &Scene) -> Vec<String> {
     let own: HashSet<&str> = scene.modifiers.items().iter().map(|modifier| scene.names.get(modifier.name)).collect();
     let mut taken: HashSet<String> = HashSet::new();
@@ -101,7 +101,7 @@ fn unique_names(scene: &Scene) -> Vec<String> {
         let name = if is_good {
             own_name
         } else {
-            // Numbers go on where they ended, so that a name used a million times takes no longer for each.
+            // Numbers continue from the last one, so a name used a million times takes linear time.
             let number = last_number.entry(own_name.clone()).or_insert(1);
             loop {
                 *number += 1;
@@ -117,7 +117,7 @@ fn unique_names(scene: &Scene) -> Vec<String> {
     names
 }
 
-/// A word in quotes, where it needs them.
+/// A word, quoted if necessary.
 pub(crate) struct Quoted<'a>(pub(crate) &'a str);
 
 impl Display for Quoted<'_> {
@@ -135,7 +135,7 @@ impl Display for Quoted<'_> {
         if !has('\'') {
             return write!(formatter, "'{word}'");
         }
-        // Both kinds of quote: parts in quotes of the other kind stand side by side.
+        // A word with both kinds of quote becomes adjacent parts, each in quotes of the other kind.
         for part in word.split_inclusive('"') {
             let (text, quote) = part.strip_suffix('"').map_or((part, ""), |text| (text, "'\"'"));
             if !text.is_empty() {
@@ -147,7 +147,7 @@ impl Display for Quoted<'_> {
     }
 }
 
-/// The shortest form that reads back as the same number.
+/// The shortest form that parses back to the same number.
 struct Number(f64);
 
 impl Display for Number {

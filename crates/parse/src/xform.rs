@@ -1,7 +1,8 @@
 //! The `xform` program: its arguments, and text in, text out.
 //!
-//! [`xform`] gives the text that Radiance's `xform` gives, to rounding. A scene that calls `xform` does not go through text:
-//! the reader takes the copies that `visit_copies` makes of the arguments and places the primitives themselves.
+//! [`xform`] writes the same text as Radiance's `xform`, up to rounding. A scene that calls `xform`
+//! does not go through text: the reader gets the copies from `visit_copies` and places the
+//! primitives itself.
 
 mod arguments;
 mod text;

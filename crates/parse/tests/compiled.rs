@@ -1,4 +1,5 @@
-//! Compiled files in scenes: meshes, octrees, fonts. What real Radiance compiles we must read as what it was made of.
+//! Compiled files in scenes: meshes, octrees, fonts. Files that real Radiance compiled must give
+//! the scenes they were made of.
 
 mod support;
 
@@ -38,7 +39,7 @@ const PAINTS: &str = "void plastic red 0 0 5 .5 0 0 0 0\nvoid glow lamp 0 0 4 1 
 const OBJ: &str = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nvn 0 0 1\nvn .6 0 .8\nvt 0 0\nvt 1 0\nvt 1 .5\n\
     usemtl red\nf 1/1/1 2/2/2 3/3/1\nusemtl lamp\nf 1 3 4\n";
 
-/// A folder with a mesh that real Radiance made.
+/// A folder with a mesh compiled by real Radiance.
 fn folder_with_mesh(radiance: &Radiance) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("paints.rad"), PAINTS).unwrap();
@@ -110,7 +111,7 @@ const SCENE: &str = "# shapes\nvoid plastic \"odd name\" 0 0 5 .5 .25 .125 0 0\n
     void source s 0 0 4 0 0 1 5\nother cone c 0 0 8 0 0 0 0 0 1 .3 .1\n\
     !xform -n x -rz 30 -t 5 0 0 part.rad\n";
 
-/// A folder with an octree that real Radiance made of [`SCENE`].
+/// A folder with an octree compiled by real Radiance from [`SCENE`].
 fn folder_with_octree(radiance: &Radiance, options: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let part = "void metal m 0 0 5 .9 .9 .9 .9 .01\nm ring r 0 0 8 0 0 0 0 0 1 0 .5\n";
@@ -188,14 +189,14 @@ fn an_octree_without_its_scene_file_is_an_error() {
 }
 
 #[test]
-fn octrees_that_place_each_other_come_to_an_end() {
+fn mutually_recursive_octrees_are_an_error() {
     let loader = MemoryLoader::default()
         .with("a.oct", octree("a.rad"))
         .with("a.rad", "void instance b 1 b.oct 0 0\nvoid sphere s 0 0 4 0 0 0 1\n")
         .with("b.oct", octree("b.rad"))
         .with("b.rad", "void instance a 1 a.oct 0 0\n");
     let read = read_text("void instance a 1 a.oct 0 0\n", &loader);
-    assert_eq!(read.diagnostics[0].message, "octree \"a.oct\" places itself");
+    assert_eq!(read.diagnostics[0].message, "octree \"a.oct\" contains itself as an instance");
     let shown = read.render(1);
     assert!(shown.contains("b.rad:1:") && shown.contains("scene.rad:1:"), "{shown}");
 }
@@ -267,7 +268,7 @@ fn mistakes_in_compiled_files_say_what_is_wrong_where() {
         ),
         (
             "void brighttext t 3 helvet.fnt . A 0 11 0 0 0 1 0 0 2 0 0 1 0 t sphere s 0 0 4 0 0 0 1",
-            "brighttext \"t\" has motion vectors that span no plane",
+            "brighttext \"t\" has parallel or zero right and down vectors, expected vectors that span a plane",
         ),
     ] {
         assert_eq!(read_text(text, &loader).diagnostics[0].message, expected);

@@ -1,4 +1,5 @@
-//! The messages of `tests/errors/*.rad`, whole, beside each file. `RADSIGHT_BLESS=1` writes them anew.
+//! Compares whole messages of `tests/errors/*.rad` with the files beside them. `RADSIGHT_BLESS=1`
+//! rewrites these.
 
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, ReadOptions, Tolerance, read_scene};
@@ -9,7 +10,7 @@ fn folder() -> PathBuf {
 }
 
 #[test]
-fn every_mistake_is_told_as_before() {
+fn every_message_is_unchanged() {
     let mut loader = MemoryLoader::default();
     let mut scenes = Vec::new();
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path()).collect();

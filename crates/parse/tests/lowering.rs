@@ -1,4 +1,4 @@
-//! What the words of a scene mean.
+//! Lowering of scene text: what each construct becomes.
 
 use radsight_ir::{BsdfForm, Material, ModifierHandle, ModifierKind, Pattern, Rgb, Scene, Shape, Substitute};
 use radsight_loader::MemoryLoader;
@@ -133,7 +133,7 @@ fn xform_turns_sizes_and_sides() {
     assert_eq!((mist.extinction, &*mist.sources[0]), (Rgb([0.05; 3]), "a.lamp"));
     let sphere = &scene.spheres.items()[0];
     assert_eq!((sphere.center.x, sphere.radius, sphere.facing), (-2.0, 2.0, radsight_ir::Facing::Inward));
-    // A mirror image and `-I` undo each other for the order of vertices.
+    // A mirror image and `-I` cancel each other for the order of vertices.
     assert_eq!(scene.vertices[1].to_array(), [-2.0, 0.0, 0.0]);
     assert_eq!(scene.rings.items()[0].normal.to_array(), [0.0, 0.0, -1.0]);
 }
@@ -212,7 +212,7 @@ fn a_long_text_is_forgotten_but_not_where_its_lines_are() {
     assert_eq!(read.sources.position(span).line, 2);
 }
 
-/// A matrix that reflects a share of the light, evenly.
+/// A constant BSDF matrix that reflects a share of the light.
 fn even_bsdf(share: f64) -> String {
     let data = format!("{:.6} ", share / std::f64::consts::PI).repeat(41 * 41);
     format!(
@@ -250,15 +250,15 @@ fn a_bsdf_that_is_wrong_is_shown_in_its_own_file() {
     let text = format!("void BSDF b 6 0 wrong.xml 0 1 0 . 0 0 b {BALL} void BSDF c 6 0 gain.xml 0 1 0 . 0 0 c {BALL}");
     let input = Input::Text { name: "scene.rad".to_owned(), text: text.as_bytes().into() };
     let read = read_scene(&[input], &loader, &ReadOptions::default());
-    let said = read.render(9);
+    let messages = read.render(9);
     let mistake = "wrong.xml:6:17: warning: a scattering value is \"x.159155\", expected a finite number\n";
-    assert!(said.contains(mistake), "{said}");
-    assert!(said.contains("warning: \"gain.xml\" reflects 120.0 % of the light on its front\n"), "{said}");
+    assert!(messages.contains(mistake), "{messages}");
+    assert!(messages.contains("warning: \"gain.xml\" reflects 120.0 % of the light on its front\n"), "{messages}");
 }
 
-/// The floats of a frozen octree make 360.00000005 of a dome of 360 degrees.
+/// The floats of a frozen octree turn a dome of 360 degrees into one of 360.00000005.
 #[test]
-fn a_dome_a_little_beyond_360_degrees_is_the_whole_sphere() {
+fn a_dome_slightly_over_360_degrees_is_the_whole_sphere() {
     let scene = scene("void glow g 0 0 4 1 1 1 0 g source dome 0 0 4 0 0 1 360.0000000484288");
     let (_, dome) = scene.sources.iter().next().expect("a source");
     assert_eq!(dome.extent.full_angle, 2.0 * std::f64::consts::PI);

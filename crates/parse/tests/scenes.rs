@@ -1,4 +1,4 @@
-//! The scenes of others, against real Radiance: numbers of surfaces, boxes, cubes.
+//! Published scenes, compared with real Radiance: numbers of surfaces, bounding boxes, cubes.
 
 mod support;
 
@@ -9,7 +9,7 @@ use radsight_parse::{
 use std::path::{Path, PathBuf};
 use support::{Disk, Radiance, difference, shared};
 
-/// Folder below the shared one, and what `oconv` is given there. `*` stands for any file name.
+/// Folder below the shared one, and the arguments of `oconv` in it. `*` stands for any file name.
 const SCENES: &[(&str, &[&str])] = &[
     (
         "scenes/frads_openoffice",
@@ -183,7 +183,7 @@ fn compare(radiance: &Radiance, folder: &Path, names: &[String], read: &Read) ->
     compare_written(radiance, folder, names)
 }
 
-/// Our `xform`, with the commands in the files run, against the real one.
+/// Compares our `xform`, with commands in files run, with the real one.
 fn compare_xform(radiance: &Radiance, folder: &Path, names: &[String]) -> Result<(), String> {
     let loader = Disk { folder: folder.to_owned(), library: radiance.library() };
     for name in names.iter().filter(|name| !name.starts_with('!')) {
@@ -204,13 +204,13 @@ fn compare_xform(radiance: &Radiance, folder: &Path, names: &[String]) -> Result
     Ok(())
 }
 
-/// Some comments name files that are gone: those in which commands keep what they pass on.
+/// Drops comments: some name temporary files of commands, which no longer exist.
 fn without_comments(text: &[u8]) -> Vec<u8> {
     let lines = text.split_inclusive(|byte| *byte == b'\n');
     lines.filter(|line| !line.trim_ascii_start().starts_with(b"#")).flatten().copied().collect()
 }
 
-/// What we write must be the same scene to real Radiance: the same light comes along the same rays.
+/// Our output must be the same scene to real Radiance: the same rays return the same radiance.
 fn compare_written(radiance: &Radiance, folder: &Path, names: &[String]) -> Result<(), String> {
     let loader = Disk { folder: folder.to_owned(), library: radiance.library() };
     let files: Vec<Input> = names.iter().cloned().map(Input::File).collect();
@@ -220,12 +220,12 @@ fn compare_written(radiance: &Radiance, folder: &Path, names: &[String]) -> Resu
     let again = Input::Text { name: "written.rad".to_owned(), text: text.as_bytes().into() };
     let again = read_scene(&[again], &loader, &ReadOptions::default());
     if again.has_errors() {
-        return Err(format!("what we write we cannot read:\n{}", again.render(5)));
+        return Err(format!("our own output cannot be read:\n{}", again.render(5)));
     }
     let (ours, theirs) = (bounds(&again.scene), bounds(&read.scene));
     let same = |a: &Bounds, b: &Bounds| (a.low - b.low).abs().max((a.high - b.high).abs()).max_element() < 1e-9;
     if ours.iter().zip(&theirs).any(|(a, b)| !same(a, b)) || again.scene.surfaces.len() != read.scene.surfaces.len() {
-        return Err(format!("what we write reads as {ours:?} instead of {theirs:?}"));
+        return Err(format!("our own output reads as {ours:?} instead of {theirs:?}"));
     }
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), &text).unwrap();
@@ -237,14 +237,14 @@ fn compare_written(radiance: &Radiance, folder: &Path, names: &[String]) -> Resu
         let arguments: Vec<&str> = ["-w"].into_iter().chain(inputs.iter().map(String::as_str)).collect();
         let (octree, succeeded) = radiance.run("oconv", &arguments, folder);
         if !succeeded {
-            return Err("real oconv refuses what we write".to_owned());
+            return Err("real oconv rejects our output".to_owned());
         }
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), octree).unwrap();
         let input = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(input.path(), &rays).unwrap();
         let mut command = radiance.command("rtrace");
-        // Otherwise the random numbers, which mist takes, depend on the time of day.
+        // Otherwise the random numbers that mist uses depend on the time of day.
         command.args(["-u-", "-h", "-w", "-ab", "0", "-dj", "0", "-ss", "0", "-st", "0", "-lr", "2"]).arg(file.path());
         command.current_dir(folder).stdin(std::fs::File::open(input.path()).unwrap());
         values.push(numbers(&command.output().unwrap().stdout));
@@ -257,7 +257,7 @@ fn compare_written(radiance: &Radiance, folder: &Path, names: &[String]) -> Resu
     Err(format!("{wrong} of {} values differ ({} from ours) after writing", theirs.len(), ours.len()))
 }
 
-/// Rays from inside a box in all directions, as text; the same each time.
+/// Rays from inside a box in all directions, as text; deterministic.
 fn rays(inside: &Bounds) -> String {
     let mut state = 12345_u64;
     let mut random = || {
@@ -281,7 +281,7 @@ fn compare_cubes(radiance: &Radiance, folder: &Path, names: &[String], read: &Re
     let arguments: Vec<&str> = ["-w"].into_iter().chain(names.iter().map(String::as_str)).collect();
     let (bytes, succeeded) = radiance.run("oconv", &arguments, folder);
     if !succeeded {
-        return Err("real oconv refuses the scene".to_owned());
+        return Err("real oconv rejects the scene".to_owned());
     }
     std::fs::write(octree.path(), bytes).unwrap();
     let (text, _) = radiance.run("getinfo", &["-d", octree.path().to_str().unwrap()], folder);
@@ -298,7 +298,7 @@ fn numbers(text: &[u8]) -> Vec<f64> {
     String::from_utf8_lossy(text).split_whitespace().filter_map(|word| word.parse().ok()).collect()
 }
 
-/// How many surfaces real `xform` prints for the scene.
+/// Number of surfaces that real `xform` prints for the scene.
 fn count_surfaces(radiance: &Radiance, folder: &Path, names: &[String]) -> usize {
     let mut count = 0;
     for name in names {
@@ -306,7 +306,7 @@ fn count_surfaces(radiance: &Radiance, folder: &Path, names: &[String]) -> usize
             Some(_) => {
                 let file = tempfile::Builder::new().tempfile().unwrap();
                 std::fs::write(file.path(), name).unwrap();
-                // From standard input, so that xform stays in the folder.
+                // Read standard input, so that xform stays in the folder.
                 let mut command = radiance.command("xform");
                 command.arg("-e").current_dir(folder).stdin(std::fs::File::open(file.path()).unwrap());
                 (command.output().unwrap().stdout, true)
@@ -327,7 +327,7 @@ fn count_surfaces(radiance: &Radiance, folder: &Path, names: &[String]) -> usize
     count
 }
 
-/// A copy of a scene whose files come in an archive.
+/// An unpacked copy of a scene whose files come in an archive.
 fn unpacked(folder: &Path) -> Option<tempfile::TempDir> {
     let archive = folder.join("objects.tar.gz");
     if !archive.exists() || folder.join("objects").exists() {
@@ -343,7 +343,7 @@ fn unpacked(folder: &Path) -> Option<tempfile::TempDir> {
     Some(copy)
 }
 
-/// The files that a name with `*` means.
+/// The files that a name with `*` matches.
 fn expand(folder: &Path, name: &str) -> Vec<String> {
     let Some((before, after)) = name.split_once('*').filter(|_| !name.starts_with('!')) else {
         return vec![name.to_owned()];

@@ -1,4 +1,4 @@
-//! How fast pictures are filtered: `cargo run --release --example filter_speed`.
+//! Measures the speed of filtering: `cargo run --release --example filter_speed`.
 
 use radsight_picture::{Header, Image, Picture, PictureReader};
 use radsight_picture_ops::filter::{FilterOptions, Kernel, Size, filter_one_pass};

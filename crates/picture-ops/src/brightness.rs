@@ -1,11 +1,12 @@
-//! The one number that stands for a pixel.
+//! The brightness of a pixel.
 
 use radsight_picture::Encoding;
 use radsight_units::color::{BLUE, GREEN, RED, WHITE};
 
-/// The parts of red, green and blue in the brightness. Their sum is 1.
+/// The weights of red, green and blue in the brightness. Their sum is 1.
 ///
-/// The formula is that of the amounts of three primaries in white, in the order of operations that gives Radiance's last bit.
+/// They are the amounts of the three primaries in white, computed in the order of operations that
+/// reproduces Radiance's last bit.
 pub const WEIGHTS: [f64; 3] = {
     let determinant = RED[0] * (GREEN[1] - BLUE[1]) + GREEN[0] * (BLUE[1] - RED[1]) + BLUE[0] * (RED[1] - GREEN[1]);
     let red = (1.0 / WHITE[1])
@@ -17,25 +18,25 @@ pub const WEIGHTS: [f64; 3] = {
     [RED[1] * red / determinant, GREEN[1] * green / determinant, BLUE[1] * blue / determinant]
 };
 
-/// The brightness of red, green and blue. Green comes last, which decides the last bit.
+/// The brightness of red, green and blue. Green is added last, which determines the last bit.
 #[must_use]
 pub fn of_rgb(color: [f32; 3]) -> f64 {
     WEIGHTS[0] * f64::from(color[0]) + WEIGHTS[2] * f64::from(color[2]) + WEIGHTS[1] * f64::from(color[1])
 }
 
-/// How the brightness of a pixel is found.
+/// Computes the brightness of pixels of an encoding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brightness {
-    /// Which components stand for red, green and blue; all the same for Y alone.
+    /// The components used as red, green and blue; all equal for Y alone.
     bands: [usize; 3],
     is_luminance: bool,
 }
 
-/// The wavelengths that stand for red, green and blue, in nm.
+/// The wavelengths that represent red, green and blue, nm.
 const PEAKS: [f32; 3] = [607.0, 553.0, 469.0];
 
 impl Brightness {
-    /// For pictures of an encoding with so many components.
+    /// For pictures of an encoding with this many components.
     #[must_use]
     pub fn new(encoding: Encoding, components: usize) -> Brightness {
         match encoding {
@@ -56,14 +57,14 @@ impl Brightness {
         of_rgb(self.bands.map(|band| pixel[band]))
     }
 
-    /// The components that stand for red, green and blue.
+    /// The components used as red, green and blue.
     #[must_use]
     pub fn bands(&self) -> [usize; 3] {
         self.bands
     }
 }
 
-/// The band of a spectrum that is nearest to each of red, green and blue.
+/// The bands of a spectrum nearest to red, green and blue.
 fn principal_bands(bands: usize, splits: [f32; 4]) -> [usize; 3] {
     let (longest, shortest) = (splits[0], splits[3]);
     if shortest >= PEAKS[2] || longest <= PEAKS[0] {
@@ -78,7 +79,7 @@ fn principal_bands(bands: usize, splits: [f32; 4]) -> [usize; 3] {
     })
 }
 
-/// Gives each band of a spectrum the component of a colour that its middle belongs to.
+/// Assigns to each band of a spectrum the component of a colour that contains its centre.
 #[must_use]
 pub fn spread(color: [f32; 3], encoding: Encoding, components: usize) -> Vec<f32> {
     let Encoding::Spectral { splits } = encoding else { return color.to_vec() };
@@ -115,7 +116,7 @@ mod tests {
     #[test]
     fn the_principal_bands_are_the_nearest() {
         let encoding = Encoding::Spectral { splits: Encoding::USUAL_SPLITS };
-        // Twenty bands of 20 nm: middles at 770, 750, …
+        // Twenty bands of 20 nm: centres at 770, 750, …
         assert_eq!(Brightness::new(encoding, 20).bands(), [8, 11, 15]);
     }
 }

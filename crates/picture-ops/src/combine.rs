@@ -1,4 +1,4 @@
-//! `pcomb`: pictures combined by functions of their pixels.
+//! `pcomb`: combines pictures by functions of their pixels.
 
 use crate::ToolError;
 use crate::brightness::of_rgb;
@@ -9,16 +9,16 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 use std::io::Read;
 
-/// Rows above the current one that expressions can see.
+/// Rows above the current one that expressions can access.
 const ROWS_ABOVE: usize = 62;
-/// Rows below the current one that expressions can see.
+/// Rows below the current one that expressions can access.
 const ROWS_BELOW: usize = 64;
 
-/// Functions that expressions can call, in the order of their numbers.
+/// Functions available to expressions, in the order of their numbers.
 const FUNCTIONS: [&str; 17] =
     ["ri", "gi", "bi", "li", "re", "ge", "be", "le", "pa", "Ox", "Oy", "Oz", "Dx", "Dy", "Dz", "T", "S"];
 
-/// One of the pictures that are combined.
+/// One of the combined pictures.
 pub struct CombineInput<R> {
     reader: PictureReader<R>,
     factors: [f32; 3],
@@ -26,24 +26,24 @@ pub struct CombineInput<R> {
     exposure: [f32; 3],
     pixel_aspect: f64,
     view: Option<View>,
-    /// The rows in sight, from the top.
+    /// The accessible rows, from the top.
     rows: VecDeque<Vec<[f32; 3]>>,
 }
 
 /// Whether exposures are undone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exposures {
-    /// Pixels are taken as they are.
+    /// Pixels are used as stored.
     AsStored,
     /// Pixels are divided by all `EXPOSURE` and `COLORCORR` of the header.
     Undone,
 }
 
 impl<R: Read> CombineInput<R> {
-    /// Takes a picture, or a matrix of floats. `factors` multiply its components.
+    /// Takes a picture or a float matrix. `factors` multiply its components.
     ///
     /// # Errors
-    /// When it is a spectral one, or its header has an exposure that cannot be.
+    /// When it is spectral, or an exposure in its header is invalid.
     pub fn new(
         reader: PictureReader<R>,
         factors: [f32; 3],
@@ -80,7 +80,7 @@ impl<R: Read> CombineInput<R> {
         self.exposures
     }
 
-    /// Its view, if its header has one that can be.
+    /// Its view, if its header has a valid one.
     pub fn view(&self) -> Option<&View> {
         self.view.as_ref()
     }
@@ -97,12 +97,12 @@ impl<R: Read> CombineInput<R> {
     }
 }
 
-/// How many values a pixel of the output has.
+/// The defined output components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Defined {
-    /// `lo` is defined: one.
+    /// `lo` is defined: one value per pixel.
     Grey,
-    /// Three: `ro`, `go`, `bo`, or where they are not defined the sums of the inputs.
+    /// `ro`, `go`, `bo`: three values per pixel. An undefined component is the sum of the inputs.
     Color,
 }
 
@@ -111,33 +111,34 @@ pub struct Combination<R> {
     inputs: Vec<CombineInput<R>>,
     environment: Environment,
     is_luminance: bool,
-    /// Pixels a scanline, and scanlines, of the inputs.
+    /// Pixels per scanline and number of scanlines of the inputs.
     in_size: [usize; 2],
-    /// The same of the output.
+    /// The same for the output.
     size: [usize; 2],
     sets_x: bool,
     sets_y: bool,
-    /// Rows of the inputs that were read.
+    /// Number of input rows read.
     rows_read: usize,
     defined: Defined,
     /// Which components have a definition.
     has_definition: [bool; 3],
 }
 
-/// The pixel that is being computed.
+/// The pixel being computed.
 struct Site<'a, R> {
     inputs: &'a [CombineInput<R>],
     is_luminance: bool,
     column: usize,
-    /// From the top.
+    /// Row from the top.
     row: usize,
     columns: usize,
     rows: usize,
-    /// The first of the rows in sight, from the top.
+    /// The first accessible row, from the top.
     first_row: usize,
 }
 
-/// Prepares an environment for the definitions of `pcomb`: its constants and functions. Call it before reading any.
+/// Prepares an environment for the definitions of `pcomb`: its constants and functions. Call it
+/// before reading definitions.
 pub fn prepare<R: Read>(environment: &mut Environment, inputs: &[CombineInput<R>]) {
     let [columns, rows] = in_size(inputs);
     let is_luminance = encoding(inputs) == Encoding::Xyze;
@@ -157,7 +158,7 @@ pub fn prepare<R: Read>(environment: &mut Environment, inputs: &[CombineInput<R>
     }
 }
 
-/// What the output is: that of the first picture.
+/// The encoding of the output: that of the first picture.
 pub fn encoding<R: Read>(inputs: &[CombineInput<R>]) -> Encoding {
     inputs.first().map_or(Encoding::Rgbe, |input| input.reader.encoding())
 }
@@ -170,7 +171,8 @@ fn in_size<R: Read>(inputs: &[CombineInput<R>]) -> [usize; 2] {
 }
 
 impl<R: Read> Combination<R> {
-    /// Puts pictures and definitions together. `size` is that of the output, pixels a scanline and scanlines.
+    /// Combines pictures and definitions. `size` is that of the output: pixels per scanline and
+    /// scanlines.
     ///
     /// # Errors
     /// When the pictures have different sizes.
@@ -215,19 +217,20 @@ impl<R: Read> Combination<R> {
         })
     }
 
-    /// How many values a pixel has.
+    /// The defined output components.
     pub fn defined(&self) -> Defined {
         self.defined
     }
 
-    /// Computes a row of the output, counted from the top: three values a pixel, which are all the same for grey.
+    /// Computes a row of the output, counted from the top: three values per pixel, all equal for
+    /// grey.
     ///
     /// # Errors
-    /// When a picture cannot be read, or a definition not be computed.
+    /// When a picture cannot be read, or a definition cannot be evaluated.
     pub fn row(&mut self, row: usize, values: &mut [[f32; 3]]) -> Result<(), ToolError> {
         let [columns, rows] = self.in_size;
         let from_bottom = self.size[1] - 1 - row;
-        // The row of the input in the middle, from its bottom, cut to a whole number.
+        // The input row at the centre, counted from the bottom, truncated to an integer.
         let in_from_bottom = ((from_bottom as f64 + 0.5) * rows as f64 / self.size[1] as f64) as usize;
         let in_row = rows.saturating_sub(1).saturating_sub(in_from_bottom);
         self.read_to(in_row)?;
@@ -244,7 +247,7 @@ impl<R: Read> Combination<R> {
         Ok(())
     }
 
-    /// Reads what can be seen from a row.
+    /// Reads the rows that are accessible from a row.
     fn read_to(&mut self, in_row: usize) -> Result<(), ToolError> {
         let last = (in_row + ROWS_BELOW + 1).min(self.in_size[1]);
         while self.rows_read < last {
@@ -296,27 +299,29 @@ impl<R> Site<'_, R> {
         if self.is_luminance { f64::from(color[1]) } else { of_rgb(color) }
     }
 
-    /// The colour at an offset, which ends at the border of the picture and of what is in sight.
+    /// The colour at an offset, clamped to the picture and the accessible rows.
     fn color(&self, input: &CombineInput<R>, arguments: &[f64]) -> [f32; 3] {
         let rounded = |index: usize| arguments.get(index).map_or(0, |value| (value + 0.5f64.copysign(*value)) as isize);
         let column = (self.column as isize).saturating_add(rounded(1)).clamp(0, self.columns as isize - 1);
-        // Offsets go up, rows down.
+        // Offsets count upwards, rows downwards.
         let up = rounded(2).clamp(-(ROWS_BELOW as isize), ROWS_ABOVE as isize);
         let row = (self.row as isize).saturating_sub(up).clamp(0, self.rows as isize - 1);
         self.at(input, column as usize, row as usize)
     }
 
-    /// Origin, direction and length of the ray of a pixel at an offset in pixels; `None` where there is none.
+    /// Origin, direction and length of a pixel's ray at an offset in pixels; `None` if there is
+    /// none.
     fn ray(&self, input: &CombineInput<R>, right: f64, up: f64) -> Option<([f64; 3], [f64; 3], f64)> {
         let view = input.view.as_ref()?;
         let resolution = input.reader.resolution();
         let [x, y] = resolution.location(self.column, self.row);
-        let place = [x + right / resolution.width as f64, y + up / resolution.height as f64];
-        let ray = view.ray(place)?;
+        let image_position = [x + right / resolution.width as f64, y + up / resolution.height as f64];
+        let ray = view.ray(image_position)?;
         Some((ray.origin.to_array(), ray.direction.to_array(), ray.length.unwrap_or(0.0)))
     }
 
-    /// The solid angle of a pixel, in sr: that of the parallelogram of its neighbours' directions.
+    /// The solid angle of a pixel, sr: the area of the parallelogram spanned by the directions of
+    /// its neighbours.
     fn pixel_size(&self, input: &CombineInput<R>) -> f64 {
         let orientation = input.reader.resolution().orientation;
         let step = |falls: bool| if falls { -1.0 } else { 1.0 };

@@ -1,4 +1,4 @@
-//! `pcompos`: pictures side by side and over one another.
+//! `pcompos`: composes pictures side by side and on top of each other.
 
 use crate::ToolError;
 use crate::brightness::WEIGHTS;
@@ -10,22 +10,22 @@ use std::io::{Read, Write};
 pub struct Layer<R> {
     /// The picture.
     pub reader: PictureReader<R>,
-    /// Its left lower corner, from that of the whole, in pixels.
+    /// Its lower left corner in the output, pixels.
     pub corner: [i64; 2],
-    /// Pixels are shown where they are brighter than this.
+    /// Only pixels brighter than this are shown.
     pub above: Option<f64>,
-    /// Pixels are shown where they are darker than this.
+    /// Only pixels darker than this are shown.
     pub below: Option<f64>,
 }
 
 impl<R> Layer<R> {
-    /// Pixels across and down.
+    /// Width and height.
     pub fn size(&self) -> [i64; 2] {
         let resolution = self.reader.resolution();
         [resolution.scanline_length() as i64, resolution.scanlines() as i64]
     }
 
-    /// Right upper corner.
+    /// Upper right corner.
     pub fn far_corner(&self) -> [i64; 2] {
         std::array::from_fn(|i| self.corner[i] + self.size()[i])
     }
@@ -39,17 +39,18 @@ impl<R> Layer<R> {
     }
 }
 
-/// The brightness of a pixel by its mantissas as whole numbers, without the half step that decoding adds.
+/// The brightness of a pixel from its mantissas as integers, without the half step that decoding
+/// adds.
 fn brightness(pixel: [u8; 4]) -> f64 {
     let weighted = |i: usize| u32::from(pixel[i]) * (WEIGHTS[i] * 256.0 + 0.5) as u32;
     let whole = (weighted(0) + weighted(1) + weighted(2)) >> 8;
     f64::from(whole) * f64::from(mantissa_step(pixel[3]))
 }
 
-/// Puts layers over one another, the last one on top.
+/// Composes layers, the last one on top.
 ///
 /// # Errors
-/// When a picture cannot be read (which one says the index), or the output not be written.
+/// When a picture cannot be read (the error holds its index), or the output cannot be written.
 pub fn compose<R: Read, W: Write>(
     layers: &mut [Layer<R>],
     [columns, rows]: [usize; 2],
@@ -86,9 +87,9 @@ pub fn compose<R: Read, W: Write>(
 fn put<R>(layer: &Layer<R>, scanline: &mut [[u8; 4]]) {
     let pixels = layer.reader.stored().as_chunks::<4>().0;
     for (offset, pixel) in pixels.iter().enumerate() {
-        let place = usize::try_from(layer.corner[0] + offset as i64).ok().and_then(|x| scanline.get_mut(x));
-        if let Some(place) = place.filter(|_| layer.shows(*pixel)) {
-            *place = *pixel;
+        let target = usize::try_from(layer.corner[0] + offset as i64).ok().and_then(|x| scanline.get_mut(x));
+        if let Some(target) = target.filter(|_| layer.shows(*pixel)) {
+            *target = *pixel;
         }
     }
 }

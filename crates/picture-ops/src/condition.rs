@@ -1,9 +1,10 @@
-//! `pcond`: a picture as the eye would see the scene, within what a display can show.
+//! `pcond`: tone mapping that reproduces what an observer would see, within the range of a display.
 //!
-//! G. Ward Larson, H. Rushmeier, C. Piatko, "A Visibility Matching Tone Reproduction Operator for High Dynamic Range Scenes", IEEE
-//! Transactions on Visualization and Computer Graphics 3(4), 1997: a histogram of what the fovea adapts to is turned into a map from
-//! luminance to display, whose contrast nowhere exceeds what the eye has; glare, acuity and the colours of dim light follow the same
-//! adaptation. Where Radiance's constants are others than the paper's, they are Radiance's.
+//! G. Ward Larson, H. Rushmeier, C. Piatko, "A Visibility Matching Tone Reproduction Operator for
+//! High Dynamic Range Scenes", IEEE Transactions on Visualization and Computer Graphics 3(4), 1997.
+//! A histogram of foveal adaptation luminances is adjusted so that displayed contrast nowhere
+//! exceeds visible contrast. Veiling glare, acuity and mesopic colour follow the same adaptation.
+//! Where Radiance's constants differ from the paper's, Radiance's are used.
 
 mod acuity;
 mod device;
@@ -31,44 +32,44 @@ use std::io::{Read, Seek, Write};
 use veil::Veil;
 pub use warp::ColorWarp;
 
-/// Which limits of the eye are imitated.
+/// The simulated limits of the eye.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Eye {
-    /// What is too dim to be seen sharply is blurred.
+    /// Blurs regions that are too dim to be seen sharply.
     pub acuity: bool,
-    /// Bright places cast a veil over the others.
+    /// Adds the veiling glare of bright regions.
     pub veil: bool,
-    /// Contrast is what the eye has at the scene's luminance, instead of what keeps the scene's contrast.
+    /// Limits contrast to the contrast sensitivity of the eye instead of the scene's contrast.
     pub sensitivity: bool,
-    /// Dim colours turn grey.
+    /// Desaturates dim colours.
     pub color: bool,
 }
 
-/// How luminance becomes light of the display.
+/// The mapping from luminance to display output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
-    /// By the histogram, where the picture has a wider range than the display.
+    /// Histogram adjustment, if the scene's range exceeds the display's.
     Histogram,
-    /// In proportion, by a factor that follows from the adaptation.
+    /// A linear factor that follows from the adaptation.
     Linear,
-    /// In proportion, by this factor, above 0.
+    /// This linear factor, above 0.
     Factor(f64),
 }
 
-/// What is asked of [`condition`].
+/// Options of [`condition`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConditionOptions {
-    /// The limits of the eye; none by default.
+    /// The simulated limits of the eye; none by default.
     pub eye: Eye,
-    /// What the eye adapts to; the whole picture by default.
+    /// The source of adaptation; the whole picture by default.
     pub adaptation: Adaptation,
-    /// How luminance becomes light; by the histogram by default.
+    /// The mapping from luminance to display output; histogram adjustment by default.
     pub exposure: Exposure,
-    /// The display's largest luminance, in cd/m²; 100 by default.
+    /// The display's largest luminance, cd/m²; 100 by default.
     pub display_top: f64,
-    /// The display's largest luminance over its smallest; 100 by default.
+    /// The display's dynamic range, its largest luminance divided by its smallest; 100 by default.
     pub display_range: f64,
-    /// The display's colours; Radiance's primaries by default.
+    /// The display's colour space; Radiance's primaries by default.
     pub device: Device,
 }
 
@@ -85,20 +86,20 @@ impl Default for ConditionOptions {
     }
 }
 
-/// A pair of the map from luminance of the scene to luminance of the display, both in cd/m².
+/// A pair of scene luminance and display luminance, cd/m².
 pub type MappedLuminance = [f64; 2];
 
-/// The luminances between which the eye sees by rods and cones, in cd/m²: below all is grey, above colours are full.
+/// The mesopic range, cd/m²: below it vision is by rods alone, above it by cones alone.
 pub(crate) const MESOPIC: [f64; 2] = [5.62e-3, 5.62];
-/// The smallest and the largest luminance that are looked at, in cd/m².
+/// The smallest and the largest luminance considered, cd/m².
 pub(crate) const VISIBLE: [f64; 2] = [1e-7, 1e7];
-/// Below this something is zero.
+/// Smaller values are zero.
 const TINY: f64 = 1e-6;
 
-/// Conditions a picture and gives the map that was used. `command` goes to the header.
+/// Tone maps a picture and returns the mapping used. `command` is added to the header.
 ///
 /// # Errors
-/// When the picture cannot be read or has nothing visible, or the output not be written.
+/// When the picture cannot be read or has no visible pixel, or the output cannot be written.
 pub fn condition<S: Read + Seek, W: Write>(
     mut source: S,
     options: &ConditionOptions,
@@ -146,13 +147,13 @@ pub fn condition<S: Read + Seek, W: Write>(
     Ok(mapping.pairs(&histogram, options, &luminance))
 }
 
-/// The picture from its start.
+/// A reader at the start of the picture.
 fn reopened<S: Read + Seek>(source: &mut S) -> Result<PictureReader<&mut S>, ToolError> {
     source.rewind().map_err(radsight_picture::PictureError::from)?;
     Ok(PictureReader::new(source)?)
 }
 
-/// What is worth doing to a picture.
+/// The steps to apply to a picture.
 struct Plan {
     eye: Eye,
     is_linear: bool,
@@ -160,7 +161,7 @@ struct Plan {
 
 impl Plan {
     fn new(options: &ConditionOptions, histogram: &Histogram, fovea: &Fovea) -> Plan {
-        /// The smallest range of brightness, in natural logarithms, in which glare is seen.
+        /// The smallest range of brightness, in natural logarithms, that causes visible glare.
         const GLARING: f64 = 4.5;
         let range = histogram.range();
         let is_linear = options.exposure != Exposure::Histogram || range <= options.display_range.ln();
@@ -181,7 +182,7 @@ impl Plan {
     }
 }
 
-/// All lines of the input but those that no longer hold, the command, and what has changed.
+/// The output header: the valid lines of the input, the command, and the changed variables.
 fn output_header(input: &Header, command: &[&str], device: &Device, exposure: Option<f64>) -> Header {
     let mut header = input.clone();
     for name in ["FORMAT", "NCOMP", "WAVELENGTH_SPLITS", "PRIMARIES", "EXPOSURE"] {
@@ -198,10 +199,11 @@ fn output_header(input: &Header, command: &[&str], device: &Device, exposure: Op
     header
 }
 
-/// Where a pixel lies between the samples of a smaller picture: the sample before it, and how far it is towards the next.
+/// Interpolation position of a pixel in a smaller picture: the sample before it, and the fraction
+/// towards the next.
 fn between(position: usize, length: usize, samples: usize) -> (usize, f64) {
-    let place = (position as f64 + 0.5) / length as f64 * samples as f64 - 0.5;
-    // Cut towards zero, so that what lies before the first sample is extrapolated.
-    let before = (place as usize).min(samples.saturating_sub(2));
-    (before, place - before as f64)
+    let at = (position as f64 + 0.5) / length as f64 * samples as f64 - 0.5;
+    // Truncation towards zero, so that positions before the first sample are extrapolated.
+    let before = (at as usize).min(samples.saturating_sub(2));
+    (before, at - before as f64)
 }

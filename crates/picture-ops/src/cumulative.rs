@@ -1,6 +1,6 @@
-//! The shares of a histogram that lie below a place.
+//! Cumulative distributions of histograms.
 
-/// The share below each of the bins, and 1 below their end.
+/// The cumulative distribution at the start of each bin, and 1 at the end.
 pub(crate) fn cumulative(counts: impl Iterator<Item = f64>, total: f64) -> Vec<f64> {
     let below = counts.scan(0.0, |sum, count| {
         let below = *sum;
@@ -10,10 +10,10 @@ pub(crate) fn cumulative(counts: impl Iterator<Item = f64>, total: f64) -> Vec<f
     below.chain([1.0]).collect()
 }
 
-/// The share below a place, in bins from the first one's begin, where a bin's count is even over its width.
-pub(crate) fn share_at(cumulative: &[f64], place: f64) -> f64 {
-    let bin = (place as usize).min(cumulative.len() - 2);
-    let part = place - bin as f64;
+/// The cumulative distribution at a position in bins, linear within each bin.
+pub(crate) fn share_at(cumulative: &[f64], position: f64) -> f64 {
+    let bin = (position as usize).min(cumulative.len() - 2);
+    let part = position - bin as f64;
     (1.0 - part) * cumulative[bin] + part * cumulative[bin + 1]
 }
 
@@ -25,7 +25,7 @@ mod tests {
     fn shares_rise_evenly_within_a_bin() {
         let shares = cumulative([1.0, 3.0, 4.0].into_iter(), 8.0);
         assert_eq!(shares, [0.0, 0.125, 0.5, 1.0]);
-        let found = [0.0, 0.5, 1.0, 2.5, 3.0].map(|place| share_at(&shares, place));
+        let found = [0.0, 0.5, 1.0, 2.5, 3.0].map(|position| share_at(&shares, position));
         assert_eq!(found, [0.0, 0.0625, 0.125, 0.75, 1.0]);
     }
 }

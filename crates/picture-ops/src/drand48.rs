@@ -1,6 +1,7 @@
-//! The generator of random numbers that Radiance's picture programs use, so that what they draw is drawn here too.
+//! The random number generator of Radiance's picture programs, so that samples are the same.
 
-/// The 48-bit congruential generator of C's `drand48`, from the state of a program that never seeds it.
+/// The 48-bit congruential generator of C's `drand48` in its initial state, as in a program that
+/// never seeds it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Drand48 {
     state: u64,
@@ -14,12 +15,12 @@ impl Drand48 {
         self.state
     }
 
-    /// A whole number of 31 bits, as `lrand48` gives it.
+    /// A 31-bit integer, as from `lrand48`.
     pub(crate) fn next_integer(&mut self) -> u64 {
         self.advance() >> 17
     }
 
-    /// A number from 0, below 1.
+    /// A number in [0, 1).
     pub(crate) fn next_fraction(&mut self) -> f64 {
         self.advance() as f64 / (1u64 << BITS) as f64
     }

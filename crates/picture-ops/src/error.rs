@@ -1,71 +1,71 @@
-//! What can stop a picture program.
+//! Errors of the picture programs.
 
 use radsight_diag::Diagnostic;
 use radsight_picture::PictureError;
 
-/// Why a picture program cannot do what was asked.
+/// Why a picture program failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ToolError {
     /// A picture cannot be read or written.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// No pixel has a brightness that could be averaged.
+    /// No pixel has a brightness in the averaged range.
     #[error(
         "the picture is too dark or too bright for an average brightness, expected a pixel above 0 and below {hot}"
     )]
     NoAverage {
-        /// The brightness above which pixels are left out.
+        /// The brightness above which pixels are excluded.
         hot: f64,
     },
-    /// A picture has no light that could be shown.
+    /// A picture has no visible luminance.
     #[error("the picture is black, or brighter than {most} cd/m² everywhere")]
     NothingVisible {
-        /// The largest luminance that is looked at.
+        /// The largest luminance considered, cd/m².
         most: f64,
     },
-    /// The view of a picture is too wide for what is asked of it.
-    #[error("the picture's view is {degrees} degrees of the fovea wide in all, expected at most {most}")]
-    TooManyGlances {
+    /// The view of a picture covers too large a solid angle.
+    #[error("the picture's view covers {degrees} square degrees, expected at most {most}")]
+    ViewTooWide {
         /// Square degrees of the view.
         degrees: usize,
-        /// The most that are looked at.
+        /// The largest supported number.
         most: usize,
     },
-    /// The view of a picture is no view.
+    /// The view in a picture's header is invalid.
     #[error("the view in the picture's header: {0}")]
     View(radsight_picture::ViewError),
-    /// Primaries from which no colour can be made.
-    #[error("the primaries lie on a line, or white is impossible")]
+    /// The primaries do not form a colour space.
+    #[error("the primaries are collinear or the white is impossible")]
     Primaries,
-    /// A calibration of red, green and blue cannot take X, Y and Z.
+    /// A calibration of RGB cannot be applied to XYZ.
     #[error("a calibration by macbethcal takes pictures in RGBE, not in XYZE")]
     CalibratedXyz,
-    /// Not even one row of the output can be made of what there is of the picture.
+    /// The available scanlines do not suffice for one row of the output.
     #[error("the picture ends after {rows} of {expected} scanlines, expected enough for a row of the output")]
-    EmptyFrame {
+    TooFewScanlines {
         /// Complete scanlines.
         rows: usize,
-        /// What the resolution says.
+        /// The number in the resolution.
         expected: usize,
     },
     /// One of several pictures cannot be read.
     #[error("{error}")]
     Input {
-        /// Which one, from 0.
+        /// Its index, from 0.
         index: usize,
-        /// What is wrong.
+        /// The cause.
         error: PictureError,
     },
-    /// Pictures that should have one size have several.
-    #[error("{} x {} pixels, expected {} x {} as the first picture has", found[0], found[1], expected[0], expected[1])]
+    /// Pictures that must have the same size differ.
+    #[error("{} x {} pixels, expected {} x {} as in the first picture", found[0], found[1], expected[0], expected[1])]
     OtherSize {
-        /// Pixels a scanline, and scanlines.
+        /// Pixels per scanline, and scanlines.
         found: [usize; 2],
         /// Those of the first picture.
         expected: [usize; 2],
     },
-    /// A definition cannot be computed.
+    /// A definition cannot be evaluated.
     #[error("{}", words(.0))]
     Definition(Vec<Diagnostic>),
 }

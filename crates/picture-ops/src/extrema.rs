@@ -5,21 +5,22 @@ use crate::brightness::{Brightness, WEIGHTS};
 use radsight_picture::{Encoding, PictureReader, decode_rgbe, mantissa_step, mean_of_spectrum};
 use std::io::Read;
 
-/// A pixel and where it is.
+/// A pixel and its position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremum {
-    /// Place in its scanline, from 0.
+    /// Index in its scanline, from 0.
     pub position: usize,
-    /// Its scanline, counted from the last one.
+    /// Index of its scanline, counted from the last one.
     pub scanline: usize,
-    /// Raw values; of a spectrum the means of its three parts.
+    /// Raw values; for a spectrum the mean in its red, green and blue ranges.
     pub color: [f32; 3],
 }
 
-/// Darker than this is no initial minimum.
+/// The initial minimum is the brightest possible pixel below this.
 const BRIGHTEST: [u8; 4] = [201, 201, 201, 228];
 
-/// Finds the darkest and the brightest pixel. Of equal ones it is the first scanline's last.
+/// Finds the darkest and the brightest pixel. Among equal ones, the last pixel of the first
+/// scanline is returned.
 ///
 /// # Errors
 /// When the picture cannot be read.
@@ -27,7 +28,7 @@ pub fn extrema<R: Read>(mut reader: PictureReader<R>) -> Result<[Extremum; 2], T
     let (encoding, components) = (reader.encoding(), reader.components());
     let bands = Brightness::new(encoding, components).bands();
     let weights = WEIGHTS.map(|weight| (weight * 256.0 + 0.5) as u32);
-    // Exponents decide, then the mantissas' brightness in whole numbers.
+    // Compare exponents, then the integer brightness of the mantissas.
     let key = |pixel: &[u8]| {
         let sum: u32 = bands.iter().zip(weights).map(|(band, weight)| u32::from(pixel[*band]) * weight).sum();
         (pixel[components], sum >> 8)

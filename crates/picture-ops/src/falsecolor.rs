@@ -1,4 +1,4 @@
-//! `falsecolor`: brightness as colour, contours and bands.
+//! `falsecolor`: maps brightness to colours, contours and bands.
 
 mod own;
 mod tables;
@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use std::io::{Read, Write};
 use tables::{DEFAULT, TURBO};
 
-/// A scale of colours.
+/// A colour scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Palette {
     /// `def`: from blue over green and red to yellow.
@@ -29,11 +29,11 @@ pub enum Palette {
     Turbo,
 }
 
-/// The gamma of the displays that some scales were made for.
+/// The gamma of the displays for which some scales were designed.
 const GAMMA: f64 = 2.2;
 
 impl Palette {
-    /// All, with their names.
+    /// All palettes with their names.
     pub const ALL: [(&'static str, Palette); 6] = [
         ("def", Palette::Default),
         ("spec", Palette::Spectrum),
@@ -43,7 +43,7 @@ impl Palette {
         ("tbo", Palette::Turbo),
     ];
 
-    /// The colour of a value between 0 and 1; other values have the colours that the formula gives.
+    /// The colour of a value in [0, 1]; values outside are extrapolated by the formula.
     #[must_use]
     pub fn color(self, value: f64) -> [f64; 3] {
         let clip = |value: f64| value.clamp(0.0, 1.0);
@@ -66,18 +66,18 @@ impl Palette {
 }
 
 fn interpolated(value: f64) -> [f64; 3] {
-    // The step is written with so many digits in Radiance too.
-    let place = value / 0.0454545 + 1.0;
+    // Radiance writes the step with the same digits.
+    let position = value / 0.0454545 + 1.0;
     let last = DEFAULT.len();
-    if place <= 1.0 || place.is_nan() {
+    if position <= 1.0 || position.is_nan() {
         return DEFAULT[0];
     }
-    if place >= last as f64 {
+    if position >= last as f64 {
         return DEFAULT[last - 1];
     }
-    let below = place.floor();
+    let below = position.floor();
     let index = below as usize;
-    std::array::from_fn(|i| (below + 1.0 - place) * DEFAULT[index - 1][i] + (place - below) * DEFAULT[index][i])
+    std::array::from_fn(|i| (below + 1.0 - position) * DEFAULT[index - 1][i] + (position - below) * DEFAULT[index][i])
 }
 
 fn turbo(value: f64) -> [f64; 3] {
@@ -93,42 +93,42 @@ fn turbo(value: f64) -> [f64; 3] {
     std::array::from_fn(|i| TURBO[index][i] + (TURBO[next][i] - TURBO[index][i]) * (value * 255.0 - nearest))
 }
 
-/// Where pixels take the colour of their value.
+/// Which pixels are coloured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coverage {
-    /// Everywhere.
+    /// All.
     All,
-    /// Everywhere, in as many steps as there are divisions.
+    /// All, in as many steps as there are divisions.
     Posterized,
-    /// On lines between the divisions.
+    /// Lines between the divisions.
     Lines,
-    /// In narrow bands around the borders of the divisions.
+    /// Narrow bands around the limits of the divisions.
     Bands,
-    /// Nowhere.
+    /// None.
     None,
 }
 
-/// How brightness becomes colour.
+/// The mapping from brightness to colour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// The brightness of the top, after the multiplier.
+    /// The brightness at the top of the scale, after the multiplier.
     pub top: f64,
-    /// What brightness is multiplied by, 179 for cd/m².
+    /// The factor of brightness, 179 for cd/m².
     pub multiplier: f64,
     /// Decades of a logarithmic scale; 0 for a linear one.
     pub decades: f64,
-    /// Divisions.
+    /// Number of divisions.
     pub divisions: f64,
-    /// Where pixels take colour.
+    /// Which pixels are coloured.
     pub coverage: Coverage,
-    /// The colours.
+    /// The palette.
     pub palette: Palette,
-    /// Red, green and blue of the user's own, instead of the palette's.
+    /// Custom red, green and blue, which replace those of the palette.
     pub own: [Option<OwnComponent>; 3],
 }
 
 impl Scale {
-    /// The place on the scale, 0 to 1, of a value that is 1 at the top.
+    /// The scale position in [0, 1] of a value that is 1 at the top.
     fn mapped(&self, value: f64) -> f64 {
         if self.decades <= 0.0 {
             value
@@ -139,36 +139,37 @@ impl Scale {
         }
     }
 
-    /// The colour of a place on the scale, or `None` where the background shows. `around` are the places to the left, right, above and below.
+    /// The colour of a scale position; `None` where the background shows. `around` holds the
+    /// positions to the left, right, above and below.
     #[must_use]
-    pub fn color(&self, place: f64, around: [f64; 4]) -> Option<[f32; 3]> {
+    pub fn color(&self, position: f64, around: [f64; 4]) -> Option<[f32; 3]> {
         let divisions = self.divisions;
         let half = 1.0 / divisions / 2.0;
-        let inside = place >= half && place < 1.0 + half;
+        let inside = position >= half && position < 1.0 + half;
         let crosses = |a: f64, b: f64| ((divisions * a).floor() - (divisions * b).floor()).abs() > 1e-7;
         let [left, right, above, below] = around;
         let is_colored = match self.coverage {
             Coverage::All | Coverage::Posterized => true,
             Coverage::Lines => inside && (crosses(left, right) || crosses(above, below)),
             Coverage::Bands => {
-                let fraction = divisions * place - (divisions * place).floor();
+                let fraction = divisions * position - (divisions * position).floor();
                 inside && !(0.1..0.9).contains(&fraction)
             }
             Coverage::None => false,
         };
-        // The lowest division has no border, so the colours begin with the second.
+        // The lowest division has no border, so the colours begin at the second.
         let shifted = |value: f64| (value - 1.0 / divisions) * divisions / (divisions - 1.0);
         let value = match self.coverage {
-            Coverage::All => place,
-            Coverage::Posterized => shifted(((place * divisions).floor() + 0.5) / divisions),
-            _ => shifted(place),
+            Coverage::All => position,
+            Coverage::Posterized => shifted(((position * divisions).floor() + 0.5) / divisions),
+            _ => shifted(position),
         };
         is_colored.then(|| self.colored(value))
     }
 }
 
 impl Scale {
-    /// The colour of a value between 0 and 1.
+    /// The colour of a value in [0, 1].
     fn colored(&self, value: f64) -> [f32; 3] {
         let mut color = self.palette.color(value);
         for (part, own) in color.iter_mut().zip(&self.own) {
@@ -180,9 +181,9 @@ impl Scale {
     }
 }
 
-/// What is seen where there is no colour.
+/// The background of uncoloured pixels.
 pub enum Background<R> {
-    /// Nothing.
+    /// Black.
     Black,
     /// The picture itself.
     Same,
@@ -190,10 +191,10 @@ pub enum Background<R> {
     Other(PictureReader<R>),
 }
 
-/// Colours a picture, row by row.
+/// Colours a picture row by row.
 ///
 /// # Errors
-/// When a picture cannot be read, the background has another size, or the output not be written.
+/// When a picture cannot be read, the background has another size, or the output cannot be written.
 pub fn falsecolor<R: Read, W: Write>(
     mut reader: PictureReader<R>,
     mut background: Background<R>,
@@ -217,13 +218,13 @@ pub fn falsecolor<R: Read, W: Write>(
     let mut window: VecDeque<Row> = VecDeque::new();
     let mut behind = vec![[0.0f32; 3]; columns];
     for row in 0..rows {
-        // The row itself, the one above if there is one, and the one below if there is one.
+        // The row, and those above and below it, if any.
         while window.back().is_none_or(|last| last.number < (row + 1).min(rows - 1)) {
             let number = window.back().map_or(0, |last| last.number + 1);
             let mut pixels = vec![[0.0f32; 3]; columns];
             reader.read_three(&mut pixels)?;
-            let places = pixels.iter().map(|pixel| scale.mapped(brightness.of(pixel) * norm)).collect();
-            window.push_back(Row { number, pixels, places });
+            let positions = pixels.iter().map(|pixel| scale.mapped(brightness.of(pixel) * norm)).collect();
+            window.push_back(Row { number, pixels, positions });
         }
         while window.front().is_some_and(|first| first.number + 1 < row) {
             window.pop_front();
@@ -237,17 +238,17 @@ pub fn falsecolor<R: Read, W: Write>(
         let below = &window[(index + 1).min(window.len() - 1)];
         let color = |column: usize| {
             let around = [
-                here.places[column.saturating_sub(1)],
-                here.places[(column + 1).min(columns - 1)],
-                above.places[column],
-                below.places[column],
+                here.positions[column.saturating_sub(1)],
+                here.positions[(column + 1).min(columns - 1)],
+                above.positions[column],
+                below.positions[column],
             ];
             let background = || match background {
                 Background::Black => [0.0; 3],
                 Background::Same => here.pixels[column],
                 Background::Other(_) => behind[column],
             };
-            encode_rgbe(scale.color(here.places[column], around).unwrap_or_else(background))
+            encode_rgbe(scale.color(here.positions[column], around).unwrap_or_else(background))
         };
         let stored: Vec<u8> = (0..columns).flat_map(color).collect();
         writer.write_stored(&stored)?;
@@ -255,14 +256,14 @@ pub fn falsecolor<R: Read, W: Write>(
     Ok(writer.finish()?)
 }
 
-/// A row of the picture and the places of its pixels on the scale.
+/// A row of the picture and the scale positions of its pixels.
 struct Row {
     number: usize,
     pixels: Vec<[f32; 3]>,
-    places: Vec<f64>,
+    positions: Vec<f64>,
 }
 
-/// The brightness of all exposures and corrections of a header.
+/// The product of all exposures and corrections of a header, as a brightness.
 fn exposure(header: &Header, is_luminance: bool) -> Result<f64, ToolError> {
     let correction = header.color_correction()?;
     let exposure = header.exposure()?;

@@ -1,7 +1,7 @@
 //! `pfilt`: exposure, size and star patterns.
 //!
-//! Two passes: the first finds the mean brightness and the pixels that shine, the second scales, filters and writes. Only the rows that
-//! the filter needs are in memory.
+//! The first pass measures the mean brightness and finds hot pixels; the second scales, filters and
+//! writes. Only the rows within the filter's support are in memory.
 
 mod bar;
 mod gaussian;
@@ -20,74 +20,75 @@ use stars::Stars;
 use std::io::{Read, Write};
 use std::ops::Range;
 
-/// A size of the output.
+/// The size of the output along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
-    /// Pixels.
+    /// Number of pixels.
     Pixels(usize),
-    /// Output pixels for each of the input.
+    /// Output pixels per input pixel.
     Scale(f64),
 }
 
-/// How an output pixel is made of input pixels.
+/// The reconstruction filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kernel {
-    /// The mean of the input pixels whose middle is in the output pixel.
+    /// The mean of the input pixels whose centre lies in the output pixel.
     Box,
-    /// A Gaussian of this radius in output pixels.
+    /// A Gaussian with a radius in output pixels.
     Gaussian {
         /// The radius, above 0.
         radius: f64,
     },
-    /// As the Gaussian, but wider for pixels that would be more than a fraction of the output pixel.
+    /// A Gaussian that widens for pixels that would contribute more than a fraction of an output
+    /// pixel.
     Threshold {
         /// The radius in output pixels, above 0.
         radius: f64,
-        /// The largest fraction of an output pixel that one input pixel may make, above 0.
+        /// The largest contribution of one input pixel to an output pixel, above 0.
         fraction: f64,
     },
 }
 
-/// Whether shining pixels count in the average brightness.
+/// Whether hot pixels count in the average brightness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HotPixels {
-    /// They do not.
+    /// They are excluded.
     LeftOut,
-    /// They do.
+    /// They are included.
     Averaged,
 }
 
-/// Whether the header tells a change of the pixels' shape.
+/// Whether the header records a change of the pixel aspect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AspectRecord {
-    /// The header gets a `PIXASPECT` where the shape changes.
+    /// A `PIXASPECT` line records it.
     Written,
-    /// Nothing is said: the change corrects the shape.
+    /// It is not recorded: the change corrects the aspect.
     LeftOut,
 }
 
-/// What is asked of [`filter`].
+/// Options of [`filter`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilterOptions {
-    /// Columns of the output; all of the input's by default.
+    /// Columns of the output; as in the input by default.
     pub columns: Size,
-    /// Rows of the output; all of the input's by default.
+    /// Rows of the output; as in the input by default.
     pub rows: Size,
-    /// The shape of output pixels, height over width; `None` leaves it to the sizes.
+    /// Aspect of output pixels, height divided by width; `None` derives it from the sizes.
     pub aspect: Option<f64>,
-    /// What the header says about the shape.
+    /// Whether the header records a change of the pixel aspect.
     pub aspect_record: AspectRecord,
-    /// What red, green and blue are multiplied by, beside the automatic exposure of two passes; 1 by default.
+    /// Factors of red, green and blue, besides the automatic exposure of two passes; 1 by default.
     pub exposure: [f32; 3],
-    /// How output pixels are made; a box by default.
+    /// The reconstruction filter; a box by default.
     pub kernel: Kernel,
-    /// Whether shining pixels count in the average; left out by default.
+    /// Whether hot pixels count in the average; excluded by default.
     pub hot_pixels: HotPixels,
-    /// The brightness from which a pixel shines, in W/(sr·m²); 100 by default.
+    /// The brightness threshold of hot pixels, W/(sr·m²); 100 by default.
     pub hot_level: f64,
-    /// Half the number of points of a star at each shining pixel; 0, no stars, by default.
+    /// Half the number of points of a star at each hot pixel; 0, no stars, by default.
     pub star_lines: usize,
-    /// How far stars spread, a fraction; 1e-4 by default.
+    /// Spread of the stars; larger values give longer points; 1e-4 by default.
     pub star_spread: f64,
 }
 
@@ -108,10 +109,11 @@ impl Default for FilterOptions {
     }
 }
 
-/// Filters with the exposure as given: one pass, so that the picture may come through a pipe. `command` goes to the header.
+/// Filters with the given exposure in one pass, so that the picture may come from a pipe. `command`
+/// is added to the header.
 ///
 /// # Errors
-/// When the picture cannot be read, or the output not be written.
+/// When the picture cannot be read, or the output cannot be written.
 pub fn filter_one_pass<R: Read, W: Write>(
     reader: PictureReader<R>,
     options: &FilterOptions,
@@ -122,10 +124,10 @@ pub fn filter_one_pass<R: Read, W: Write>(
     run(reader, options, &measured, command, target)
 }
 
-/// The second of two passes over the same picture. `command` goes to the header.
+/// The second of two passes over the same picture. `command` is added to the header.
 ///
 /// # Errors
-/// When the picture cannot be read, or the output not be written.
+/// When the picture cannot be read, or the output cannot be written.
 pub fn filter<R: Read, W: Write>(
     reader: PictureReader<R>,
     options: &FilterOptions,
@@ -136,23 +138,27 @@ pub fn filter<R: Read, W: Write>(
     run(reader, options, measured, command, target)
 }
 
-/// Sizes of input and output, in scanlines and pixels a scanline.
+/// The mapping between input and output pixels. Sizes are scanlines and pixels per scanline.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
+struct Resampling {
     in_columns: usize,
     in_rows: usize,
     columns: usize,
     rows: usize,
-    /// Output columns for each input column.
+    /// Output columns per input column.
     x_scale: f64,
-    /// Output rows for each input row.
+    /// Output rows per input row.
     y_scale: f64,
-    /// Whether the filter goes on at the other side: a full panorama.
+    /// Whether the filter wraps around horizontally, as in a full panorama.
     wraps: bool,
 }
 
-impl Frame {
-    fn new<R: Read>(reader: &PictureReader<R>, options: &FilterOptions, rows_there: usize) -> Result<Frame, ToolError> {
+impl Resampling {
+    fn new<R: Read>(
+        reader: &PictureReader<R>,
+        options: &FilterOptions,
+        rows_there: usize,
+    ) -> Result<Resampling, ToolError> {
         let resolution = reader.resolution();
         let (in_columns, all_rows) = (resolution.scanline_length(), resolution.scanlines());
         let scaled = |size: Size, input: usize| match size {
@@ -178,38 +184,38 @@ impl Frame {
             y_scale = rows as f64 / rows_there as f64;
         }
         if rows == 0 || columns == 0 {
-            return Err(ToolError::EmptyFrame { rows: rows_there, expected: all_rows });
+            return Err(ToolError::TooFewScanlines { rows: rows_there, expected: all_rows });
         }
         let wraps = upright && is_panorama(reader.header());
-        Ok(Frame { in_columns, in_rows: rows_there, columns, rows, x_scale, y_scale, wraps })
+        Ok(Resampling { in_columns, in_rows: rows_there, columns, rows, x_scale, y_scale, wraps })
     }
 
-    /// The input row in the middle of an output row.
+    /// The input row at the centre of an output row.
     fn middle_row(&self, row: usize) -> usize {
         ((row as f64 + 0.5) * self.in_rows as f64 / self.rows as f64) as usize
     }
 
-    /// The input column in the middle of an output column.
+    /// The input column at the centre of an output column.
     fn middle_column(&self, column: usize) -> usize {
         ((column as f64 + 0.5) * self.in_columns as f64 / self.columns as f64) as usize
     }
 
-    /// The input columns (which may lie outside, on either side) that are in an output column's box.
+    /// The input columns in an output column's box; they may lie outside on either side.
     fn box_columns(&self, column: usize) -> Range<isize> {
         boxed(column, self.middle_column(column), self.x_scale, self.in_columns / self.columns / 2 + 1)
     }
 
-    /// The part of a range of input columns that there is: all of it where the filter goes on at the other side.
+    /// The existing part of a range of input columns; all of it if the filter wraps around.
     fn inside(&self, columns: Range<isize>) -> Range<isize> {
         if self.wraps { columns } else { columns.start.max(0)..columns.end.min(self.in_columns as isize) }
     }
 
-    /// The input column of a place that may lie outside, on either side.
+    /// The input column of a position that may lie outside.
     fn wrapped(&self, column: isize) -> usize {
         column.rem_euclid(self.in_columns as isize) as usize
     }
 
-    /// The output column of a place that may lie outside, if the filter goes on at the other side.
+    /// The output column of a position that may lie outside, if the filter wraps around.
     fn output_column(&self, column: isize) -> Option<usize> {
         let columns = self.columns as isize;
         if self.wraps {
@@ -218,14 +224,14 @@ impl Frame {
         (0..columns).contains(&column).then_some(column as usize)
     }
 
-    /// The input rows that are in an output row's box.
+    /// The input rows in an output row's box.
     fn box_rows(&self, row: usize) -> Range<usize> {
         let rows = boxed(row, self.middle_row(row), self.y_scale, self.in_rows / self.rows / 2 + 1);
         rows.start.max(0) as usize..(rows.end.max(0) as usize).min(self.in_rows)
     }
 }
 
-/// The input positions whose middle is within half an output pixel, of at most `reach` on either side.
+/// The input positions whose centre is within half an output pixel, at most `reach` on either side.
 fn boxed(output: usize, middle: usize, scale: f64, reach: usize) -> Range<isize> {
     let (middle, reach) = (middle as isize, reach as isize);
     let distance = |input: isize| {
@@ -237,7 +243,7 @@ fn boxed(output: usize, middle: usize, scale: f64, reach: usize) -> Range<isize>
     start..end
 }
 
-/// Whether the view of a header goes all around.
+/// Whether the header's view is a full panorama.
 fn is_panorama(header: &Header) -> bool {
     const ALL_AROUND: f64 = 360.0 - 1e-6;
     let view = ViewOptions::from_header(header).ok().flatten();
@@ -251,19 +257,19 @@ fn run<R: Read, W: Write>(
     command: &[&str],
     target: W,
 ) -> Result<(), ToolError> {
-    let frame = Frame::new(&reader, options, measured.rows)?;
+    let resampling = Resampling::new(&reader, options, measured.rows)?;
     let (encoding, components) = (reader.encoding(), reader.components());
     let exposure = measured.exposure(options);
-    let stars = Stars::new(options, measured, exposure, &frame);
+    let stars = Stars::new(options, measured, exposure, &resampling);
     let factors = spread(exposure, encoding, components);
-    let mut rows = Rows::new(options.kernel, &frame, Brightness::new(encoding, components), components);
-    let mut bar = Bar::new(rows.reach(), frame.in_columns * components);
-    let header = output_header(&reader, options, &frame, exposure, command);
-    let mut writer = PictureWriter::new(target, &header, components, output_resolution(&reader, &frame))?;
+    let mut rows = Rows::new(options.kernel, &resampling, Brightness::new(encoding, components), components);
+    let mut bar = Bar::new(rows.reach(), resampling.in_columns * components);
+    let header = output_header(&reader, options, &resampling, exposure, command);
+    let mut writer = PictureWriter::new(target, &header, components, output_resolution(&reader, &resampling))?;
     let mut read = 0;
-    for row in 0..frame.rows {
-        let last = frame.middle_row(row) + rows.reach();
-        while read <= last && read < frame.in_rows {
+    for row in 0..resampling.rows {
+        let last = resampling.middle_row(row) + rows.reach();
+        while read <= last && read < resampling.in_rows {
             let scanline = bar.next(read);
             reader.read_values(scanline)?;
             stars.draw(read, scanline, encoding, components);
@@ -272,24 +278,24 @@ fn run<R: Read, W: Write>(
             }
             read += 1;
         }
-        rows.put(row, &frame, &bar, &mut writer)?;
+        rows.put(row, &resampling, &bar, &mut writer)?;
     }
-    rows.finish(&frame, &mut writer)?;
-    // Whoever writes into our pipe is not to be stopped by its end.
+    rows.finish(&resampling, &mut writer)?;
+    // Consume the rest, so that the writer of our input pipe is not stopped.
     while reader.scanlines_left() > 0 && reader.read_stored().is_ok() {}
     Ok(writer.finish()?)
 }
 
-/// Whether two factors are the same within two per cent, as the eye cannot tell them apart.
+/// Whether two factors agree within two per cent, an invisible difference.
 fn nearly_equal(a: f64, b: f64) -> bool {
     a >= 0.98 * b && a <= 1.02 * b
 }
 
-/// All lines of the input, the command, and what has changed.
+/// The lines of the input, the command, and the changed variables.
 fn output_header<R: Read>(
     reader: &PictureReader<R>,
     options: &FilterOptions,
-    frame: &Frame,
+    resampling: &Resampling,
     exposure: [f32; 3],
     command: &[&str],
 ) -> Header {
@@ -297,7 +303,8 @@ fn output_header<R: Read>(
     header.push_command(command.iter().copied());
     if options.aspect_record == AspectRecord::Written {
         let upright = reader.resolution().orientation.scanlines_are_rows;
-        let change = if upright { frame.x_scale / frame.y_scale } else { frame.y_scale / frame.x_scale };
+        let change =
+            if upright { resampling.x_scale / resampling.y_scale } else { resampling.y_scale / resampling.x_scale };
         if !(0.995..=1.005).contains(&change) {
             header.push_variable("PIXASPECT", &format!("{change:.6}"));
         }
@@ -313,9 +320,12 @@ fn output_header<R: Read>(
     header
 }
 
-fn output_resolution<R: Read>(reader: &PictureReader<R>, frame: &Frame) -> Resolution {
+fn output_resolution<R: Read>(reader: &PictureReader<R>, resampling: &Resampling) -> Resolution {
     let orientation = reader.resolution().orientation;
-    let (width, height) =
-        if orientation.scanlines_are_rows { (frame.columns, frame.rows) } else { (frame.rows, frame.columns) };
+    let (width, height) = if orientation.scanlines_are_rows {
+        (resampling.columns, resampling.rows)
+    } else {
+        (resampling.rows, resampling.columns)
+    };
     Resolution { width, height, orientation }
 }

@@ -1,23 +1,24 @@
-//! Pixels as bytes for displays, and back: the whole-number arithmetic of Radiance's converters, with tables.
+//! Gamma encoding of pixels to bytes and back: the integer arithmetic of Radiance's converters,
+//! with tables.
 
 use crate::brightness::WEIGHTS;
 
-/// The darkest exponents with a table of their own.
+/// Largest number of halvings with a table of its own.
 const MOST_HALVINGS: usize = 31;
-/// The exponent byte of pixels between ½ and 1.
+/// The exponent byte of pixels in [½, 1).
 const UNIT_EXPONENT: i32 = 128;
 
 /// The tables for a gamma.
 #[derive(Clone, Debug)]
 pub struct GammaTable {
-    /// By the number of halvings and the mantissa.
+    /// Bytes, by the number of halvings and the mantissa.
     bytes: Vec<[u8; 256]>,
     /// Mantissa and number of halvings of each byte.
     mantissas: [(u8, u8); 256],
 }
 
 impl GammaTable {
-    /// For displays whose light goes with the byte to the power of `gamma`.
+    /// Tables for displays whose luminance is the byte to the power of `gamma`.
     #[must_use]
     pub fn new(gamma: f64) -> GammaTable {
         let table = |halvings: usize| -> [u8; 256] {
@@ -37,7 +38,7 @@ impl GammaTable {
         GammaTable { bytes: (0..=MOST_HALVINGS).map(table).collect(), mantissas }
     }
 
-    /// The bytes of a pixel; what is brighter than 1 is 255.
+    /// The bytes of a pixel; values above 1 become 255.
     #[must_use]
     pub fn to_bytes(&self, [red, green, blue, exponent]: [u8; 4]) -> [u8; 3] {
         let exponent = i32::from(exponent) - UNIT_EXPONENT;
@@ -68,7 +69,7 @@ impl GammaTable {
     }
 }
 
-/// A pixel made brighter by a number of stops.
+/// A pixel brightened by a number of stops.
 #[must_use]
 pub fn shifted([red, green, blue, exponent]: [u8; 4], stops: i32) -> [u8; 4] {
     if stops == 0 {
@@ -80,7 +81,7 @@ pub fn shifted([red, green, blue, exponent]: [u8; 4], stops: i32) -> [u8; 4] {
     [red, green, blue, (i32::from(exponent) + stops).clamp(0, 255) as u8]
 }
 
-/// A pixel with its brightness in place of green, in whole numbers.
+/// A pixel with its brightness in place of green, in integer arithmetic.
 #[must_use]
 pub fn with_grey([red, green, blue, exponent]: [u8; 4]) -> [u8; 4] {
     let weighted = |mantissa: u8, part: usize| u32::from(mantissa) * (WEIGHTS[part] * 256.0 + 0.5) as u32;

@@ -1,44 +1,47 @@
-//! `pinterp`: a view of what other pictures show, from their pixels and distances.
+//! `pinterp`: synthesises a view from the pixels and distances of other pictures.
 //!
-//! Each pixel is a point of the scene; in the new view it covers the parallelogram between its own place and those of its neighbours, if they are as far away. What is nearer hides
-//! what is farther. What no pixel covers lies behind an edge and is taken from the farther side.
+//! Each pixel is a point of the scene. In the new view it covers the parallelogram between its own
+//! position and those of its neighbours, if these are equally far away. Nearer points hide farther
+//! ones. Uncovered pixels lie behind an edge and are filled from the farther side.
 
 use radsight_picture::{Resolution, View, ViewKind};
 
-/// The largest weight of a pixel, for one that is seen as it was.
+/// Largest weight of a pixel, for a point seen from the same direction.
 const MOST_WEIGHT: f64 = 1000.0;
 
-/// Lengths below this are none.
+/// Lengths below this are zero.
 const TINY: f64 = 1e-6;
 
-/// What distances of pixels are measured along.
+/// The direction along which distances of pixels are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distances {
-    /// The ray of the pixel, as `rpict -z` has them.
+    /// The ray of the pixel, as in `rpict -z`.
     Rays,
     /// The direction of the view, in perspective views (`-n`).
     ViewDirection,
 }
 
-/// How a view is put together.
+/// Options of view interpolation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterpolateOptions {
-    /// Points whose distances differ by less than this share are one surface (`-t`).
+    /// Points whose relative distance difference is below this belong to one surface (`-t`).
     pub tolerance: f64,
-    /// Whether pixels that show one surface are averaged, by how nearly they saw it from the same side (`-a`), or the first one counts (`-q`).
+    /// Whether pixels of one surface are averaged with weights by viewing direction (`-a`), or the
+    /// first one is kept (`-q`).
     pub averages: bool,
-    /// Whether pixels reach to their neighbours (`-ff`).
+    /// Whether pixels extend to their neighbours (`-ff`).
     pub fills_surfaces: bool,
-    /// Whether holes are filled from around (`-fb`), and within how many pixels (`-fs`); 0 for any number.
+    /// Whether holes are filled from their surroundings (`-fb`), and the largest distance in pixels
+    /// (`-fs`); 0 for no limit.
     pub fills_holes: Option<usize>,
-    /// Colour and distance of what is left (`-fc`, `-fz`).
+    /// Colour and distance of the remaining pixels (`-fc`, `-fz`).
     pub background: ([f32; 3], f32),
-    /// What distances are, here and there.
+    /// The meaning of distances in input and output.
     pub distances: Distances,
 }
 
 impl Default for InterpolateOptions {
-    /// As `pinterp` has them for one picture.
+    /// The defaults of `pinterp` for one picture.
     fn default() -> Self {
         InterpolateOptions {
             tolerance: 0.02,
@@ -51,19 +54,19 @@ impl Default for InterpolateOptions {
     }
 }
 
-/// What fills a pixel.
+/// The content of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filling {
-    /// As in the pictures.
+    /// Colour, in the units of the pictures.
     pub color: [f32; 3],
-    /// Along the ray, scene units.
+    /// Distance along the ray, scene units.
     pub depth: f64,
 }
 
-/// Finds what fills the pixel at a place.
+/// Computes the content of the pixel at an image position.
 type Find<'a> = &'a mut dyn FnMut([f64; 2]) -> Filling;
 
-/// A view in the making. Rows are counted from the bottom.
+/// A view being synthesised. Rows are counted from the bottom.
 #[derive(Clone, Debug)]
 pub struct Interpolation {
     view: View,
@@ -72,11 +75,11 @@ pub struct Interpolation {
     options: InterpolateOptions,
     sums: Vec<[f64; 3]>,
     weights: Vec<f64>,
-    /// Distances along rays; zero where nothing is.
+    /// Distances along rays; zero for empty pixels.
     depths: Vec<f64>,
 }
 
-/// Where a pixel of a picture is in the view, with the distance that it has in the picture.
+/// The image position of an input pixel in the new view, and its distance in the input.
 #[derive(Clone, Copy)]
 struct Position {
     x: i64,
@@ -84,7 +87,7 @@ struct Position {
     depth: f64,
 }
 
-/// One side of a parallelogram: steps to the neighbour's place, and how many.
+/// One side of a parallelogram: steps to the neighbour's position, and their number.
 #[derive(Clone, Copy)]
 struct Side {
     step: [i64; 2],
@@ -100,7 +103,7 @@ impl Side {
 }
 
 impl Interpolation {
-    /// An empty view of so many columns and rows.
+    /// An empty view of this many columns and rows.
     #[must_use]
     pub fn new(view: View, [columns, rows]: [usize; 2], options: InterpolateOptions) -> Interpolation {
         let pixels = columns * rows;
@@ -115,7 +118,7 @@ impl Interpolation {
         }
     }
 
-    /// Adds a picture: its pixels and their distances, scene units, in the order of its scanlines.
+    /// Adds a picture: its pixels and their distances, scene units, in scanline order.
     pub fn add(&mut self, pixels: &[[f32; 3]], depths: &[f32], view: &View, resolution: &Resolution) {
         let length = resolution.scanline_length();
         let mut above: Vec<Option<Position>> = vec![None; length];
@@ -123,8 +126,8 @@ impl Interpolation {
         for (scanline, (pixels, depths)) in scanlines {
             let mut beside = None;
             for position in (0..length).rev() {
-                let place = resolution.location(position, scanline);
-                let moved = self.moved(view, place, f64::from(depths[position]));
+                let image_position = resolution.location(position, scanline);
+                let moved = self.moved(view, image_position, f64::from(depths[position]));
                 if let Some((here, depth, weight)) = moved {
                     let sides = [beside, above[position]];
                     self.cover(here, sides, (pixels[position], depth, weight));
@@ -135,12 +138,12 @@ impl Interpolation {
         }
     }
 
-    /// The place of a pixel in the view, its distance there and its weight.
-    fn moved(&self, view: &View, place: [f64; 2], depth: f64) -> Option<(Position, f64, f64)> {
+    /// The image position of a pixel in the new view, its distance there and its weight.
+    fn moved(&self, view: &View, image_position: [f64; 2], depth: f64) -> Option<(Position, f64, f64)> {
         if depth.is_nan() || depth <= 0.0 {
             return None;
         }
-        let ray = view.ray(place)?;
+        let ray = view.ray(image_position)?;
         let mut along = depth;
         if self.options.distances == Distances::ViewDirection && view.options().kind == ViewKind::Perspective {
             along /= view.direction().dot(ray.direction);
@@ -154,7 +157,7 @@ impl Interpolation {
         Some((Position { x, y, depth }, found.distance, weight))
     }
 
-    /// One over the sine of the angle between how a point was seen and how it is.
+    /// The reciprocal of the sine of the angle between the old and the new viewing direction.
     fn weight(&self, from_eye: glam::DVec3, direction: glam::DVec3) -> f64 {
         let seen = match self.view.options().kind {
             ViewKind::Parallel => self.view.direction(),
@@ -181,7 +184,7 @@ impl Interpolation {
         };
         let second = match above.filter(reaches).map(step) {
             Some(step) => {
-                // Steps across the first side; along both where there is none.
+                // Steps across the first side; along both if there is none.
                 let count = match along_y {
                     Some(true) => step[0].abs(),
                     Some(false) => step[1].abs(),
@@ -216,7 +219,7 @@ impl Interpolation {
         }
     }
 
-    /// Fills what no pixel covers, and clips what is beyond the aft plane.
+    /// Fills uncovered pixels, and clips at the aft plane.
     pub fn finish(&mut self) {
         if let Some(reach) = self.options.fills_holes {
             self.fill_holes(reach, None);
@@ -226,7 +229,8 @@ impl Interpolation {
         self.fill_rest(|_| background);
     }
 
-    /// Fills what no pixel covers and is not filled from around with what is found at a place of the view (`-fr`), and clips what is beyond the aft plane.
+    /// Fills uncovered pixels, either from their surroundings or by `find` at their image position
+    /// (`-fr`), and clips at the aft plane.
     pub fn finish_with(&mut self, mut find: impl FnMut([f64; 2]) -> Filling) {
         if let Some(reach) = self.options.fills_holes {
             self.fill_holes(reach, Some(&mut find));
@@ -234,21 +238,22 @@ impl Interpolation {
         self.fill_rest(find);
     }
 
-    /// Fills what is still empty, and clips.
+    /// Fills the remaining pixels, and clips.
     fn fill_rest(&mut self, mut filling: impl FnMut([f64; 2]) -> Filling) {
         for at in 0..self.depths.len() {
             if self.depths[at] <= 0.0 {
-                self.fill(at, filling(self.place(at)));
+                self.fill(at, filling(self.image_position(at)));
             }
         }
         self.clip();
     }
 
-    /// The places of the pixels that none covers: from 0 to 1 from left to right and from the bottom up.
+    /// The image positions of uncovered pixels: from 0 to 1 from left to right and from the bottom
+    /// up.
     #[must_use]
     pub fn holes(&self) -> Vec<[f64; 2]> {
         let holes = (0..self.depths.len()).filter(|at| self.depths[*at] <= 0.0);
-        holes.map(|at| self.place(at)).collect()
+        holes.map(|at| self.image_position(at)).collect()
     }
 
     fn fill(&mut self, at: usize, filling: Filling) {
@@ -266,24 +271,25 @@ impl Interpolation {
         }
     }
 
-    /// How far away the aft clipping plane is along the ray of a pixel.
+    /// Distance of the aft clipping plane along the ray of a pixel.
     fn aft_distance(&self, at: usize) -> Option<f64> {
         let options = self.view.options();
         if options.aft <= TINY {
             return None;
         }
-        self.view.ray(self.place(at))?.length
+        self.view.ray(self.image_position(at))?.length
     }
 
-    fn place(&self, at: usize) -> [f64; 2] {
+    fn image_position(&self, at: usize) -> [f64; 2] {
         let (x, y) = (at % self.columns, at / self.columns);
         [(x as f64 + 0.5) / self.columns as f64, (y as f64 + 0.5) / self.rows as f64]
     }
 
-    /// Copies to each hole the farther of its sides: in its column, or in its row; one next to it before one that is not. What is too far from
-    /// both is found otherwise, if it can be, and is background for the next hole then.
+    /// Copies to each hole the farther of its neighbours in its column or row, adjacent ones first.
+    /// A hole too far from both is filled by `find`, if given, and is background for the next hole
+    /// then.
     fn fill_holes(&mut self, reach: usize, mut find: Option<Find<'_>>) {
-        // Where each column's background is; `None` until a hole has asked.
+        // The background of each column; `None` until a hole requests it.
         let mut below: Vec<Option<Option<usize>>> = vec![None; self.columns];
         for y in 0..self.rows {
             let mut beside: Option<Option<usize>> = None;
@@ -309,7 +315,7 @@ impl Interpolation {
                     }
                     None => {
                         if let Some(find) = &mut find {
-                            self.fill(at, find(self.place(at)));
+                            self.fill(at, find(self.image_position(at)));
                             (*below, beside) = (Some(Some(y)), Some(Some(x)));
                         }
                     }
@@ -318,7 +324,7 @@ impl Interpolation {
         }
     }
 
-    /// Which pixel a hole is filled from, of those in its column and in its row.
+    /// The pixel from which a hole is filled, among those in its column and row.
     fn background_of(&self, [x, y]: [usize; 2], [column, row]: [Option<usize>; 2], reach: usize) -> Option<usize> {
         let by_row = match (column, row) {
             (None, None) => return None,
@@ -337,7 +343,7 @@ impl Interpolation {
         (reach == 0 || away <= reach).then_some(source)
     }
 
-    /// Of the pixel before a hole and the next one after it, the farther.
+    /// The farther of the pixels before and after a hole.
     fn farther(&self, before: Option<usize>, next: Option<usize>, at: impl Fn(usize) -> usize) -> Option<usize> {
         match (before, next) {
             (Some(before), Some(next)) if self.depths[at(before)] < self.depths[at(next)] => Some(next),
@@ -359,7 +365,8 @@ impl Interpolation {
         let is_along_view =
             self.options.distances == Distances::ViewDirection && self.view.options().kind == ViewKind::Perspective;
         let value = |at: usize| {
-            let cosine = self.view.ray(self.place(at)).map_or(1.0, |ray| ray.direction.dot(self.view.direction()));
+            let cosine =
+                self.view.ray(self.image_position(at)).map_or(1.0, |ray| ray.direction.dot(self.view.direction()));
             (self.depths[at] * if is_along_view { cosine } else { 1.0 }) as f32
         };
         self.in_picture_order().map(value).collect()
@@ -380,7 +387,7 @@ mod tests {
         View::new(ViewOptions { point: DVec3::new(x, 0.0, 0.0), ..ViewOptions::default() }).unwrap()
     }
 
-    /// A wall 4 units away whose colour is where it is.
+    /// A wall 4 units away whose colour is its position.
     fn wall(view: &View, resolution: &Resolution) -> (Vec<[f32; 3]>, Vec<f32>) {
         let pixels = (0..resolution.height).flat_map(|y| (0..resolution.width).map(move |x| (x, y)));
         pixels
@@ -394,7 +401,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_looks_as_from_where_it_is_seen() {
+    fn a_wall_is_seen_as_from_the_new_viewpoint() {
         let resolution = Resolution::standard(60, 60);
         for averages in [false, true] {
             let mut made = Interpolation::new(

@@ -1,18 +1,22 @@
-//! What Radiance's picture programs compute: filtering, combining, composing, tone mapping.
+//! The algorithms of Radiance's picture programs: filtering, combining, composing, tone mapping.
 //!
 //! - [`filter`] is `pfilt`: exposure, size, star patterns.
 //! - [`combine`] is `pcomb`: pictures combined by functions of their pixels.
-//! - [`compose`] is `pcompos`: pictures side by side and over one another; [`sign`] is `psign`, text as a picture.
-//! - [`condition`](mod@condition) is `pcond`: pictures as the eye would see the scene, within what a display can show.
+//! - [`compose`] is `pcompos`: pictures side by side and on top of each other; [`sign`] is `psign`,
+//!   text as a picture.
+//! - [`condition`](mod@condition) is `pcond`: tone mapping that reproduces what an observer would
+//!   see.
 //! - [`falsecolor`](mod@falsecolor) is `falsecolor`: brightness as colour, contours and bands.
-//! - [`interpolate`] is `pinterp`: views from other views and their distances.
+//! - [`interpolate`] is `pinterp`: views synthesised from other views and their distances.
 //! - [`extrema`](mod@extrema) is `pextrem`; [`turn`] is `pflip` and `protate`.
-//! - [`tone_map`](mod@tone_map) is what `ra_bmp -e` does: pictures within what a display can show, without the eye's glare and acuity.
+//! - [`tone_map`](mod@tone_map) is `ra_bmp -e`: tone mapping for a display, without glare and
+//!   acuity.
 //! - [`values`] is `pvalue`: pixels as numbers, and back.
 //!
-//! Guarantees: the same bytes as Radiance's programs give where those are defined; a scanline at a time where the work allows it, so that
-//! the memory does not grow with the height of a picture; the number of threads changes nothing. Opens and prints nothing: pictures come and go through
-//! readers and writers of the caller's.
+//! Guarantees: the output equals that of Radiance's programs byte for byte where theirs is defined.
+//! Processing is by scanline where the algorithm allows, so that memory does not grow with the
+//! height of a picture. The number of threads does not change the result. The crate opens and
+//! prints nothing: the caller provides readers and writers.
 //!
 //! ```
 //! use radsight_picture::{Header, Image, Picture, PictureReader};

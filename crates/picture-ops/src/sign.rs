@@ -3,9 +3,9 @@
 use radsight_formats::{Font, Glyph};
 use radsight_picture::encode_rgbe;
 
-/// Places in a pixel along each axis, in each of which a point is in a letter or not.
+/// Subsamples of a pixel along each axis.
 const SUBPIXELS: usize = 3;
-/// The most pixels that a sign has along an axis.
+/// Largest width and height of a sign, pixels.
 const LARGEST: usize = 1 << 15;
 
 /// The direction in which text runs.
@@ -21,24 +21,25 @@ pub enum TextDirection {
     Down,
 }
 
-/// What a sign looks like.
+/// The appearance of a sign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignOptions {
     /// The colour around letters; white by default.
     pub background: [f32; 3],
     /// The colour of letters; black by default.
     pub foreground: [f32; 3],
-    /// Where text runs; to the right by default.
+    /// The direction of text; to the right by default.
     pub direction: TextDirection,
-    /// Pixels across; 0 for what the text takes.
+    /// Width in pixels; 0 to fit the text.
     pub columns: usize,
-    /// Pixels down; 0 for what the text takes.
+    /// Height in pixels; 0 to fit the text.
     pub rows: usize,
-    /// Height of a letter's cell in pixels; 32 by default.
+    /// Height of a character cell in pixels; 32 by default.
     pub height: usize,
-    /// Height over width of a letter's cell; 0 to fill the given size; 1.67 by default.
+    /// Height divided by width of a character cell; 0 to fill the given size; 1.67 by default.
     pub aspect: f64,
-    /// Space between letters in letters: above 0 in columns, below 0 squeezed, 0 (the default) in cells.
+    /// Space between characters, in characters: above 0 in columns, below 0 squeezed, 0 (the
+    /// default) in cells.
     pub spacing: f64,
 }
 
@@ -60,15 +61,16 @@ impl Default for SignOptions {
 /// A sign: pixels as stored, four bytes each, rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sign {
-    /// Pixels across.
+    /// Width in pixels.
     pub columns: usize,
-    /// Pixels down.
+    /// Height in pixels.
     pub rows: usize,
     /// The pixels.
     pub stored: Vec<u8>,
 }
 
-/// Draws lines of text, the first one at the top. `None` if there is nothing to draw, or it is too large.
+/// Draws lines of text, the first one at the top. `None` if there is nothing to draw, or it is too
+/// large.
 #[must_use]
 pub fn sign(font: &Font, lines: &[&[u8]], options: &SignOptions) -> Option<Sign> {
     let spaced: Vec<(Vec<i64>, i64)> = lines.iter().map(|line| spaced(font, line, options.spacing)).collect();
@@ -92,7 +94,7 @@ fn glyph(font: &Font, code: u8) -> Option<&Glyph> {
     font.glyphs.get(usize::from(code))?.as_ref()
 }
 
-/// Left and right end of a glyph, which has at least the middle of its cell.
+/// Left and right end of a glyph, which covers at least the centre of its cell.
 fn ends(glyph: &Glyph) -> [i64; 2] {
     limits(glyph.vertices.iter().map(|(x, _)| i64::from(*x)))
 }
@@ -102,7 +104,7 @@ fn limits(values: impl Iterator<Item = i64>) -> [i64; 2] {
     values.fold([MIDDLE; 2], |[low, high], value| if value < low { [value, high] } else { [low, high.max(value)] })
 }
 
-/// The mean width of the letters of a font.
+/// Mean width of the glyphs of a font.
 fn mean_width(font: &Font) -> i64 {
     let widths = font.glyphs.iter().flatten().filter_map(|glyph| {
         let [left, right] = ends(glyph);
@@ -113,7 +115,8 @@ fn mean_width(font: &Font) -> i64 {
     if count > 0 { sum / count } else { 0 }
 }
 
-/// How far each letter is from the one before, in 256ths of a cell, with the end as the last; and the width of the line.
+/// Distance of each glyph from the previous one, in 256ths of a cell, with the end as the last; and
+/// the width of the line.
 fn spaced(font: &Font, line: &[u8], spacing: f64) -> (Vec<i64>, i64) {
     const NONE: f64 = 1.0 / 256.0;
     if spacing < -NONE {
@@ -128,7 +131,7 @@ fn spaced(font: &Font, line: &[u8], spacing: f64) -> (Vec<i64>, i64) {
     }
 }
 
-/// Puts letters side by side.
+/// Sets glyphs side by side.
 fn squeezed(font: &Font, line: &[u8], between: i64) -> (Vec<i64>, i64) {
     let between = between / 2;
     let mean = mean_width(font);
@@ -159,7 +162,7 @@ fn squeezed(font: &Font, line: &[u8], between: i64) -> (Vec<i64>, i64) {
     (spaces.clone(), width + spaces[line.len()])
 }
 
-/// Puts letters side by side, and words and gaps of three spaces into columns.
+/// Sets glyphs side by side, and aligns words and gaps of three spaces to columns.
 fn proportional(font: &Font, line: &[u8], between: i64) -> (Vec<i64>, i64) {
     const GAP: usize = 3;
     let (mut spaces, _) = squeezed(font, line, between);
@@ -170,7 +173,7 @@ fn proportional(font: &Font, line: &[u8], between: i64) -> (Vec<i64>, i64) {
     let mut width = spaces[0];
     let mut at = 0;
     while at < line.len() {
-        // A stretch ends with a gap, or with the line.
+        // A run ends at a gap or at the end of the line.
         let (mut cells, mut found, mut next) = (0, 0, at);
         while next < line.len() {
             let letter = next;
@@ -216,7 +219,7 @@ impl Layout {
         let lines = lines as f64;
         let is_upright = matches!(options.direction, TextDirection::Right | TextDirection::Left);
         let (columns, rows) = (options.columns * SUBPIXELS, options.rows * SUBPIXELS);
-        // Along the text and across it.
+        // Sizes along the text and across it.
         let (mut along, mut across) = if is_upright { (columns, rows) } else { (rows, columns) };
         let mut cell_height = (options.height * SUBPIXELS) as i64;
         let cell_width;
@@ -255,7 +258,7 @@ impl Layout {
     }
 
     /// The subpixel of a point of the text, from the bottom left.
-    fn place(&self, [x, y]: [i64; 2]) -> [i64; 2] {
+    fn subpixel(&self, [x, y]: [i64; 2]) -> [i64; 2] {
         let (x, y) = ((x * self.cell_width) >> 8, (y * self.cell_height) >> 8);
         let (right, top) = (self.columns as i64 - 1, self.rows as i64 - 1);
         match self.direction {
@@ -267,7 +270,7 @@ impl Layout {
     }
 }
 
-/// Where a row goes from inside of a letter to outside, or back.
+/// For each row, the positions at which it enters or leaves a glyph.
 struct Bitmap {
     columns: usize,
     rows: usize,
@@ -280,16 +283,16 @@ impl Bitmap {
     }
 
     fn draw(&mut self, glyph: &Glyph, [left, bottom]: [i64; 2], layout: &Layout) {
-        let place = |(x, y): &(u8, u8)| layout.place([i64::from(*x) + left, i64::from(*y) + bottom]);
-        let Some(mut from) = glyph.vertices.last().map(place) else { return };
+        let subpixel = |(x, y): &(u8, u8)| layout.subpixel([i64::from(*x) + left, i64::from(*y) + bottom]);
+        let Some(mut from) = glyph.vertices.last().map(subpixel) else { return };
         for vertex in &glyph.vertices {
-            let to = place(vertex);
+            let to = subpixel(vertex);
             self.edge(from, to);
             from = to;
         }
     }
 
-    /// Marks an edge in each row that it crosses, always going up.
+    /// Marks an edge in each row that it crosses, always upwards.
     fn edge(&mut self, from: [i64; 2], to: [i64; 2]) {
         let (low, high) = if to[1] < from[1] { (to, from) } else { (from, to) };
         let (run, rise) = (high[0] - low[0], high[1] - low[1]);
@@ -314,7 +317,7 @@ impl Bitmap {
         }
     }
 
-    /// The pixels: each is as much of the foreground as it has subpixels inside.
+    /// The pixels: the share of the foreground is the share of subsamples inside a glyph.
     fn shaded(&self, options: &SignOptions) -> Sign {
         const MOST: usize = SUBPIXELS * SUBPIXELS;
         let shade = |count: usize| {

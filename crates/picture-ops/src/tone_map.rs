@@ -1,7 +1,8 @@
-//! Tone mapping of a whole picture for a display, as Radiance's converters do it (`ra_bmp -e`).
+//! Tone mapping of a whole picture for a display, as in Radiance's converters (`ra_bmp -e`).
 //!
-//! The map from luminance to light is made as in [`condition`](mod@crate::condition), by the paper that is named there, but of the histogram of the pixels
-//! themselves, where `pcond` takes that of glances. Luminance is in steps in Radiance, here it is not.
+//! The tone curve follows the same paper as [`condition`](mod@crate::condition), but from the
+//! histogram of the pixels themselves, where `pcond` uses foveal samples. Radiance quantises
+//! luminance; this code does not.
 
 use crate::ToolError;
 use crate::condition::{Luminance, RODS, VISIBLE, cones, threshold};
@@ -9,18 +10,19 @@ use crate::cumulative::{cumulative, share_at};
 use radsight_picture::{Encoding, Header, PictureReader, RgbPrimaries};
 use std::io::Read;
 
-/// Which map is made.
+/// The tone curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tones {
-    /// No contrast is larger than in the scene (`auto`).
+    /// Contrast never exceeds the scene's (`auto`).
     Automatic,
-    /// Contrast is what the eye has at the scene's luminance, and dim colours turn grey (`human`).
+    /// Contrast is limited to the contrast sensitivity of the eye, and dim colours are desaturated
+    /// (`human`).
     Human,
-    /// Light in proportion to luminance, the brightest pixel as bright as the display can (`linear`).
+    /// Linear; the brightest pixel has the display's largest luminance (`linear`).
     Linear,
 }
 
-/// What the pixels are for.
+/// The output colour space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Display {
     /// Shades of grey.
@@ -29,27 +31,28 @@ pub enum Display {
     Color(RgbPrimaries),
 }
 
-/// The display's largest luminance in cd/m², and that over its smallest.
+/// The display's largest luminance in cd/m², and its dynamic range.
 const TOP: f64 = 100.0;
 const RANGE: f64 = 100.0;
 
-/// Bins of the histogram in a unit of brightness, the natural logarithm of luminance in cd/m².
+/// Histogram bins per unit of brightness, the natural logarithm of luminance in cd/m².
 const BINS_A_UNIT: f64 = 16.0;
 
 /// The limits of brightness; darker pixels are black.
 const DARKEST: f64 = -16.0;
 const BRIGHTEST: f64 = 112.0;
 
-/// One pixel of so many is left when a histogram has lost too much to be of use.
+/// The adjustment fails when fewer than one pixel in this many is left.
 const LEFT: u64 = 500;
 
-/// The histogram is good when less than one pixel of so many is above the ceiling.
+/// The adjustment ends when fewer than one pixel in this many is above the ceiling.
 const ABOVE: u64 = 40;
 
-/// Gives the light of each pixel, in the order of the file, as a share of what the display can; a little more than 1 is possible.
+/// Returns the display output of each pixel in file order, as a share of the display's maximum; it
+/// may slightly exceed 1.
 ///
 /// # Errors
-/// When the picture cannot be read, is black, or the primaries are impossible.
+/// When the picture cannot be read, is black, or the primaries are invalid.
 pub fn tone_map<R: Read>(
     mut reader: PictureReader<R>,
     tones: Tones,
@@ -80,12 +83,12 @@ pub fn tone_map<R: Read>(
     Ok(pixels)
 }
 
-/// From stored pixels to the display's components in cd/m².
+/// Conversion from stored pixels to the display's components in cd/m².
 struct Scene {
-    /// `None` where components stay what they are.
+    /// `None` if components stay unchanged.
     transform: Option<[[f32; 3]; 3]>,
     factor: f64,
-    /// The parts of the components in the luminance.
+    /// The weights of the components in the luminance.
     weights: [f64; 3],
 }
 
@@ -131,13 +134,13 @@ fn with_rods(color: [f32; 3], luminance: f64) -> [f64; 3] {
     color.map(|value| cones * value + (1.0 - cones) * rods)
 }
 
-/// From luminance of the scene to light of the display.
+/// The mapping from scene luminance to display output.
 enum ToneMap {
     Linear {
-        /// Light over luminance.
+        /// Output divided by luminance.
         factor: f64,
     },
-    /// By the shares of the histogram below each bin, and 1.
+    /// By the cumulative distribution at each bin, and 1.
     Adjusted { limits: [f64; 2], cumulative: Vec<f64> },
 }
 
@@ -166,9 +169,9 @@ impl ToneMap {
         })
     }
 
-    /// The light for a luminance, as a share of what the display can.
+    /// The output for a luminance, as a share of the display's maximum.
     fn light(&self, luminance: f64) -> f64 {
-        /// The light of what the display shows as black.
+        /// The output of the display's black.
         const BLACK: f64 = 1.0 / RANGE;
         let brightness = luminance.ln();
         if brightness.is_nan() || brightness < DARKEST {
@@ -177,14 +180,14 @@ impl ToneMap {
         match self {
             ToneMap::Linear { factor } => {
                 let light = factor * luminance;
-                // What is hardly brighter than black fades into it.
+                // Values just above black fade into it.
                 let above = if light >= 2.0 * BLACK { light - BLACK } else { light * light / (4.0 * BLACK) };
                 above / (1.0 - BLACK)
             }
             ToneMap::Adjusted { limits: [low, high], cumulative } => {
                 let bins = cumulative.len() - 1;
-                let place = ((brightness - low) / (high - low)).clamp(0.0, 1.0) * bins as f64;
-                (RANGE.powf(share_at(cumulative, place) - 1.0) - BLACK) / (1.0 - BLACK)
+                let position = ((brightness - low) / (high - low)).clamp(0.0, 1.0) * bins as f64;
+                (RANGE.powf(share_at(cumulative, position) - 1.0) - BLACK) / (1.0 - BLACK)
             }
         }
     }
@@ -194,15 +197,15 @@ fn bin(brightness: f64) -> usize {
     ((brightness - DARKEST) * BINS_A_UNIT) as usize
 }
 
-/// How many pixels have which brightness, from the darkest to the brightest.
+/// Number of pixels per brightness bin, from the darkest to the brightest.
 struct Histogram {
-    /// The bin of the darkest.
+    /// Index of the first bin.
     first: usize,
     counts: Vec<u64>,
 }
 
 impl Histogram {
-    /// The brightness in the middle of a bin.
+    /// The brightness at the centre of a bin.
     fn middle(&self, bin: usize) -> f64 {
         DARKEST + ((self.first + bin) as f64 + 0.5) / BINS_A_UNIT
     }
@@ -212,14 +215,15 @@ impl Histogram {
         sum / self.counts.iter().sum::<u64>() as f64
     }
 
-    /// Cuts what is above the ceiling until it is little, and gives the shares below each bin, and 1; `None` where too little is left.
+    /// Truncates bins above the ceiling until the excess is small. Returns the cumulative
+    /// distribution at each bin, and 1; `None` if too little is left.
     fn adjusted(&self, [low, high]: [f64; 2], tones: Tones) -> Option<Vec<f64>> {
         let mut counts = self.counts.clone();
         let mut total: u64 = counts.iter().sum();
         let least = total / LEFT + 1;
         loop {
             let cumulative = cumulative(counts.iter().map(|count| *count as f64), total as f64);
-            // The count of a bin whose contrast is the scene's own (Eq. 6 of the paper).
+            // The count of a bin whose contrast equals the scene's (Eq. 6 of the paper).
             let even = total as f64 * (high - low) / (counts.len() as f64 * RANGE.ln());
             let mut trimmings = 0;
             for (bin, count) in counts.iter_mut().enumerate() {
@@ -260,7 +264,7 @@ mod tests {
     fn what_fits_the_display_keeps_its_contrast() {
         for tones in [Tones::Automatic, Tones::Linear] {
             let found = light(&[10.0, 20.0, 40.0], tones);
-            // Less what the display has of its own.
+            // Subtract the display's black.
             let expected = [0.25f64, 0.5, 1.0].map(|light| (light - 0.01) / 0.99);
             assert!(found.iter().zip(expected).all(|(found, light)| (found - light).abs() < 1e-12), "{found:?}");
         }
@@ -273,7 +277,7 @@ mod tests {
             let found = light(&luminances, tones);
             assert!(found.windows(2).all(|two| two[0] <= two[1]), "{tones:?}");
             assert!((found[999] - 1.0).abs() < 0.02 && found[0] < 1e-3, "{tones:?}: {} {}", found[0], found[999]);
-            // No contrast is larger than the scene's.
+            // Contrast never exceeds the scene's.
             let shown = |light: f64| light * 0.99 + 0.01;
             let step = luminances[1] / luminances[0];
             assert!(tones == Tones::Human || found.windows(2).all(|two| shown(two[1]) / shown(two[0]) <= step * 1.01));

@@ -1,10 +1,10 @@
-//! `pflip` and `protate`: the same pixels in another order.
+//! `pflip` and `protate`: reorder pixels.
 
 use crate::ToolError;
 use radsight_picture::{Header, Orientation, PictureReader, PictureWriter, Resolution};
 use std::io::{Read, Write};
 
-/// How a picture is turned.
+/// The reordering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
     /// Mirrored.
@@ -20,19 +20,19 @@ pub enum Turn {
     Counterclockwise,
 }
 
-/// What the resolution of the output says.
+/// The orientation in the output's resolution line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OrderRecord {
-    /// The new order, so that the picture still looks as it did.
+    /// The new order, so that the displayed picture is unchanged.
     Kept,
-    /// The order of the input, so that the picture is seen turned.
+    /// The order of the input, so that the displayed picture is turned.
     Corrected,
 }
 
-/// Turns a picture. All but a horizontal flip holds the whole picture in memory.
+/// Turns a picture. All but a horizontal flip hold the whole picture in memory.
 ///
 /// # Errors
-/// When the picture cannot be read, or the output not be written.
+/// When the picture cannot be read, or the output cannot be written.
 pub fn turn<R: Read, W: Write>(
     mut reader: PictureReader<R>,
     turn: Turn,
@@ -108,7 +108,7 @@ fn new_orientation(from: Orientation, turn: Turn) -> Orientation {
             let (x, y) = if scanlines_are_rows { (horizontally, vertically) } else { (vertically, horizontally) };
             Orientation { scanlines_are_rows, x_falls: x_falls ^ x, y_falls: y_falls ^ y }
         }
-        // The first scanline is then what was the first column, from its other end.
+        // The first scanline is the former first column, reversed.
         Turn::Clockwise => {
             let (x, y) = if scanlines_are_rows { (false, true) } else { (true, false) };
             Orientation { scanlines_are_rows: !scanlines_are_rows, x_falls: x_falls ^ x, y_falls: y_falls ^ y }

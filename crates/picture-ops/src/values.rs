@@ -3,12 +3,12 @@
 use crate::brightness::Brightness;
 use radsight_picture::scientific;
 
-/// How a number is written.
+/// The format of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NumberForm {
     /// Text with four digits.
     Text,
-    /// Text of whole numbers, 256 for 1.
+    /// Integers as text, 256 for 1.
     Integer,
     /// A byte, 256 for 1.
     Byte,
@@ -20,7 +20,7 @@ pub enum NumberForm {
     Double,
 }
 
-/// What is written of a pixel.
+/// The printed part of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// All three components.
@@ -40,37 +40,37 @@ pub enum ComponentOrder {
     Backward,
 }
 
-/// The order of the bytes in a binary number.
+/// The byte order of binary numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ByteOrder {
-    /// This machine's.
+    /// The machine's order.
     Native,
-    /// The other one.
+    /// The opposite order.
     Swapped,
 }
 
-/// How pixels are written as numbers.
+/// The layout of pixels as numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ValueLayout {
-    /// How a number is written.
+    /// The format of a number.
     pub form: NumberForm,
-    /// What is written of a pixel.
+    /// The printed part of a pixel.
     pub part: Part,
     /// The order of the components.
     pub order: ComponentOrder,
-    /// The order of the bytes in a binary number.
+    /// The byte order of binary numbers.
     pub bytes: ByteOrder,
 }
 
-/// A pixel's number that is no number.
+/// A word that is not a number.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("\"{found}\" is no number")]
+#[error("\"{found}\" is not a number")]
 pub struct NotANumber {
     found: String,
 }
 
 impl NumberForm {
-    /// The name of the form in a header's `FORMAT` line, for one number or three a pixel.
+    /// The value of the header's `FORMAT` line, for one or three numbers per pixel.
     #[must_use]
     pub fn format_name(self, part: Part) -> &'static str {
         match (self, part) {
@@ -84,7 +84,7 @@ impl NumberForm {
         }
     }
 
-    /// Bytes of a binary number; `None` for text.
+    /// Size of a binary number in bytes; `None` for text.
     #[must_use]
     pub fn size(self) -> Option<usize> {
         match self {
@@ -98,7 +98,7 @@ impl NumberForm {
 }
 
 impl ValueLayout {
-    /// Numbers a pixel.
+    /// Numbers per pixel.
     #[must_use]
     pub fn numbers(&self) -> usize {
         if self.part == Part::All { 3 } else { 1 }
@@ -141,13 +141,13 @@ impl ValueLayout {
         }
     }
 
-    /// The number that these bytes are, or this word of a text.
+    /// Parses a number from bytes or a word of text.
     ///
     /// # Errors
-    /// [`NotANumber`] for a word that is none.
+    /// [`NotANumber`] for a word that is not a number.
     ///
     /// # Panics
-    /// If a binary number has not [`NumberForm::size`] bytes.
+    /// If a binary number does not have [`NumberForm::size`] bytes.
     pub fn number(&self, bytes: &[u8]) -> Result<f64, NotANumber> {
         let text = || {
             let number = std::str::from_utf8(bytes).ok().and_then(|text| text.parse::<f64>().ok());
@@ -172,7 +172,7 @@ impl ValueLayout {
         ordered
     }
 
-    /// The pixel of its numbers, in the order in which they stand.
+    /// The pixel of three numbers, in their order.
     #[must_use]
     pub fn pixel(&self, numbers: [f64; 3]) -> [f32; 3] {
         let [first, second, third] = numbers.map(|number| number as f32);

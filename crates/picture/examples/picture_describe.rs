@@ -1,5 +1,5 @@
-//! Says of each file what kind of image it is, its size, and the least, mean and greatest value.
-//! `cargo run --release --example picture_describe -- FILE…`
+//! Prints the format, the size, and the least, mean and greatest value of each file. `cargo run
+//! --release --example picture_describe -- FILE…`
 
 use radsight_picture::{Header, ViewOptions, read_image};
 

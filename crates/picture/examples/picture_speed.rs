@@ -1,5 +1,5 @@
-//! How fast a picture of 3840 x 2160 pixels is read and written, in megabytes of decoded bytes a second.
-//! `cargo run --release --example picture_speed [picture]`
+//! Measures the speed of reading and writing a picture of 3840 x 2160 pixels, in megabytes of
+//! decoded bytes per second. `cargo run --release --example picture_speed [picture]`
 
 use radsight_picture::{Header, Image, Picture};
 use std::time::Instant;
@@ -46,7 +46,7 @@ fn time<T>(what: &str, megabytes: f64, mut work: impl FnMut() -> T) {
     println!("{what:28} {:8.1} ms {:8.0} MB/s", best * 1e3, megabytes / best);
 }
 
-/// A smooth sky above noise, as rendered pictures have.
+/// A smooth sky above noise, similar to a rendered picture.
 fn noisy(width: usize, height: usize) -> Image<f32> {
     let mut state = 1u32;
     let mut noise = || {

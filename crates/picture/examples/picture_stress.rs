@@ -1,6 +1,7 @@
-//! Spoils files of every kind for some seconds and reads them in every way; panics if a reader does, and says how many
-//! were read and how much memory that took at most. The slowest file is kept where the third argument says.
-//! `cargo run --release --all-features --example picture_stress -- SECONDS SEED [FILE]`
+//! Mutates files of every format for some seconds and reads them in every way. Panics if a reader
+//! does, and prints the number of files and the peak memory. The third argument names a copy of the
+//! slowest file. `cargo run --release --all-features --example picture_stress -- SECONDS SEED
+//! [FILE]`
 
 #[path = "../tests/mutation/mod.rs"]
 mod mutation;
@@ -24,7 +25,7 @@ fn main() {
             let format = radsight_picture::FileFormat::from_content(&bytes);
             println!("file {files}: {slowest:?} for {} bytes of {format:?}", bytes.len());
             if let Some(path) = &kept {
-                std::fs::write(path, &bytes).expect("the slowest file can be kept");
+                std::fs::write(path, &bytes).expect("cannot save the slowest file");
             }
         }
         files += 1;

@@ -1,4 +1,4 @@
-//! Colour: primaries, and the way from and to CIE tristimulus values.
+//! RGB colour spaces: primaries, and conversion to and from CIE tristimulus values.
 
 use glam::{DMat3, DVec3};
 use radsight_units::color;
@@ -16,25 +16,27 @@ pub struct RgbPrimaries {
     pub white: [f64; 2],
 }
 
-/// Chromaticities closer than this are the same.
+/// Chromaticities closer than this are equal.
 const SAME: f64 = 1e-4;
 
-/// The "Sharp" transform from XYZ to cone-like responses, and its inverse as Radiance rounds it; columns.
+/// The "Sharp" matrix from XYZ to cone-like responses, and its inverse as Radiance rounds it;
+/// columns.
 const SHARP: DMat3 =
     DMat3::from_cols_array(&[1.2694, -0.8364, 0.0297, -0.0988, 1.8006, -0.0315, -0.1706, 0.0357, 1.0018]);
 const SHARP_INVERSE: DMat3 =
     DMat3::from_cols_array(&[0.8156, 0.3791, -0.0123, 0.0472, 0.5769, 0.0167, 0.1372, 0.0440, 0.9955]);
 
 impl RgbPrimaries {
-    /// Radiance's own, with equal-energy white; what an RGBE picture without `PRIMARIES=` has.
+    /// Radiance's primaries with equal-energy white; the default of an RGBE picture without
+    /// `PRIMARIES=`.
     pub const STANDARD: RgbPrimaries =
         RgbPrimaries { red: color::RED, green: color::GREEN, blue: color::BLUE, white: color::WHITE };
 
-    /// Those that make the components X, Y and Z.
+    /// The primaries whose components are X, Y and Z.
     pub const XYZ: RgbPrimaries =
         RgbPrimaries { red: [1.0, 0.0], green: [0.0, 1.0], blue: [0.0, 0.0], white: [1.0 / 3.0, 1.0 / 3.0] };
 
-    /// In the order of a `PRIMARIES=` line: x and y of red, green, blue, white.
+    /// From the values of a `PRIMARIES=` line: x and y of red, green, blue, white.
     #[must_use]
     pub fn from_array([rx, ry, gx, gy, bx, by, wx, wy]: [f64; 8]) -> Self {
         RgbPrimaries { red: [rx, ry], green: [gx, gy], blue: [bx, by], white: [wx, wy] }
@@ -47,33 +49,34 @@ impl RgbPrimaries {
         numbers.iter().map(|number| format!(" {number:.4}")).collect()
     }
 
-    /// The matrix from RGB to XYZ with the white moved to equal energy; white (1, 1, 1) has Y = 1. `None` if the
-    /// primaries lie on a line or white is impossible.
+    /// The matrix from RGB to XYZ, adapted to equal-energy white, so that RGB (1, 1, 1) has Y = 1.
+    /// `None` if the primaries are collinear or the white is impossible.
     #[must_use]
     pub fn rgb_to_xyz(&self) -> Option<DMat3> {
         Some(adaptation(self.white, RgbPrimaries::XYZ.white)? * self.unadapted()?)
     }
 
-    /// The matrix from XYZ to RGB, the inverse way.
+    /// The matrix from XYZ to RGB, the inverse of [`RgbPrimaries::rgb_to_xyz`].
     #[must_use]
     pub fn xyz_to_rgb(&self) -> Option<DMat3> {
         Some(invertible(self.unadapted()?)?.inverse() * adaptation(RgbPrimaries::XYZ.white, self.white)?)
     }
 
-    /// The matrix from RGB of these primaries to RGB of others, with white moved to theirs.
+    /// The matrix from RGB of these primaries to RGB of others, adapted to the other white.
     #[must_use]
     pub fn rgb_to_rgb(&self, other: &RgbPrimaries) -> Option<DMat3> {
         let to_other = invertible(other.unadapted()?)?.inverse();
         Some(to_other * adaptation(self.white, other.white)? * self.unadapted()?)
     }
 
-    /// The part that each component has in the luminance; the sum is 1.
+    /// The weight of each component in the luminance; the sum is 1.
     #[must_use]
     pub fn luminance_weights(&self) -> Option<[f64; 3]> {
         Some(self.unadapted()?.row(1).to_array())
     }
 
-    /// The columns are the XYZ of the primaries, scaled so that they add up to white with Y = 1.
+    /// A matrix whose columns are the XYZ of the primaries, scaled so that they add up to white
+    /// with Y = 1.
     fn unadapted(&self) -> Option<DMat3> {
         let column = |[x, y]: [f64; 2]| DVec3::new(x, y, 1.0 - x - y);
         let columns = invertible(DMat3::from_cols(column(self.red), column(self.green), column(self.blue)))?;
@@ -103,8 +106,9 @@ fn adaptation(from: [f64; 2], to: [f64; 2]) -> Option<DMat3> {
     Some(SHARP_INVERSE * DMat3::from_diagonal(to / from) * SHARP)
 }
 
-/// RGB of an XYZ value by a matrix of [`RgbPrimaries::xyz_to_rgb`]. A colour that would need a negative component is moved towards
-/// the grey of its luminance until none is negative, and negative luminance gives black, as in Radiance.
+/// Converts XYZ to RGB by a matrix from [`RgbPrimaries::xyz_to_rgb`]. A colour outside the gamut is
+/// desaturated towards the grey of its luminance until no component is negative. Negative luminance
+/// gives black, as in Radiance.
 #[must_use]
 pub fn xyz_to_rgb(matrix: &DMat3, xyz: [f32; 3]) -> [f32; 3] {
     let xyz = DVec3::from(xyz.map(f64::from));
@@ -138,7 +142,7 @@ mod tests {
         let d65 = RgbPrimaries::from_array([0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329]);
         for primaries in [RgbPrimaries::STANDARD, RgbPrimaries::XYZ, d65] {
             let both = primaries.xyz_to_rgb().unwrap() * primaries.rgb_to_xyz().unwrap();
-            // Radiance's rounded inverse of the Sharp matrix leaves this much.
+            // Radiance's rounded inverse of the Sharp matrix causes this error.
             assert!(both.abs_diff_eq(DMat3::IDENTITY, 5e-4), "{both}");
         }
     }

@@ -1,113 +1,114 @@
-//! What can be wrong with a picture, a matrix, a header or a view.
+//! Errors of reading and writing pictures, matrices, headers and views.
 
 use std::borrow::Cow;
 use std::io;
 
-/// Why bytes are not a picture, or an image cannot be written in a format.
+/// Why bytes cannot be read as a picture, or an image cannot be written in a format.
 ///
-/// Byte offsets count from the first byte that was given, header lines from 1.
+/// Byte offsets count from the start of the input, header lines from 1.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PictureError {
-    /// Something else stands where a certain thing must be.
+    /// A value differs from what the format requires.
     #[error("byte {offset}: expected {expected}, found {found}")]
     Unexpected {
-        /// Where.
+        /// Offset of the value.
         offset: usize,
-        /// What must stand there.
+        /// The required value.
         expected: Cow<'static, str>,
-        /// What stands there.
+        /// The value found.
         found: String,
     },
-    /// The bytes end too early.
+    /// The data end too early.
     #[error("byte {offset}: the file ends, expected {expected}")]
     Truncated {
-        /// The length of what there is.
+        /// Length of the data.
         offset: usize,
-        /// What must follow.
+        /// What was expected next.
         expected: Cow<'static, str>,
     },
-    /// A header line has a value that cannot be.
+    /// A header line has an invalid value.
     #[error("header line {line}: {name} is \"{value}\", expected {expected}")]
     HeaderValue {
         /// The line, from 1.
         line: usize,
         /// The variable, without its `=`.
         name: &'static str,
-        /// As it stands.
+        /// The value as written.
         value: String,
-        /// What would do.
+        /// The expected value.
         expected: &'static str,
     },
-    /// The header claims more pixels than the bytes after it can hold.
+    /// The header declares more pixels than the bytes after it can hold.
     #[error(
-        "byte {offset}: {width} x {height} pixels of {components} components are claimed, \
+        "byte {offset}: {width} x {height} pixels of {components} components are declared, \
          which {available} bytes cannot hold"
     )]
     TooLarge {
-        /// Where the pixels begin.
+        /// Offset of the pixels.
         offset: usize,
-        /// Claimed pixels a row.
+        /// Declared width.
         width: u64,
-        /// Claimed rows.
+        /// Declared height.
         height: u64,
-        /// Claimed values a pixel.
+        /// Declared number of components.
         components: u64,
-        /// What follows `offset`.
+        /// Number of bytes from `offset` on.
         available: usize,
     },
-    /// The file is of a kind that is not read.
-    #[error("{format} with {what} is not read, expected {expected}")]
+    /// The file uses an unsupported variant of its format.
+    #[error("{format} with {what} is not supported, expected {expected}")]
     Unsupported {
         /// The file format.
         format: &'static str,
-        /// What stands in the way.
+        /// The unsupported property.
         what: String,
-        /// What would do.
+        /// The supported values.
         expected: &'static str,
     },
-    /// An image of this shape has no place in the format, or the shape disagrees with the number of values.
+    /// The format cannot hold an image of this shape, or the shape disagrees with the number of
+    /// values.
     #[error("{width} x {height} pixels of {components} components with {values} values, expected {expected}")]
     Shape {
         /// Pixels a row.
         width: usize,
         /// Rows.
         height: usize,
-        /// Values a pixel.
+        /// Values per pixel.
         components: usize,
-        /// Values there are.
+        /// Number of values.
         values: usize,
-        /// What would do.
+        /// The supported shape.
         expected: &'static str,
     },
-    /// The package that reads or writes the format refused.
+    /// The library that reads or writes the format failed.
     #[error("{format}: {reason}")]
     Codec {
         /// The file format.
         format: &'static str,
-        /// Its own words.
+        /// Its error message.
         reason: String,
     },
-    /// Reading or writing failed, whatever the format.
+    /// Reading or writing the stream failed.
     #[error("{reason}")]
     Stream {
-        /// What kind of failure.
+        /// The kind of failure.
         kind: io::ErrorKind,
-        /// The system's own words.
+        /// The error message of the operating system.
         reason: String,
     },
-    /// The view cannot be.
+    /// The view is invalid.
     #[error("view: {0}")]
     View(#[from] crate::ViewError),
 }
 
 impl PictureError {
-    /// Whether more bytes could help.
+    /// Whether more bytes could resolve the error.
     pub(crate) fn is_truncation(&self) -> bool {
         matches!(self, PictureError::Truncated { .. })
     }
 
-    /// The same, found in bytes that begin at this offset.
+    /// The same error, with offsets increased by `start`.
     pub(crate) fn at(mut self, start: usize) -> PictureError {
         if let PictureError::Unexpected { offset, .. }
         | PictureError::Truncated { offset, .. }
@@ -125,7 +126,7 @@ impl From<io::Error> for PictureError {
     }
 }
 
-/// Shows up to 24 bytes for a message, with everything unprintable escaped.
+/// Up to 24 bytes for a message, with unprintable ones escaped.
 pub(crate) fn shown(bytes: &[u8]) -> String {
     const LONGEST: usize = 24;
     if bytes.is_empty() {

@@ -1,6 +1,7 @@
-//! OpenEXR pictures: single precision, one channel `Y` or three `R`, `G`, `B`, zip-compressed when written.
+//! OpenEXR pictures in single precision: one channel `Y`, or three channels `R`, `G`, `B`. Written
+//! with zip compression.
 //!
-//! The Radiance header travels along as the comments of the layer.
+//! The Radiance header is stored as the comments of the layer.
 
 use crate::{Header, Image, PictureError};
 use exr::meta::BlockDescription;
@@ -10,10 +11,10 @@ use exr::prelude::{
 };
 use std::io::Cursor;
 
-/// Reads the first layer of a file, its channels `R`, `G`, `B`, or else its only channel or `Y`.
+/// Reads the first layer of a file: its channels `R`, `G`, `B`, or else `Y`, or its only channel.
 ///
 /// # Errors
-/// When the bytes are not such a picture, or claim more pixels than they can hold.
+/// When the bytes are not such a picture, or declare more pixels than they can hold.
 pub fn read_exr(bytes: &[u8]) -> Result<(Image<f32>, Option<Header>), PictureError> {
     check_sizes(bytes)?;
     let image = exr::prelude::read()
@@ -54,7 +55,7 @@ pub fn read_exr(bytes: &[u8]) -> Result<(Image<f32>, Option<Header>), PictureErr
     Ok((Image::new(width, height, planes.len(), data)?, header))
 }
 
-/// Refuses claims that no compression could make true.
+/// Rejects sizes that no compression could make true.
 fn check_sizes(bytes: &[u8]) -> Result<(), PictureError> {
     const SMALL: usize = 1 << 24;
     const LARGEST_RATIO: usize = 1032;
@@ -62,7 +63,7 @@ fn check_sizes(bytes: &[u8]) -> Result<(), PictureError> {
     let budget = bytes.len().saturating_mul(LARGEST_RATIO).max(SMALL);
     for header in &meta.headers {
         let channels = header.channels.list.len();
-        // A tile is taken whole even where it reaches beyond the picture.
+        // A tile is stored whole even where it extends beyond the picture.
         let tile = match header.blocks {
             BlockDescription::Tiles(tiles) => tiles.tile_size,
             BlockDescription::ScanLines => header.layer_size,

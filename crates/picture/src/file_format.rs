@@ -1,11 +1,11 @@
-//! Any format by its name or its content.
+//! Reads and writes any format, selected by file name or content.
 
 use crate::{
     FloatMatrix, Header, Image, MatrixFormat, Picture, PictureError, read_npy, read_pfm, read_png, write_npy,
     write_pfm, write_png_grey16, write_png_rgb16,
 };
 
-/// The formats in which an image can be read and written.
+/// The formats of images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum FileFormat {
@@ -17,7 +17,7 @@ pub enum FileFormat {
     Pfm,
     /// A NumPy array (`.npy`), lossless.
     Npy,
-    /// PNG of 16 bits (`.png`): 1.0 is 65535, and what is beyond 0 and 1 is clamped.
+    /// PNG with 16 bits (`.png`): 1.0 is 65535; values outside 0 to 1 are clamped.
     Png,
     /// TIFF in single precision (`.tif`, `.tiff`), lossless.
     #[cfg(feature = "tiff")]
@@ -32,15 +32,15 @@ pub enum FileFormat {
 pub struct ReadImage {
     /// The format.
     pub format: FileFormat,
-    /// Its values: of Radiance's formats those with EXPOSURE and COLORCORR undone (and CIE values of an XYZE picture as
-    /// they are), of whole numbers 0 to 1.
+    /// The values. Radiance's formats have EXPOSURE and COLORCORR undone (an XYZE picture keeps CIE
+    /// values); integers are scaled to 0 to 1.
     pub image: Image<f32>,
     /// The Radiance header, if the file has one.
     pub header: Option<Header>,
 }
 
 impl FileFormat {
-    /// The format of a file's name, by its extension, whatever its case.
+    /// The format of a file name, by its extension, ignoring case.
     ///
     /// ```
     /// use radsight_picture::FileFormat;
@@ -64,8 +64,8 @@ impl FileFormat {
         }
     }
 
-    /// The format of a file's first bytes. What begins with a Radiance header is a matrix if it has `NCOLS=` or its FORMAT is that of
-    /// one, else a picture.
+    /// The format of a file's first bytes. A file with a Radiance header is a matrix if it has
+    /// `NCOLS=` or a matrix FORMAT, otherwise a picture.
     #[must_use]
     pub fn from_content(bytes: &[u8]) -> Option<FileFormat> {
         match bytes {
@@ -85,20 +85,20 @@ impl FileFormat {
         }
     }
 
-    /// Whether single-precision values come back as they went in.
+    /// Whether single-precision values are preserved exactly.
     #[must_use]
     pub fn is_lossless(self) -> bool {
         !matches!(self, FileFormat::Picture | FileFormat::Png)
     }
 }
 
-/// Reads an image of any format, known by its content.
+/// Reads an image in any format, recognised by its content.
 ///
 /// # Errors
 /// When the content is of no known format or malformed.
 pub fn read_image(bytes: &[u8]) -> Result<ReadImage, PictureError> {
     let Some(format) = FileFormat::from_content(bytes) else {
-        // The header says best what is wrong.
+        // The error of the header parser is the most specific.
         Header::read(bytes)?;
         return Err(PictureError::Truncated { offset: bytes.len(), expected: "an image".into() });
     };
@@ -134,10 +134,10 @@ pub fn read_image(bytes: &[u8]) -> Result<ReadImage, PictureError> {
     Ok(ReadImage { format, image, header })
 }
 
-/// Writes an image. The header is kept where the format has a place for it.
+/// Writes an image. The header is stored if the format supports it.
 ///
 /// # Errors
-/// [`PictureError::Shape`] if the format cannot hold so many components.
+/// [`PictureError::Shape`] if the format does not support this number of components.
 pub fn write_image(format: FileFormat, header: &Header, image: &Image<f32>) -> Result<Vec<u8>, PictureError> {
     match format {
         FileFormat::Picture if image.components() > 3 => {

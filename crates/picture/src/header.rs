@@ -1,15 +1,16 @@
-//! The information header: what a file is and how it came to be.
+//! The information header: the format of a file and its history.
 
 use crate::error::shown;
 use crate::{PictureError, RgbPrimaries};
 use radsight_units::number::{self, trimmed};
 use std::borrow::Cow;
 
-/// The lines of a Radiance header, in order, each as it stood (without its line end).
+/// The lines of a Radiance header, in order, unchanged, without line ends.
 ///
-/// The first line is usually `#?RADIANCE`; old files lack it. Then come, in any order, command lines (each program that
-/// worked on the file adds its own), variables (`EXPOSURE=2.5`), and, indented by tabs, the headers of the files that
-/// a program combined, which say nothing of this file. An empty line ends the header and is not among the lines.
+/// The first line is usually `#?RADIANCE`; old files lack it. Command lines (each program appends
+/// its own), variables (`EXPOSURE=2.5`) and, indented by tabs, the headers of combined files follow
+/// in any order. Indented lines do not describe this file. An empty line ends the header and is not
+/// part of the lines.
 ///
 /// ```
 /// use radsight_picture::Header;
@@ -31,15 +32,15 @@ pub struct Header {
 pub struct Assignment<'a> {
     /// The line in the header, from 1.
     pub line: usize,
-    /// What follows the `=`, without white space around it.
+    /// The text after the `=`, trimmed.
     pub value: Cow<'a, str>,
 }
 
-/// The variables that describe how the values are stored, not what they are.
+/// The variables that describe the storage of the values.
 const STORAGE: [&str; 6] = ["FORMAT", "NROWS", "NCOLS", "NCOMP", "BigEndian", "WAVELENGTH_SPLITS"];
 
 impl Header {
-    /// A header that begins with `#?` and an identifier, `RADIANCE` for all that Radiance writes.
+    /// A header that begins with `#?` and an identifier; Radiance writes `RADIANCE`.
     #[must_use]
     pub fn new(identifier: &str) -> Self {
         let mut header = Header::default();
@@ -47,10 +48,12 @@ impl Header {
         header
     }
 
-    /// Reads the lines up to the empty line, and says how many bytes they took with it.
+    /// Reads the lines up to the empty line. Also returns the number of bytes, including the empty
+    /// line.
     ///
     /// # Errors
-    /// [`PictureError::Unexpected`] if the first byte is not printable, [`PictureError::Truncated`] if no empty line follows.
+    /// [`PictureError::Unexpected`] if the first byte is not printable, [`PictureError::Truncated`]
+    /// if no empty line follows.
     pub fn read(bytes: &[u8]) -> Result<(Header, usize), PictureError> {
         if !starts_header(bytes) {
             let found = shown(bytes);
@@ -86,7 +89,7 @@ impl Header {
         (header, used, false)
     }
 
-    /// The lines without their ends.
+    /// The lines without line ends.
     pub fn lines(&self) -> impl Iterator<Item = &[u8]> {
         self.lines.iter().map(Vec::as_slice)
     }
@@ -97,7 +100,7 @@ impl Header {
         self.lines.is_empty()
     }
 
-    /// What follows `#?` in the first line that has it.
+    /// The text after `#?` in the first such line.
     #[must_use]
     pub fn identifier(&self) -> Option<Cow<'_, str>> {
         let line = self.lines().find_map(|line| line.strip_prefix(b"#?"))?;
@@ -105,7 +108,8 @@ impl Header {
         Some(String::from_utf8_lossy(&line[..end]))
     }
 
-    /// All lines `NAME=value` of one name, in order. Indented lines belong to other files and do not count.
+    /// All lines `NAME=value` with this name, in order. Indented lines belong to other files and
+    /// are skipped.
     pub fn assignments(&self, name: &str) -> impl Iterator<Item = Assignment<'_>> {
         self.lines.iter().enumerate().filter_map(move |(index, line)| {
             let value = line.strip_prefix(name.as_bytes())?.strip_prefix(b"=")?;
@@ -125,18 +129,19 @@ impl Header {
         self.variable("FORMAT")
     }
 
-    /// The product of all `EXPOSURE=`: stored values are this many times the radiance. 1 without any.
+    /// The product of all `EXPOSURE=`: the factor from radiance to stored values. 1 without any.
     ///
     /// # Errors
-    /// [`PictureError::HeaderValue`] for one that is not positive and finite.
+    /// [`PictureError::HeaderValue`] for a value that is not positive and finite.
     pub fn exposure(&self) -> Result<f64, PictureError> {
         self.exposures().try_fold(1.0, |product, exposure| Ok(product * exposure?))
     }
 
-    /// The product of all `COLORCORR=`, by component; it multiplies the stored values as the exposure does. 1 without any.
+    /// The product of all `COLORCORR=`, by component. It multiplies the stored values as the
+    /// exposure does. 1 without any.
     ///
     /// # Errors
-    /// [`PictureError::HeaderValue`] for one that is not three positive, finite numbers.
+    /// [`PictureError::HeaderValue`] for a value that is not three positive, finite numbers.
     pub fn color_correction(&self) -> Result<[f64; 3], PictureError> {
         self.corrections().try_fold([1.0; 3], |product, correction| {
             let correction = correction?;
@@ -144,8 +149,8 @@ impl Header {
         })
     }
 
-    /// What stored values are multiplied by to give radiance: one over all EXPOSURE and COLORCORR, rounded to single
-    /// precision at each line, which is what Radiance's `pvalue -o` does.
+    /// The factors from stored values to radiance: the reciprocal of all EXPOSURE and COLORCORR,
+    /// rounded to single precision at each line, as in Radiance's `pvalue -o`.
     ///
     /// # Errors
     /// [`PictureError::HeaderValue`] for a value that is not positive and finite.
@@ -173,10 +178,10 @@ impl Header {
         lines.filter_map(|(index, line)| Some(parse_correction(index + 1, line.strip_prefix(b"COLORCORR=")?)))
     }
 
-    /// The product of all `PIXASPECT=`: the height of a pixel over its width. 1 without any.
+    /// The product of all `PIXASPECT=`: the height of a pixel divided by its width. 1 without any.
     ///
     /// # Errors
-    /// [`PictureError::HeaderValue`] for one that is not positive and finite.
+    /// [`PictureError::HeaderValue`] for a value that is not positive and finite.
     pub fn pixel_aspect(&self) -> Result<f64, PictureError> {
         self.assignments("PIXASPECT").try_fold(1.0, |product, Assignment { line, value }| {
             Ok(product * positive(line, "PIXASPECT", value.as_bytes())?)
@@ -195,50 +200,51 @@ impl Header {
         }
     }
 
-    /// The last `NCOMP=`, values a pixel.
+    /// The last `NCOMP=`: values per pixel.
     ///
     /// # Errors
-    /// [`PictureError::HeaderValue`] if it is not a whole number from 1.
+    /// [`PictureError::HeaderValue`] if it is not a positive integer.
     pub fn components(&self) -> Result<Option<usize>, PictureError> {
         self.count("NCOMP")
     }
 
-    /// The last value of a variable that counts something.
+    /// The last value of a variable that is a count.
     ///
     /// # Errors
-    /// [`PictureError::HeaderValue`] if it is not a whole number from 1 to 2^31 - 1.
+    /// [`PictureError::HeaderValue`] if it is not an integer from 1 to 2^31 - 1.
     pub fn count(&self, name: &'static str) -> Result<Option<usize>, PictureError> {
         let Some(Assignment { line, value }) = self.assignments(name).last() else { return Ok(None) };
         let count = number::integer_or_zero(value.as_bytes());
         match i32::try_from(count).ok().and_then(|count| usize::try_from(count).ok()).filter(|count| *count > 0) {
             Some(count) => Ok(Some(count)),
-            None => Err(bad_value(line, name, value.as_bytes(), "a whole number from 1 to 2147483647")),
+            None => Err(bad_value(line, name, value.as_bytes(), "an integer from 1 to 2147483647")),
         }
     }
 
-    /// The last `WAVELENGTH_SPLITS=`: the longest wavelength, the borders of red to green and green to blue, and the
-    /// shortest wavelength, all in nm.
+    /// The last `WAVELENGTH_SPLITS=`: the longest wavelength, the limits between red and green and
+    /// between green and blue, and the shortest wavelength, all in nm.
     ///
     /// # Errors
-    /// [`PictureError::HeaderValue`] if it is not four falling, positive numbers.
+    /// [`PictureError::HeaderValue`] if it is not four decreasing, positive numbers.
     pub fn wavelength_splits(&self) -> Result<Option<[f32; 4]>, PictureError> {
         let Some(Assignment { line, value }) = self.assignments("WAVELENGTH_SPLITS").last() else { return Ok(None) };
         let splits = number::leading_numbers::<4>(value.as_bytes()).map(|numbers| numbers.map(|number| number as f32));
         match splits.filter(|splits| splits[3] > 0.0 && splits[0].is_finite() && splits.windows(2).all(|w| w[0] > w[1]))
         {
             Some(splits) => Ok(Some(splits)),
-            None => Err(bad_value(line, "WAVELENGTH_SPLITS", value.as_bytes(), "four falling wavelengths in nm")),
+            None => Err(bad_value(line, "WAVELENGTH_SPLITS", value.as_bytes(), "four decreasing wavelengths in nm")),
         }
     }
 
-    /// Whether the last `BigEndian` line says that binary values have their most significant byte first.
+    /// Whether binary values are big-endian, by the last `BigEndian` line.
     #[must_use]
     pub fn is_big_endian(&self) -> Option<bool> {
         let values = self.lines().filter_map(|line| trimmed(line.strip_prefix(b"BigEndian")?).strip_prefix(b"="));
         values.last().map(|value| trimmed(value).first() == Some(&b'1'))
     }
 
-    /// Adds a line. Line ends in it become spaces, and an empty line is not added, since either would end the header.
+    /// Adds a line. Line ends in it become spaces, and an empty line is not added, since either
+    /// would end the header.
     pub fn push_line(&mut self, line: &str) {
         let line: Vec<u8> = line.bytes().map(|byte| if matches!(byte, b'\n' | b'\r') { b' ' } else { byte }).collect();
         if !line.is_empty() {
@@ -251,19 +257,19 @@ impl Header {
         self.push_line(&format!("{name}={value}"));
     }
 
-    /// Adds `EXPOSURE=` as Radiance prints it (five digits).
+    /// Adds `EXPOSURE=` with five digits, as Radiance prints it.
     pub fn push_exposure(&mut self, exposure: f64) {
         self.push_variable("EXPOSURE", &number::scientific(exposure, 4));
     }
 
-    /// Adds a command line with its words quoted as Radiance quotes them.
+    /// Adds a command line; words are quoted as in Radiance.
     pub fn push_command<'a>(&mut self, words: impl IntoIterator<Item = &'a str>) {
         let quoted: Vec<Cow<'a, str>> = words.into_iter().map(quoted_word).collect();
         self.push_line(&quoted.join(" "));
     }
 
-    /// Adds all lines of another header, indented by a tab, under the name of the file that it belongs to: how programs
-    /// that combine files record what went in.
+    /// Adds all lines of another header, indented by a tab, below the name of its file. Programs
+    /// that combine files record their inputs this way.
     pub fn push_nested(&mut self, name: &str, nested: &Header) {
         self.push_line(&format!("{name}:"));
         for line in nested.lines().filter(|line| !line.starts_with(b"#?")) {
@@ -276,8 +282,8 @@ impl Header {
         self.lines.retain(|line| line.strip_prefix(name.as_bytes()).is_none_or(|rest| !rest.starts_with(b"=")));
     }
 
-    /// A copy without the lines that say how the values are stored (FORMAT, NROWS, NCOLS, NCOMP, BigEndian,
-    /// WAVELENGTH_SPLITS): what a program copies before it adds its own command line and writes its own format.
+    /// A copy without the lines that describe the storage (FORMAT, NROWS, NCOLS, NCOMP, BigEndian,
+    /// WAVELENGTH_SPLITS). A program copies this before it adds its own command line and format.
     #[must_use]
     pub fn history(&self) -> Header {
         let mut copy = self.clone();
@@ -287,8 +293,8 @@ impl Header {
         copy
     }
 
-    /// The header as bytes, with the empty line at its end. Where the first line does not begin with a printable character, which a header
-    /// must, `#?RADIANCE` is put first.
+    /// The header as bytes, including the empty line. Prepends `#?RADIANCE` if the first line does
+    /// not begin with a printable character, as a header must.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Vec::with_capacity(self.lines.iter().map(|line| line.len() + 1).sum::<usize>() + 16);
@@ -303,7 +309,8 @@ impl Header {
         out
     }
 
-    /// The lines as text, for formats that keep the history as one string. What is not UTF-8 is replaced.
+    /// The lines as text, for formats that keep the history in one string. Invalid UTF-8 is
+    /// replaced.
     #[must_use]
     pub fn to_text(&self) -> String {
         let lines: Vec<Cow<'_, str>> = self.lines().map(String::from_utf8_lossy).collect();
@@ -338,7 +345,7 @@ fn bad_value(line: usize, name: &'static str, value: &[u8], expected: &'static s
     PictureError::HeaderValue { line, name, value, expected }
 }
 
-/// Quotes a word if a Radiance program would: when it is empty or has white space or a quote inside.
+/// Quotes a word as Radiance does: if it is empty or contains white space or a quote.
 fn quoted_word(word: &str) -> Cow<'_, str> {
     let inner = &word.as_bytes()[usize::from(!word.is_empty())..];
     let last_quote = inner.split_last().and_then(|(_, body)| body.iter().rfind(|byte| matches!(**byte, b'"' | b'\'')));

@@ -1,11 +1,11 @@
-//! Pixels in memory.
+//! Images in memory.
 
 use crate::PictureError;
 
 /// A rectangle of pixels with one or more values each.
 ///
-/// Row 0 is the top, column 0 the left, and the values of a pixel stand together: the value `c` of pixel (x, y) is
-/// `data[(y * width + x) * components + c]`. Width, height and components are at least 1.
+/// Row 0 is the top, column 0 the left, and components are interleaved: component `c` of pixel (x,
+/// y) is `data[(y * width + x) * components + c]`. Width, height and components are at least 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image<T = f32> {
     width: usize,
@@ -15,10 +15,11 @@ pub struct Image<T = f32> {
 }
 
 impl<T> Image<T> {
-    /// Wraps values that are in the order above.
+    /// Wraps values in the order above.
     ///
     /// # Errors
-    /// [`PictureError::Shape`] if a size is zero or `data` has not `width * height * components` values.
+    /// [`PictureError::Shape`] if a size is zero or `data` does not have `width * height *
+    /// components` values.
     pub fn new(width: usize, height: usize, components: usize, data: Vec<T>) -> Result<Self, PictureError> {
         let count = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(components));
         if count != Some(data.len()) || data.is_empty() {
@@ -28,19 +29,19 @@ impl<T> Image<T> {
         Ok(Image { width, height, components, data })
     }
 
-    /// Pixels a row.
+    /// Width in pixels.
     #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Height in pixels.
     #[must_use]
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Values a pixel.
+    /// Values per pixel.
     #[must_use]
     pub fn components(&self) -> usize {
         self.components
@@ -52,12 +53,12 @@ impl<T> Image<T> {
         &self.data
     }
 
-    /// All values, to change.
+    /// All values, mutable.
     pub fn data_mut(&mut self) -> &mut [T] {
         &mut self.data
     }
 
-    /// All values, given away.
+    /// All values, by move.
     #[must_use]
     pub fn into_data(self) -> Vec<T> {
         self.data
@@ -66,17 +67,17 @@ impl<T> Image<T> {
     /// The values of the pixel in column `x`, row `y` from the top.
     ///
     /// # Panics
-    /// If the pixel is outside, as indexing does.
+    /// If the pixel is out of range.
     #[must_use]
     pub fn pixel(&self, x: usize, y: usize) -> &[T] {
         let start = self.start(x, y);
         &self.data[start..start + self.components]
     }
 
-    /// The values of a pixel, to change.
+    /// The values of a pixel, mutable.
     ///
     /// # Panics
-    /// If the pixel is outside, as indexing does.
+    /// If the pixel is out of range.
     pub fn pixel_mut(&mut self, x: usize, y: usize) -> &mut [T] {
         let start = self.start(x, y);
         &mut self.data[start..start + self.components]
@@ -90,24 +91,24 @@ impl<T> Image<T> {
     /// All values of the row `y` from the top.
     ///
     /// # Panics
-    /// If there is no such row.
+    /// If the row is out of range.
     #[must_use]
     pub fn row(&self, y: usize) -> &[T] {
         let length = self.width * self.components;
         &self.data[y * length..(y + 1) * length]
     }
 
-    /// The rows from the top.
+    /// The rows, starting at the top.
     pub fn rows(&self) -> std::slice::ChunksExact<'_, T> {
         self.data.chunks_exact(self.width * self.components)
     }
 
-    /// The pixels in scanline order from the top left.
+    /// The pixels, row by row from the top left.
     pub fn pixels(&self) -> std::slice::ChunksExact<'_, T> {
         self.data.chunks_exact(self.components)
     }
 
-    /// The same shape with every value changed.
+    /// An image of the same shape with every value mapped.
     #[must_use]
     pub fn map<U>(self, change: impl FnMut(T) -> U) -> Image<U> {
         let data = self.data.into_iter().map(change).collect();
@@ -119,13 +120,13 @@ impl<T: Copy> Image<T> {
     /// An image with the same value everywhere.
     ///
     /// # Errors
-    /// [`PictureError::Shape`] if a size is zero or the product does not fit.
+    /// [`PictureError::Shape`] if a size is zero or the product overflows.
     pub fn filled(width: usize, height: usize, components: usize, value: T) -> Result<Self, PictureError> {
         let count = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(components));
         Image::new(width, height, components, vec![value; count.unwrap_or(0)])
     }
 
-    /// Turns the image upside down.
+    /// Mirrors the image vertically.
     pub fn flip_vertically(&mut self) {
         let length = self.width * self.components;
         for y in 0..self.height / 2 {
@@ -137,7 +138,7 @@ impl<T: Copy> Image<T> {
     /// One component of every pixel.
     ///
     /// # Panics
-    /// If there is no such component.
+    /// If the component is out of range.
     #[must_use]
     pub fn component(&self, component: usize) -> Image<T> {
         assert!(component < self.components, "component {component} of {}", self.components);

@@ -1,16 +1,22 @@
-//! Radiance pictures, float matrices, headers and views; and float maps, NumPy arrays, PNG, TIFF and EXR beside them.
+//! Radiance pictures, float matrices, headers and views; also float maps, NumPy arrays, PNG, TIFF
+//! and EXR.
 //!
-//! What two stages of radsight exchange is one of these files, or its [`Image`] in memory.
+//! Stages of radsight exchange one of these files, or its [`Image`] in memory.
 //!
-//! - A [`Picture`] is RGBE, XYZE or spectral, in any orientation and coding; [`Picture::radiance`] undoes exposures.
-//! - A [`PictureReader`] and a [`PictureWriter`] do the same a scanline at a time, for pictures of any size.
-//! - A [`FloatMatrix`] is the lossless form, `pfm`, `npy`, `tif` and `exr` are others; [`read_image`] knows them all.
-//! - A [`Header`] carries the history: a program copies it ([`Header::history`]) and adds its own command line.
-//! - [`ViewOptions`] is a view as typed, a [`View`] gives its rays.
+//! - A [`Picture`] is RGBE, XYZE or spectral, in any orientation and coding; [`Picture::radiance`]
+//!   undoes exposures.
+//! - A [`PictureReader`] and a [`PictureWriter`] process one scanline at a time, for pictures of
+//!   any size.
+//! - A [`FloatMatrix`] is lossless, as are `pfm`, `npy`, `tif` and `exr`; [`read_image`] reads all
+//!   formats.
+//! - A [`Header`] carries the history: a program copies it ([`Header::history`]) and adds its own
+//!   command line.
+//! - [`ViewOptions`] is a view as typed; a [`View`] generates its rays.
 //!
-//! Guarantees: bytes go in and bytes come out; no input makes a reader panic, and none takes memory beyond what its own bytes can
-//! justify; row 0 of every [`Image`] is the top, whatever the order in the file; written pictures are those that
-//! Radiance would write, byte for byte. Knows no scenes and opens nothing.
+//! Guarantees: no input makes a reader panic or allocate more memory than the input's length
+//! justifies. Row 0 of every [`Image`] is the top, whatever the order in the file. Written pictures
+//! equal those of Radiance byte for byte. The crate converts bytes, opens no files and knows no
+//! scenes.
 //!
 //! ```
 //! use radsight_picture::{FloatMatrix, Header, Image, MatrixFormat, read_image};

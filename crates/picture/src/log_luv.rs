@@ -1,14 +1,16 @@
-//! TIFF pictures in LogLuv: 32 bits a pixel for all luminances and colours.
+//! TIFF pictures in LogLuv: 32 bits per pixel for all luminances and colours.
 //!
-//! The upper half is a sign and the logarithm of the luminance in steps of 2^(1/256), the lower two bytes are the CIE 1976 chromaticities
-//! u′ and v′ times 410 (Ward Larson, "LogLuv Encoding for Full-Gamut, High-Dynamic Range Images", Journal of Graphics Tools 3(1), 1998). A row is stored
-//! as four planes of bytes, the most significant first, each run-length coded (TIFF compression 34676).
+//! The upper half holds a sign and the logarithm of the luminance in steps of 2^(1/256). The lower
+//! two bytes are the CIE 1976 chromaticities u′ and v′ times 410 (Ward Larson, "LogLuv Encoding for
+//! Full-Gamut, High-Dynamic Range Images", Journal of Graphics Tools 3(1), 1998). A row is stored
+//! as four planes of bytes, the most significant first, each run-length encoded (TIFF compression
+//! 34676).
 
 use crate::tiff::{Tiff, TiffPixels};
 use crate::{Header, PictureError, RgbPrimaries, xyz_to_rgb};
 use glam::DVec3;
 
-/// TIFF's numbers for the compression and for the pixels.
+/// TIFF codes of the compression and the photometric interpretation.
 const COMPRESSION: u32 = 34_676;
 const LOG_LUV: u32 = 32_845;
 
@@ -25,15 +27,15 @@ const ROWS_A_STRIP: u16 = 278;
 const STRIP_BYTES: u16 = 279;
 const PLANAR: u16 = 284;
 
-/// Chromaticities are stored in units of one over this.
+/// Scale of stored chromaticities.
 const CHROMATICITY_SCALE: f64 = 410.0;
 
-/// Runs shorter than this are stored as they are.
+/// Shorter runs are stored literally.
 const LEAST_RUN: usize = 4;
 
-/// The bytes of one pixel of tristimulus values.
+/// The code of a pixel's tristimulus values.
 fn encode([x, y, z]: [f64; 3]) -> u32 {
-    // Too dark for the code.
+    // Below the darkest code.
     if y.is_nan() || y <= 5.4e-20 {
         return 0;
     }
@@ -59,7 +61,7 @@ fn decode(code: u32) -> [f64; 3] {
 /// Writes RGB values in Radiance's primaries, row 0 at the top.
 ///
 /// # Errors
-/// [`PictureError::Shape`] unless there are three values for each pixel, in less than 4 GB.
+/// [`PictureError::Shape`] unless there are three values per pixel, and less than 4 GB in all.
 pub fn write_log_luv(
     (width, height): (usize, usize),
     rgb: &[f32],
@@ -70,11 +72,12 @@ pub fn write_log_luv(
         height,
         components: 3,
         values: rgb.len(),
-        expected: "three values for each of less than 2^28 pixels",
+        expected: "three values per pixel and fewer than 2^28 pixels",
     };
-    let to_xyz = RgbPrimaries::STANDARD
-        .rgb_to_xyz()
-        .ok_or(PictureError::Codec { format: "tiff", reason: "the primaries are impossible".to_owned() })?;
+    let to_xyz = RgbPrimaries::STANDARD.rgb_to_xyz().ok_or(PictureError::Codec {
+        format: "tiff",
+        reason: "the primaries are collinear or the white is impossible".to_owned(),
+    })?;
     if width == 0 || width.checked_mul(height).is_none_or(|pixels| pixels >= 1 << 28 || 3 * pixels != rgb.len()) {
         return Err(shape);
     }
@@ -97,7 +100,8 @@ pub fn write_log_luv(
     Ok(bytes)
 }
 
-/// Appends one run-length coded plane of a row: a count from 128 on repeats the next byte, another one goes before so many bytes.
+/// Appends one run-length encoded plane of a row. A count of at least 128 repeats the next byte; a
+/// smaller count precedes that many literal bytes.
 fn pack(plane: &[u8], out: &mut Vec<u8>) {
     let run_at = |at: usize| plane[at..].iter().take(127).take_while(|byte| **byte == plane[at]).count();
     let mut at = 0;
@@ -118,11 +122,11 @@ fn pack(plane: &[u8], out: &mut Vec<u8>) {
     }
 }
 
-/// What stands behind the pixels.
+/// The data after the pixels.
 struct Directory<'a> {
     width: u32,
     height: u32,
-    /// Place and length of each row.
+    /// Offset and length of each row.
     strips: Vec<(u32, u32)>,
     header: Option<&'a Header>,
 }
@@ -142,32 +146,32 @@ impl Directory<'_> {
         ];
         let text = self.header.map(|header| {
             let text: Vec<u8> = header.to_text().bytes().filter(u8::is_ascii).chain([0]).collect();
-            let place = bytes.len() as u32;
+            let offset = bytes.len() as u32;
             bytes.extend_from_slice(&text);
-            (place, text.len() as u32)
+            (offset, text.len() as u32)
         });
         let bits = bytes.len() as u32;
         bytes.extend_from_slice(&[16, 0, 16, 0, 16, 0]);
         bytes.resize(bytes.len().next_multiple_of(4), 0);
-        let mut places = Vec::new();
+        let mut directory = Vec::new();
         for (tag, kind, values) in &mut entries {
             let count = values.len() as u32;
             let value = if count == 1 {
                 values[0]
             } else {
-                let place = bytes.len() as u32;
+                let offset = bytes.len() as u32;
                 values.iter().for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
-                place
+                offset
             };
-            places.push((*tag, *kind, count, value));
+            directory.push((*tag, *kind, count, value));
         }
-        places.push((BITS, 3, 3, bits));
-        places.extend(text.map(|(place, length)| (DESCRIPTION, 2, length, place)));
-        places.sort_unstable();
+        directory.push((BITS, 3, 3, bits));
+        directory.extend(text.map(|(offset, length)| (DESCRIPTION, 2, length, offset)));
+        directory.sort_unstable();
         let start = bytes.len() as u32;
         bytes[4..8].copy_from_slice(&start.to_le_bytes());
-        bytes.extend_from_slice(&(places.len() as u16).to_le_bytes());
-        for (tag, kind, count, value) in places {
+        bytes.extend_from_slice(&(directory.len() as u16).to_le_bytes());
+        for (tag, kind, count, value) in directory {
             bytes.extend_from_slice(&tag.to_le_bytes());
             bytes.extend_from_slice(&kind.to_le_bytes());
             bytes.extend_from_slice(&count.to_le_bytes());
@@ -177,7 +181,7 @@ impl Directory<'_> {
     }
 }
 
-/// A TIFF file's bytes and the order of the bytes of its numbers.
+/// The bytes of a TIFF file and its byte order.
 struct File<'a> {
     bytes: &'a [u8],
     little: bool,
@@ -190,7 +194,7 @@ impl File<'_> {
         Some(if self.little { bytes.iter().rev().fold(0, fold) } else { bytes.iter().fold(0, fold) })
     }
 
-    /// The numbers of a tag, and where they stand.
+    /// The values of a tag, and their offset.
     fn tag(&self, tag: u16) -> Option<(Vec<u32>, usize)> {
         let directory = self.number(4, 4)? as usize;
         let entries = self.number(directory, 2)? as usize;
@@ -204,11 +208,11 @@ impl File<'_> {
             _ => return None,
         };
         let count = self.number(entry + 4, 4)? as usize;
-        let place = if count.checked_mul(size)? <= 4 { entry + 8 } else { self.number(entry + 8, 4)? as usize };
-        // All of it must be there before memory is taken.
-        self.bytes.get(place..place.checked_add(count * size)?)?;
-        let numbers = (0..count).filter_map(|index| self.number(place + index * size, size)).collect();
-        Some((numbers, place))
+        let offset = if count.checked_mul(size)? <= 4 { entry + 8 } else { self.number(entry + 8, 4)? as usize };
+        // Check the length before allocating memory.
+        self.bytes.get(offset..offset.checked_add(count * size)?)?;
+        let numbers = (0..count).filter_map(|index| self.number(offset + index * size, size)).collect();
+        Some((numbers, offset))
     }
 
     fn one(&self, tag: u16) -> Option<u32> {
@@ -216,7 +220,7 @@ impl File<'_> {
     }
 }
 
-/// The picture of a file in LogLuv, as RGB in Radiance's primaries; `None` for any other.
+/// Reads a LogLuv picture as RGB in Radiance's primaries; `None` for any other file.
 pub(crate) fn read(bytes: &[u8]) -> Option<Result<Tiff, PictureError>> {
     let little = match bytes.get(..4)? {
         b"II\x2a\0" => true,
@@ -235,17 +239,20 @@ pub(crate) fn read(bytes: &[u8]) -> Option<Result<Tiff, PictureError>> {
 fn read_pixels(file: &File<'_>) -> Option<Tiff> {
     let (width, height) = (file.one(WIDTH)? as usize, file.one(HEIGHT)? as usize);
     let rows = (file.one(ROWS_A_STRIP).unwrap_or(u32::MAX) as usize).min(height).max(1);
-    let (places, lengths) = (file.tag(STRIP_OFFSETS)?.0, file.tag(STRIP_BYTES)?.0);
-    // A row of four planes takes at least eight bytes for each 127 pixels.
+    let (offsets, lengths) = (file.tag(STRIP_OFFSETS)?.0, file.tag(STRIP_BYTES)?.0);
+    // A row of four planes takes at least eight bytes per 127 pixels.
     let least = height.checked_mul(8 * width.div_ceil(129))?;
-    if width == 0 || least > file.bytes.len() || places.len() != height.div_ceil(rows) || lengths.len() != places.len()
+    if width == 0
+        || least > file.bytes.len()
+        || offsets.len() != height.div_ceil(rows)
+        || lengths.len() != offsets.len()
     {
         return None;
     }
     let to_rgb = RgbPrimaries::STANDARD.xyz_to_rgb()?;
     let mut values = Vec::with_capacity(3 * width * height);
-    for (strip, (place, length)) in places.iter().zip(&lengths).enumerate() {
-        let mut packed = file.bytes.get(*place as usize..(*place as usize).checked_add(*length as usize)?)?;
+    for (strip, (offset, length)) in offsets.iter().zip(&lengths).enumerate() {
+        let mut packed = file.bytes.get(*offset as usize..(*offset as usize).checked_add(*length as usize)?)?;
         for _ in 0..rows.min(height - strip * rows) {
             let mut codes = vec![0u32; width];
             for plane in (0..4).rev() {
@@ -256,15 +263,15 @@ fn read_pixels(file: &File<'_>) -> Option<Tiff> {
             }
         }
     }
-    let header = file.tag(DESCRIPTION).map(|(numbers, place)| {
-        let text = &file.bytes[place..place + numbers.len()];
+    let header = file.tag(DESCRIPTION).map(|(numbers, offset)| {
+        let text = &file.bytes[offset..offset + numbers.len()];
         text.split(|byte| *byte == 0).next().unwrap_or_default().to_vec()
     });
     let header = header.filter(|text| text.starts_with(b"#?")).map(|text| Header::read_text(&text));
     Some(Tiff { width, height, components: 3, pixels: TiffPixels::Floats(values), header, date: None })
 }
 
-/// Unpacks one plane into the bits from `shift` on and gives what follows it.
+/// Unpacks one plane into the bits from `shift` on and returns the rest of the input.
 fn unpack<'a>(mut packed: &'a [u8], shift: u32, codes: &mut [u32]) -> Option<&'a [u8]> {
     let mut at = 0;
     while at < codes.len() {
@@ -308,7 +315,7 @@ mod tests {
     #[test]
     fn broken_files_are_refused() {
         let bytes = write_log_luv((200, 5), &values(), None).unwrap();
-        // What stands at the very end is not needed to read the pixels.
+        // The data at the very end are not needed to read the pixels.
         for length in (8..bytes.len() - 64).step_by(7) {
             assert!(read_tiff_pixels(&bytes[..length]).is_err(), "{length}");
         }

@@ -1,9 +1,10 @@
 //! Float matrices: a Radiance header, then plain numbers. The lossless form of a picture.
 //!
-//! The header has `FORMAT=` `ascii` (also when missing), `float` or `double`, `NCOMP=` (3 when missing), and either
-//! `NROWS=` and `NCOLS=` or, after the header, a resolution line. Rows come from the top, as `pvalue` writes them for
-//! pictures in the usual order; other orders are turned upright. `BigEndian=1` says that binary values have their most
-//! significant byte first. A matrix with `NCOLS=` but without `NROWS=` goes on to the end of the file.
+//! The header has `FORMAT=` `ascii` (the default), `float` or `double`, `NCOMP=` (default 3), and
+//! either `NROWS=` and `NCOLS=` or, after the header, a resolution line. Rows start at the top, as
+//! `pvalue` writes them in standard orientation; other orientations are converted. `BigEndian=1`
+//! declares big-endian binary values. A matrix with `NCOLS=` but without `NROWS=` extends to the
+//! end of the file.
 
 use crate::error::shown;
 use crate::pfm::binary_values;
@@ -22,7 +23,7 @@ pub enum MatrixFormat {
 }
 
 impl MatrixFormat {
-    /// The word in the `FORMAT=` line.
+    /// The value of the `FORMAT=` line.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -67,7 +68,7 @@ pub enum MatrixValues {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloatMatrix {
-    /// All lines of the header, also those that say how the values were stored.
+    /// All lines of the header, including those that describe the storage.
     pub header: Header,
     /// How the numbers were stored.
     pub format: MatrixFormat,
@@ -76,7 +77,7 @@ pub struct FloatMatrix {
 }
 
 impl FloatMatrix {
-    /// Reads a matrix; bytes after it are ignored, as Radiance does.
+    /// Reads a matrix; bytes after it are ignored, as in Radiance.
     ///
     /// # Errors
     /// When the header does not describe a matrix, or the numbers end too early.
@@ -84,7 +85,7 @@ impl FloatMatrix {
         Ok(FloatMatrix::read_first(bytes)?.0)
     }
 
-    /// Reads the matrix at the start of the bytes and says how many bytes it took.
+    /// Reads the matrix at the start of the bytes. Also returns its length in bytes.
     ///
     /// # Errors
     /// As [`FloatMatrix::read`].
@@ -134,7 +135,7 @@ impl FloatMatrix {
         }
     }
 
-    /// Writes single-precision values. The lines of `header` that say how values are stored are replaced.
+    /// Writes single-precision values. Lines of `header` that describe the storage are replaced.
     #[must_use]
     pub fn write_f32(header: &Header, image: &Image<f32>, format: MatrixFormat) -> Vec<u8> {
         let mut out = begin(header, (image.width(), image.height(), image.components()), format);
@@ -146,7 +147,7 @@ impl FloatMatrix {
         out
     }
 
-    /// Writes double-precision values. The lines of `header` that say how values are stored are replaced.
+    /// Writes double-precision values. Lines of `header` that describe the storage are replaced.
     #[must_use]
     pub fn write_f64(header: &Header, image: &Image<f64>, format: MatrixFormat) -> Vec<u8> {
         let mut out = begin(header, (image.width(), image.height(), image.components()), format);
@@ -194,7 +195,7 @@ fn ascii_values(
     (width, height, components): (usize, usize, usize),
 ) -> Result<(Vec<f64>, usize), PictureError> {
     let rest = &bytes[start..];
-    // A number takes at least a digit and a space, but for the last.
+    // A number takes at least a digit and a space, except the last.
     let count = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(components));
     let Some(count) = count.filter(|count| *count <= rest.len() / 2 + 1) else {
         let (width, height, components) = (width as u64, height as u64, components as u64);
@@ -216,7 +217,8 @@ fn ascii_values(
     Ok((numbers, at))
 }
 
-/// The header with the lines that describe the storage at its end, padded so that binary values are aligned.
+/// The header with the description of the storage at its end, padded so that binary values are
+/// aligned.
 fn begin(header: &Header, (width, height, components): (usize, usize, usize), format: MatrixFormat) -> Vec<u8> {
     let mut described = header.history();
     if described.is_empty() {

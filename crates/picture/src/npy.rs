@@ -10,8 +10,8 @@ use crate::{Image, PictureError};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// Reads an array of shape (height, width) or (height, width, components); (width) is one row. Double precision is
-/// rounded to single.
+/// Reads an array of shape (height, width) or (height, width, components); shape (width) is one
+/// row. Double precision is rounded to single.
 ///
 /// # Errors
 /// When the bytes are not such an array, or end too early.
@@ -54,7 +54,7 @@ fn header(description: &str, height: usize, width: usize, components: usize) -> 
     let depth = if components == 1 { String::new() } else { format!(", {components}") };
     let mut dictionary =
         format!("{{'descr': '{description}', 'fortran_order': False, 'shape': ({height}, {width}{depth}), }}");
-    // The values begin at a multiple of 64 bytes; the dictionary ends with a line end.
+    // The values begin at a multiple of 64 bytes, and the dictionary ends with a line end.
     let before = MAGIC.len() + 4;
     while !(before + dictionary.len() + 1).is_multiple_of(64) {
         dictionary.push(' ');
@@ -117,7 +117,7 @@ fn layout(bytes: &[u8]) -> Result<Layout, PictureError> {
     Ok(Layout { start, shape: shape(&dictionary, first)?, value: value(&dictionary, first)? })
 }
 
-/// What follows `'name':` in the dictionary.
+/// The text after `'name':` in the dictionary.
 fn entry<'a>(dictionary: &'a str, offset: usize, name: &'static str) -> Result<&'a str, PictureError> {
     let quoted = [format!("'{name}'"), format!("\"{name}\"")];
     let at = quoted.iter().find_map(|name| Some(dictionary.find(name.as_str())? + name.len()));
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_read_is_named() {
+    fn unsupported_arrays_are_named() {
         let swap = |from: &str, to: &str| {
             let image = Image::new(1, 1, 1, vec![0f32]).unwrap();
             String::from_utf8_lossy(&write_npy(&image)[10..]).replace(from, to)
@@ -190,13 +190,13 @@ mod tests {
             [MAGIC, &[2, 0], &(dictionary.len() as u32).to_le_bytes(), dictionary.as_bytes()].concat()
         };
         let error = |from: &str, to: &str| read_npy(&rebuilt(swap(from, to))).unwrap_err().to_string();
-        assert_eq!(error("<f4", "<i4"), "npy with values of type \"'<i4'\" is not read, expected f4 or f8");
+        assert_eq!(error("<f4", "<i4"), "npy with values of type \"'<i4'\" is not supported, expected f4 or f8");
         assert_eq!(
             error("False", "True"),
-            "npy with columns first (Fortran order) is not read, expected rows first (C order)"
+            "npy with columns first (Fortran order) is not supported, expected rows first (C order)"
         );
         assert!(error("(1, 1)", "(0, 1)").contains("shape"));
-        assert!(error("(1, 1)", "(99999999, 99999999999)").contains("claimed"));
+        assert!(error("(1, 1)", "(99999999, 99999999999)").contains("declared"));
         assert!(read_npy(MAGIC).is_err() && read_npy(b"").is_err());
     }
 }

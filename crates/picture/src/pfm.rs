@@ -1,7 +1,8 @@
-//! Portable float maps (`.pfm`), the form of the lossless exposures.
+//! Portable float maps (`.pfm`), the format of lossless exposures.
 //!
-//! `PF` (three components) or `Pf` (one), width and height, and a scale whose sign tells the byte order (negative: least
-//! significant byte first) and whose magnitude multiplies the values; then single-precision values, the bottom row first.
+//! `PF` (three components) or `Pf` (one), width and height, and a scale. The sign of the scale
+//! gives the byte order (negative: little-endian), and its magnitude multiplies the values.
+//! Single-precision values follow, bottom row first.
 
 use crate::error::shown;
 use crate::{Image, PictureError};
@@ -35,7 +36,7 @@ pub fn read_pfm(bytes: &[u8]) -> Result<Image<f32>, PictureError> {
         let expected = "a scale that is not zero".into();
         return Err(PictureError::Unexpected { offset, expected, found: shown(word) });
     }
-    // Exactly one byte of white space stands between the scale and the values.
+    // Exactly one byte of white space separates the scale from the values.
     let start = words.at + 1;
     let values = binary_values(bytes, start, (width, height, components), 4)?;
     let scale_magnitude = scale.abs() as f32;
@@ -48,7 +49,7 @@ pub fn read_pfm(bytes: &[u8]) -> Result<Image<f32>, PictureError> {
     Ok(image)
 }
 
-/// Writes a float map, least significant byte first.
+/// Writes a little-endian float map.
 ///
 /// # Errors
 /// [`PictureError::Shape`] unless there are one or three components.
@@ -75,7 +76,7 @@ pub fn write_pfm(image: &Image<f32>) -> Result<Vec<u8>, PictureError> {
     Ok(out)
 }
 
-/// The bytes of `width * height * components` values from `start`, if they are all there.
+/// The bytes of `width * height * components` values from `start`, if there are that many.
 pub(crate) fn binary_values(
     bytes: &[u8],
     start: usize,
@@ -136,11 +137,11 @@ mod tests {
     }
 
     #[test]
-    fn a_claim_beyond_the_bytes_fails_at_once() {
+    fn a_declared_size_beyond_the_bytes_fails_at_once() {
         let error = read_pfm(b"Pf\n1000000000 1000000000\n-1\nabcd").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "byte 28: 1000000000 x 1000000000 pixels of 1 components are claimed, which 4 bytes cannot hold"
+            "byte 28: 1000000000 x 1000000000 pixels of 1 components are declared, which 4 bytes cannot hold"
         );
         for bad in [&b""[..], b"P5 1 1 255 a", b"Pf\n-1 1\n-1\n", b"Pf\n1 1\n0\nabcd", b"Pf 1 1 x\nabcd", b"Pf 1 1 -1"]
         {

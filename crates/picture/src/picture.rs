@@ -1,27 +1,29 @@
-//! Radiance pictures: RGBE, XYZE and spectra with a common exponent.
+//! Radiance pictures: RGBE, XYZE and spectra with a shared exponent.
 
 use crate::color::xyz_to_rgb;
 use crate::rgbe::{decode_spectrum, encode_rgbe, encode_spectrum, mantissa_step};
 use crate::{Header, Image, PictureError, Resolution, RgbPrimaries, scanline};
 use radsight_units::photometry::WHITE_EFFICACY;
 
-/// What the values of a pixel are.
+/// The meaning of a pixel's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Encoding {
-    /// `32-bit_rle_rgbe`, also where no format is given: radiance in three bands, in W/(sr·m²).
+    /// `32-bit_rle_rgbe`, the default: radiance in three bands, W/(sr·m²).
     Rgbe,
     /// `32-bit_rle_xyze`: CIE tristimulus values; Y is the luminance in cd/m².
     Xyze,
-    /// `Radiance_spectra`: radiance in equal bands from the longest wavelength to the shortest, in W/(sr·m²).
+    /// `Radiance_spectra`: radiance in equal bands from the longest wavelength to the shortest,
+    /// W/(sr·m²).
     Spectral {
-        /// The longest wavelength, the borders of red to green and green to blue, the shortest; in nm, falling.
+        /// The longest wavelength, the limits between red and green and between green and blue, the
+        /// shortest; in nm, decreasing.
         splits: [f32; 4],
     },
 }
 
 impl Encoding {
-    /// Where `WAVELENGTH_SPLITS` is missing, in nm.
+    /// The default of `WAVELENGTH_SPLITS`, nm.
     pub const USUAL_SPLITS: [f32; 4] = [780.0, 588.0, 480.0, 380.0];
 
     /// The value of the `FORMAT=` line.
@@ -53,9 +55,10 @@ impl Encoding {
     }
 }
 
-/// A picture as stored: its header, and its pixels as bytes, four for RGBE and XYZE.
+/// A picture as stored: its header, and its pixels as bytes, four each for RGBE and XYZE.
 ///
-/// Values come in two scales: *raw* as decoded, and *radiance*, which undoes every EXPOSURE and COLORCORR of the header.
+/// Values are *raw* as decoded, or *radiance* with every EXPOSURE and COLORCORR of the header
+/// undone.
 ///
 /// ```
 /// use radsight_picture::{Header, Image, Picture};
@@ -75,29 +78,29 @@ pub struct Picture {
     pixels: Image<u8>,
 }
 
-/// A picture whose end may be missing, such as one that is still being rendered.
+/// A picture that may be incomplete, for example while it is being rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartialPicture {
-    /// The picture; what was not there is black.
+    /// The picture; missing pixels are black.
     pub picture: Picture,
-    /// How many scanlines of the file were there, in the order of its resolution line.
+    /// Number of complete scanlines, in the order of the resolution line.
     pub complete_scanlines: usize,
-    /// The first byte that was not read.
+    /// Number of bytes read.
     pub used: usize,
-    /// Why the next scanline could not be read; `None` if all were there.
+    /// Why the next scanline could not be read; `None` if the picture is complete.
     pub error: Option<PictureError>,
 }
 
 impl Picture {
-    /// Reads a picture; bytes after it are ignored, as Radiance does.
+    /// Reads a picture; bytes after it are ignored, as in Radiance.
     ///
     /// # Errors
-    /// When the header or the resolution is wrong, or the pixels are malformed or too few.
+    /// When the header or the resolution is wrong, or pixels are malformed or missing.
     pub fn read(bytes: &[u8]) -> Result<Picture, PictureError> {
         Ok(Picture::read_first(bytes)?.0)
     }
 
-    /// Reads the picture at the start of the bytes and says how many bytes it took.
+    /// Reads the picture at the start of the bytes. Also returns its length in bytes.
     ///
     /// # Errors
     /// As [`Picture::read`].
@@ -109,10 +112,11 @@ impl Picture {
         }
     }
 
-    /// Reads as many scanlines as there are.
+    /// Reads the complete scanlines of a picture.
     ///
     /// # Errors
-    /// When the header or the resolution is wrong, or claims so many pixels that the bytes cannot be most of a picture.
+    /// When the header or the resolution is wrong, or the declared size far exceeds what the bytes
+    /// can hold.
     pub fn read_partial(bytes: &[u8]) -> Result<PartialPicture, PictureError> {
         let (header, start) = Header::read(bytes)?;
         let encoding = Encoding::from_header(&header)?;
@@ -127,8 +131,9 @@ impl Picture {
         Ok(PartialPicture { picture, complete_scanlines, used, error })
     }
 
-    /// Encodes RGB values; one component is taken for all three. `header` is kept but for the lines that say how values
-    /// are stored; it should have an EXPOSURE if the values are not radiances.
+    /// Encodes RGB values; a single component is used for all three. Lines of `header` that
+    /// describe the storage are replaced. It should have an EXPOSURE if the values are not
+    /// radiances.
     ///
     /// # Errors
     /// [`PictureError::Shape`] unless there are one or three components.
@@ -168,7 +173,7 @@ impl Picture {
             1 if encoding == Encoding::Rgbe => {
                 values.data().iter().flat_map(|value| encode_rgbe([*value; 3])).collect()
             }
-            _ => return Err(bad_shape(values, "3 components for a picture, or 1 for a grey one")),
+            _ => return Err(bad_shape(values, "1 or 3 components for a picture")),
         };
         let pixels = Image::new(values.width(), values.height(), scanline::PIXEL, data)?;
         let resolution = Resolution::standard(values.width(), values.height());
@@ -181,58 +186,59 @@ impl Picture {
         &self.header
     }
 
-    /// The header, to change.
+    /// The header, mutable.
     pub fn header_mut(&mut self) -> &mut Header {
         &mut self.header
     }
 
-    /// What the values are.
+    /// The meaning of the values.
     #[must_use]
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// The size, and the order that the pixels had in the file.
+    /// The size, and the order of the pixels in the file.
     #[must_use]
     pub fn resolution(&self) -> Resolution {
         self.resolution
     }
 
-    /// Pixels a row.
+    /// Width in pixels.
     #[must_use]
     pub fn width(&self) -> usize {
         self.pixels.width()
     }
 
-    /// Rows.
+    /// Height in pixels.
     #[must_use]
     pub fn height(&self) -> usize {
         self.pixels.height()
     }
 
-    /// Values a pixel: 3, or more for spectra.
+    /// Values per pixel: 3, or more for spectra.
     #[must_use]
     pub fn components(&self) -> usize {
         self.pixels.components() - 1
     }
 
-    /// The pixels as bytes: the mantissas and then the exponent of each; row 0 is the top.
+    /// The pixels as bytes: the mantissas of each, then its exponent; row 0 is the top.
     #[must_use]
     pub fn pixels(&self) -> &Image<u8> {
         &self.pixels
     }
 
-    /// All raw values, as `pvalue` prints them but for spectra, which keep all their bands.
+    /// All raw values, as `pvalue` prints them, except that spectra keep all bands.
     #[must_use]
     pub fn values(&self) -> Image<f32> {
         self.scaled(&vec![1.0; self.components()])
     }
 
-    /// All values with the exposure and the colour correction of the header undone: radiances in W/(sr·m²), or for XYZE
-    /// tristimulus values with Y in cd/m². In a spectrum every band beyond the third takes the correction of the second.
+    /// All values with exposure and colour correction undone: radiances in W/(sr·m²), or for XYZE
+    /// tristimulus values with Y in cd/m². Bands of a spectrum beyond the third use the correction
+    /// of the second.
     ///
     /// # Errors
-    /// When the header has an EXPOSURE or COLORCORR that cannot be.
+    /// When an EXPOSURE or COLORCORR in the header is invalid.
     pub fn radiance(&self) -> Result<Image<f32>, PictureError> {
         let scale = self.header.radiance_scale()?;
         let scales: Vec<f32> = (0..self.components()).map(|i| *scale.get(i).unwrap_or(&scale[1])).collect();
@@ -259,11 +265,11 @@ impl Picture {
                 }
             }
         }
-        Image::new(self.width(), self.height(), components, data).expect("the data was made for this shape")
+        Image::new(self.width(), self.height(), components, data).expect("the data have this shape")
     }
 
-    /// Raw values in three components: those of RGBE and XYZE as they are, and the mean of a spectrum in each of its
-    /// three parts. This is what `pvalue` prints, and what `colorpict` takes.
+    /// Raw values in three components: RGBE and XYZE unchanged, and the mean of a
+    /// spectrum in its red, green and blue ranges. `pvalue` prints these, and `colorpict` uses them.
     #[must_use]
     pub fn three_values(&self) -> Image<f32> {
         let values = self.values();
@@ -277,11 +283,11 @@ impl Picture {
         }
     }
 
-    /// Radiances in Radiance's standard primaries, in W/(sr·m²), whatever the encoding; of XYZE the colours that those
-    /// primaries cannot show are moved towards grey. `PRIMARIES` of an RGBE picture are not considered.
+    /// Radiances in Radiance's standard primaries, W/(sr·m²), for any encoding. Colours of XYZE
+    /// outside the gamut are desaturated. `PRIMARIES` of an RGBE picture are ignored.
     ///
     /// # Errors
-    /// When the header has an EXPOSURE or COLORCORR that cannot be.
+    /// When an EXPOSURE or COLORCORR in the header is invalid.
     pub fn rgb_radiance(&self) -> Result<Image<f32>, PictureError> {
         let scale = self.header.radiance_scale()?;
         let mut values = self.three_values();
@@ -295,7 +301,7 @@ impl Picture {
         Ok(values)
     }
 
-    /// The picture as a file, its rows from the top, run-length encoded (spectra are stored flat).
+    /// The picture as a file, rows from the top, run-length encoded (spectra are stored flat).
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         self.to_bytes_in(Resolution::standard(self.width(), self.height()))
@@ -337,7 +343,7 @@ fn bad_shape(values: &Image<f32>, expected: &'static str) -> PictureError {
     PictureError::Shape { width, height, components, values: values.data().len(), expected }
 }
 
-/// How many values a pixel has.
+/// Number of values per pixel.
 pub(crate) fn components_of(header: &Header, encoding: Encoding) -> Result<usize, PictureError> {
     let components = header.components()?.unwrap_or(3);
     let (fits, expected) = match encoding {
@@ -351,10 +357,10 @@ pub(crate) fn components_of(header: &Header, encoding: Encoding) -> Result<usize
     Err(PictureError::HeaderValue { line, name: "NCOMP", value: components.to_string(), expected })
 }
 
-/// The number of bytes of the decoded pixels, if those at hand can hold so many.
+/// The size of the decoded pixels in bytes, if the remaining bytes can hold that many.
 fn checked_size(bytes: &[u8], start: usize, resolution: &Resolution, components: usize) -> Result<usize, PictureError> {
-    // A count of two bytes stands for at most 127 of the decoded ones. Only the old form can stand for more, and it
-    // was never used for pictures of this size.
+    // A two-byte run stands for at most 127 decoded bytes. Only the old encoding can exceed this,
+    // and it was never used for pictures of this size.
     const LARGEST_FROM_OLD_RUNS: usize = 1 << 26;
     const LARGEST_RATIO: usize = 64;
     let rest = &bytes[start..];
@@ -401,13 +407,13 @@ fn read_scanlines(
     (stored.len() / scanline_size, at, None)
 }
 
-/// The part (0 red, 1 green, 2 blue) of each band, by the wavelength of its middle.
+/// The range (0 red, 1 green, 2 blue) of each band, by its central wavelength.
 pub(crate) fn spectrum_parts(bands: usize, splits: [f32; 4]) -> Vec<usize> {
     let step = f64::from(splits[3] - splits[0]) / bands as f64;
     let mut part = 0;
     let part_of = |band: usize| {
         let middle = f64::from(splits[0]) + (band as f64 + 0.5) * step;
-        // At most one part on with each band, so that no part is empty unless bands are lacking.
+        // Advance at most one range per band, so that each has a band if there are enough.
         if part < 2 && middle < f64::from(splits[part + 1]) {
             part += 1;
         }
@@ -416,7 +422,7 @@ pub(crate) fn spectrum_parts(bands: usize, splits: [f32; 4]) -> Vec<usize> {
     (0..bands).map(part_of).collect()
 }
 
-/// The means of a spectrum in its three parts: what stands for red, green and blue where only three are wanted.
+/// The mean of a spectrum in its red, green and blue ranges.
 #[must_use]
 pub fn mean_of_spectrum(spectrum: &[f32], splits: [f32; 4]) -> [f32; 3] {
     mean_of_parts(spectrum, &spectrum_parts(spectrum.len(), splits))
@@ -490,7 +496,7 @@ mod tests {
     }
 
     #[test]
-    fn two_pictures_in_a_row_are_told_apart() {
+    fn two_concatenated_pictures_are_separated() {
         let first = Picture::from_rgb(Header::new("RADIANCE"), &gradient(20, 2, 3)).unwrap().to_bytes();
         let (_, used) = Picture::read_first(&[&first[..], b"#?RADIANCE"].concat()).unwrap();
         assert_eq!(used, first.len());

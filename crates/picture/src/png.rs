@@ -1,21 +1,21 @@
-//! PNG pictures of 8 and 16 bits, grey and RGB: what the sensor gives, and what people look at.
+//! PNG pictures of 8 and 16 bits, grey and RGB: output of the sensor and pictures for display.
 //!
-//! The values are stored as they are, with no transfer curve. The Radiance header travels along as an international text chunk with the
-//! keyword `Radiance header`, so that the history of a grey picture stays with it.
+//! Values are stored without a transfer curve. The Radiance header is stored in an international
+//! text chunk with the keyword `Radiance header`, so that a grey picture keeps its history.
 
 use crate::{Header, Image, PictureError};
 use std::io::Cursor;
 
 const KEYWORD: &str = "Radiance header";
 
-/// What a PNG file holds.
+/// The content of a PNG file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Png {
     /// One (grey), two (grey, alpha), three (RGB) or four (RGB, alpha) components, from 0 to 2^bits - 1.
     pub values: Image<u16>,
-    /// Bits of a value, 8 or 16. Files with fewer bits or a palette are widened to 8.
+    /// Bits per value, 8 or 16. Files with fewer bits or a palette are expanded to 8.
     pub bits: u8,
-    /// The Radiance header, if a program of ours wrote the file.
+    /// The Radiance header, if radsight wrote the file.
     pub header: Option<Header>,
 }
 
@@ -58,9 +58,9 @@ pub fn write_png_rgb16(image: &Image<u16>, header: Option<&Header>) -> Result<Ve
 /// Reads a PNG picture.
 ///
 /// # Errors
-/// When the bytes are not a PNG picture, or claim more pixels than they can hold.
+/// When the bytes are not a PNG picture, or declare more pixels than they can hold.
 pub fn read_png(bytes: &[u8]) -> Result<Png, PictureError> {
-    // Deflate cannot shrink by more than this factor, so no honest file needs more memory.
+    // The largest compression ratio of Deflate; no valid file needs more memory.
     const LARGEST_RATIO: usize = 1032;
     let memory = bytes.len().saturating_mul(LARGEST_RATIO).saturating_add(1 << 16);
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: memory });
@@ -117,7 +117,7 @@ fn encode<T>(
             height: image.height(),
             components: image.components(),
             values: image.data().len(),
-            expected: "at most 2^31 - 1 pixels a side for png",
+            expected: "width and height of at most 2^31 - 1 pixels for png",
         });
     };
     let mut out = Vec::new();
@@ -125,7 +125,7 @@ fn encode<T>(
     encoder.set_color(color);
     encoder.set_depth(depth);
     if let Some(header) = header {
-        // A text chunk cannot hold a zero byte.
+        // A text chunk cannot contain a zero byte.
         let text = header.to_text().replace('\0', " ");
         encoder.add_itxt_chunk(KEYWORD.to_owned(), text).map_err(codec)?;
     }

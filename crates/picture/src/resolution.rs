@@ -1,23 +1,24 @@
-//! The resolution line, and the eight orders in which a file may hold its pixels.
+//! The resolution line, and the eight orientations in which a file may store its pixels.
 
 use crate::error::shown;
 use crate::{Image, PictureError};
 use radsight_units::number;
 use std::borrow::Cow;
 
-/// The order of the pixels in a file. Left, right, top and bottom are those of the picture as one looks at it.
+/// The order of the pixels in a file. Left, right, top and bottom are those of the displayed
+/// picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Orientation {
-    /// Whether each scanline is a row, as is usual, or a column.
+    /// Whether each scanline is a row (standard) or a column.
     pub scanlines_are_rows: bool,
-    /// Whether x falls (the first pixel is at the right).
+    /// Whether x decreases (the first pixel is at the right).
     pub x_falls: bool,
-    /// Whether y falls (the first pixel is at the top), as is usual.
+    /// Whether y decreases (the first pixel is at the top, standard).
     pub y_falls: bool,
 }
 
 impl Orientation {
-    /// Rows from the top, each from the left: `-Y … +X …`.
+    /// The standard orientation, `-Y … +X …`: rows from the top, each from the left.
     pub const STANDARD: Orientation = Orientation { scanlines_are_rows: true, x_falls: false, y_falls: true };
 }
 
@@ -32,17 +33,17 @@ pub struct Resolution {
     pub orientation: Orientation,
 }
 
-/// No resolution line is longer, however it is padded.
+/// Longest resolution line including padding, bytes.
 const LONGEST_LINE: usize = 256;
 
 impl Resolution {
-    /// The usual order.
+    /// A resolution in standard orientation.
     #[must_use]
     pub fn standard(width: usize, height: usize) -> Self {
         Resolution { width, height, orientation: Orientation::STANDARD }
     }
 
-    /// Reads the line at `offset` and gives the byte after it.
+    /// Reads the line at `offset`; also returns the offset after it.
     ///
     /// # Errors
     /// [`PictureError::Unexpected`] if it is not a resolution line.
@@ -59,7 +60,7 @@ impl Resolution {
         }
     }
 
-    /// The meaning of a line: the axis named first is the one that changes from scanline to scanline.
+    /// Parses a line; the first axis is the one that changes from scanline to scanline.
     fn parse(line: &[u8]) -> Option<Resolution> {
         let axis = |name: u8| {
             let at = line.iter().rposition(|byte| *byte == name)?;
@@ -75,29 +76,29 @@ impl Resolution {
         })
     }
 
-    /// Pixels a scanline.
+    /// Pixels per scanline.
     #[must_use]
     pub fn scanline_length(&self) -> usize {
         if self.orientation.scanlines_are_rows { self.width } else { self.height }
     }
 
-    /// Scanlines.
+    /// Number of scanlines.
     #[must_use]
     pub fn scanlines(&self) -> usize {
         if self.orientation.scanlines_are_rows { self.height } else { self.width }
     }
 
-    /// The place in the view of the middle of a pixel of the file: x from 0 at the left to 1 at the right, y from 0 at
-    /// the bottom to 1 at the top.
+    /// The position in the view of a pixel's centre: x from 0 at the left to 1 at the right, y from
+    /// 0 at the bottom to 1 at the top. The pixel is given in file order.
     #[must_use]
     pub fn location(&self, position: usize, scanline: usize) -> [f64; 2] {
-        let (column, row) = self.place(position, scanline);
+        let (column, row) = self.column_and_row(position, scanline);
         let from_bottom = self.height - 1 - row;
         [(column as f64 + 0.5) / self.width as f64, (from_bottom as f64 + 0.5) / self.height as f64]
     }
 
-    /// Column from the left and row from the top of a pixel of the file.
-    fn place(&self, position: usize, scanline: usize) -> (usize, usize) {
+    /// The column from the left and the row from the top of a pixel given in file order.
+    fn column_and_row(&self, position: usize, scanline: usize) -> (usize, usize) {
         let Orientation { scanlines_are_rows, x_falls, y_falls } = self.orientation;
         let (x, y) = if scanlines_are_rows { (position, scanline) } else { (scanline, position) };
         let column = if x_falls { self.width - 1 - x } else { x };
@@ -105,10 +106,10 @@ impl Resolution {
         (column, row)
     }
 
-    /// Turns pixels in the order of the file into an image.
+    /// Converts pixels in file order to an image.
     ///
     /// # Errors
-    /// [`PictureError::Shape`] if the number of values is not right.
+    /// [`PictureError::Shape`] if the number of values is wrong.
     pub fn upright<T: Copy>(&self, components: usize, stored: Vec<T>) -> Result<Image<T>, PictureError> {
         let stored = Image::new(self.scanline_length(), self.scanlines(), components, stored)?;
         if self.orientation == Orientation::STANDARD {
@@ -117,14 +118,14 @@ impl Resolution {
         let mut upright = Image::filled(self.width, self.height, components, stored.data()[0])?;
         for (scanline, pixels) in stored.rows().enumerate() {
             for (position, pixel) in pixels.chunks_exact(components).enumerate() {
-                let (column, row) = self.place(position, scanline);
+                let (column, row) = self.column_and_row(position, scanline);
                 upright.pixel_mut(column, row).copy_from_slice(pixel);
             }
         }
         Ok(upright)
     }
 
-    /// The pixels of an image of this size in the order of the file.
+    /// The pixels of an image of this size in file order.
     ///
     /// # Panics
     /// If the image has another size.
@@ -137,7 +138,7 @@ impl Resolution {
         let mut stored = Vec::with_capacity(image.data().len());
         for scanline in 0..self.scanlines() {
             for position in 0..self.scanline_length() {
-                let (column, row) = self.place(position, scanline);
+                let (column, row) = self.column_and_row(position, scanline);
                 stored.extend_from_slice(image.pixel(column, row));
             }
         }
@@ -145,7 +146,7 @@ impl Resolution {
     }
 }
 
-/// The line as Radiance writes it, without its end.
+/// The line as Radiance writes it, without its line end.
 impl std::fmt::Display for Resolution {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Orientation { scanlines_are_rows, x_falls, y_falls } = self.orientation;

@@ -1,10 +1,11 @@
-//! Pixels with a common exponent: three or more mantissa bytes and one exponent byte.
+//! Pixels with a shared exponent: three or more mantissa bytes and one exponent byte.
 //!
-//! Source: G. Ward, "Real Pixels", Graphics Gems II, 1991. With mantissa m and exponent byte e > 0 a value is
-//! (m + ½)·2^(e − 136); all are zero where e = 0. On the way in, the exponent is that of the largest value and mantissas
-//! are cut, not rounded, so that the half step added on the way out makes the mean error zero.
+//! Source: G. Ward, "Real Pixels", Graphics Gems II, 1991. With mantissa m and exponent byte e > 0
+//! a value is (m + ½)·2^(e − 136); e = 0 means all zero. The encoder uses the exponent of the
+//! largest value and truncates mantissas; the half step added by the decoder makes the mean error
+//! zero.
 
-/// Below this the largest value of a pixel counts as black.
+/// Pixels whose largest value is below this are black.
 const DARKEST: f64 = 1e-32;
 
 /// 2^(e − 136) of each exponent byte, 0 for 0.
@@ -22,13 +23,13 @@ const fn steps() -> [f32; 256] {
     table
 }
 
-/// The size of a mantissa's step for an exponent byte, 2^(e − 136), or 0 for 0.
+/// The quantisation step of an exponent byte, 2^(e − 136), or 0 for 0.
 #[must_use]
 pub fn mantissa_step(exponent: u8) -> f32 {
     STEP[usize::from(exponent)]
 }
 
-/// The values of a pixel of three mantissas and an exponent.
+/// Decodes three mantissas and an exponent.
 ///
 /// ```
 /// assert_eq!(radsight_picture::decode_rgbe([128, 64, 0, 129]), [1.00390625, 0.50390625, 0.00390625]);
@@ -40,15 +41,15 @@ pub fn decode_rgbe([red, green, blue, exponent]: [u8; 4]) -> [f32; 3] {
     [red, green, blue].map(|mantissa| (f32::from(mantissa) + 0.5) * step)
 }
 
-/// The pixel of three values, as Radiance makes it. Negative values and NaN count as 0. Values from 2^127 on, where
-/// Radiance's exponent overflows to black, are clamped to the brightest pixel instead.
+/// Encodes three values as Radiance does. Negative values and NaN become 0. Values from 2^127 on,
+/// where Radiance's exponent overflows to black, are clamped to the brightest pixel.
 #[must_use]
 pub fn encode_rgbe([red, green, blue]: [f32; 3]) -> [u8; 4] {
     let Some((scale, exponent)) = scale_of(red.max(green).max(blue)) else { return [0; 4] };
     [(red * scale) as u8, (green * scale) as u8, (blue * scale) as u8, exponent]
 }
 
-/// Any number of values: `pixel`, which has one byte more, has the mantissas and then the exponent.
+/// Decodes any number of values. `pixel` holds their mantissas and then the exponent.
 pub fn decode_spectrum(pixel: &[u8], values: &mut [f32]) {
     let Some((exponent, mantissas)) = pixel.split_last() else { return };
     let step = mantissa_step(*exponent);
@@ -57,7 +58,7 @@ pub fn decode_spectrum(pixel: &[u8], values: &mut [f32]) {
     }
 }
 
-/// Any number of values: `pixel`, which has one byte more, gets the mantissas and then the exponent.
+/// Encodes any number of values. `pixel` receives their mantissas and then the exponent.
 pub fn encode_spectrum(values: &[f32], pixel: &mut [u8]) {
     let Some((last, mantissas)) = pixel.split_last_mut() else { return };
     let Some((scale, exponent)) = scale_of(values.iter().copied().fold(0.0, f32::max)) else {
@@ -70,12 +71,13 @@ pub fn encode_spectrum(values: &[f32], pixel: &mut [u8]) {
     }
 }
 
-/// The factor that brings the largest value to 128..256, and the exponent byte; `None` for black.
+/// The factor that scales the largest value to 128..256, and the exponent byte; `None` for black.
 fn scale_of(largest: f32) -> Option<(f32, u8)> {
     if f64::from(largest) <= DARKEST || largest.is_nan() {
         return None;
     }
-    // largest = fraction · 2^exponent with 0.5 <= fraction < 1; the bound keeps the exponent in its byte.
+    // largest = fraction · 2^exponent with 0.5 <= fraction < 1; the bound keeps the exponent within
+    // a byte.
     let exponent = ((largest.to_bits() >> 23) as i32 - 126).min(127);
     let scale = f32::from_bits(((135 - exponent) as u32) << 23);
     Some((scale, (exponent + 128) as u8))

@@ -1,29 +1,32 @@
-//! The three ways in which a scanline of pixels is stored: flat, old and new run-length.
+//! The three encodings of a scanline: flat, old and new run-length.
 //!
-//! - **New**: the bytes 2, 2 and the length (high byte below 128), then each byte of the pixels on its own (all first
-//!   mantissas, then all second ones …): a count above 128 repeats the next byte (count − 128) times, one up to 128 is followed by so many bytes.
-//! - **Old**: pixels in turn; (1, 1, 1, n) repeats the pixel before it n times, and n · 256 times directly after another repeat, and so on.
-//! - **Flat**: pixels in turn. It is an old scanline without repeats.
+//! - **New**: the bytes 2, 2 and the length (high byte below 128), then each component byte as a
+//!   plane (all first mantissas, then all second ones …). A count above 128 repeats the next byte
+//!   (count − 128) times; a count up to 128 precedes that many literal bytes.
+//! - **Old**: interleaved pixels; (1, 1, 1, n) repeats the previous pixel n times, and n · 256
+//!   times directly after another repeat, and so on.
+//! - **Flat**: interleaved pixels. It is an old scanline without repeats.
 //!
-//! Source: G. Ward, "Real Pixels", Graphics Gems II, 1991, and what Radiance's programs read and write.
+//! Source: G. Ward, "Real Pixels", Graphics Gems II, 1991, and the behaviour of Radiance's
+//! programs.
 
 use crate::PictureError;
 use crate::rgbe::{decode_rgbe, encode_rgbe};
 
-/// Bytes of an RGBE or XYZE pixel.
+/// Size of an RGBE or XYZE pixel, bytes.
 pub(crate) const PIXEL: usize = 4;
-/// The shortest scanline that is written with run-lengths.
+/// Shortest scanline to be run-length encoded.
 const SHORTEST_ENCODED: usize = 17;
-/// The longest scanline whose length fits the new form.
+/// Longest scanline that the new encoding supports.
 const LONGEST_ENCODED: usize = 0x7fff;
-/// The shortest run that is worth its two bytes.
+/// Shortest run that saves space.
 const SHORTEST_RUN: usize = 4;
-/// The longest run that a count can say.
+/// Longest run of one count.
 const LONGEST_RUN: usize = 127;
-/// The longest stretch without runs that a count can say.
+/// Longest literal sequence of one count.
 const LONGEST_STRETCH: usize = 128;
 
-/// Decodes the scanline at `offset` into `row` (four bytes a pixel) and gives the offset after it.
+/// Decodes the scanline at `offset` into `row` (four bytes per pixel); returns the offset after it.
 pub(crate) fn read(bytes: &[u8], offset: usize, row: &mut [u8], planes: &mut Vec<u8>) -> Result<usize, PictureError> {
     let Some(first) = bytes.get(offset..offset + PIXEL) else { return Err(truncated(bytes)) };
     if first[0] != 2 || first[1] != 2 || first[2] >= 128 {
@@ -78,7 +81,8 @@ fn interleave(planes: &[u8], row: &mut [u8]) {
     }
 }
 
-/// Decodes an old or flat scanline. The first pixel is never a repeat; a repeat past the end of the scanline is cut.
+/// Decodes an old or flat scanline. The first pixel is never a repeat; a repeat past the end of the
+/// scanline is truncated.
 fn read_old(bytes: &[u8], offset: usize, row: &mut [u8]) -> Result<usize, PictureError> {
     let pixels = row.as_chunks_mut::<PIXEL>().0;
     let (mut at, mut filled, mut shift) = (offset, 0, 0u32);
@@ -106,8 +110,8 @@ fn truncated(bytes: &[u8]) -> PictureError {
     PictureError::Truncated { offset: bytes.len(), expected: "more pixels".into() }
 }
 
-/// Writes a scanline, in the new form where its length allows, else flat. The bytes are those that Radiance writes, but
-/// for a flat scanline with pixels that would be taken for something else.
+/// Writes a scanline in the new encoding if its length allows, otherwise flat. The bytes equal
+/// Radiance's, except for flat scanlines whose pixels would be misread.
 pub(crate) fn write(row: &[u8], out: &mut Vec<u8>, plane: &mut Vec<u8>) {
     let width = row.len() / PIXEL;
     if !(SHORTEST_ENCODED..=LONGEST_ENCODED).contains(&width) {
@@ -129,13 +133,15 @@ pub(crate) fn write(row: &[u8], out: &mut Vec<u8>, plane: &mut Vec<u8>) {
     }
 }
 
-/// Encodes a scanline of RGB (or XYZ) values and appends it to `out`, for programs that write a picture as it grows.
+/// Encodes a scanline of RGB (or XYZ) values and appends it to `out`, for programs that write a
+/// picture incrementally.
 pub fn write_rgbe_scanline(values: &[[f32; 3]], out: &mut Vec<u8>) {
     let row: Vec<u8> = values.iter().flat_map(|value| encode_rgbe(*value)).collect();
     write(&row, out, &mut Vec::new());
 }
 
-/// Whether a flat scanline cannot be taken for a new one, nor its pixels for repeats: only pixels without a leading one can.
+/// Whether a flat scanline cannot be misread as a new one, nor its pixels as repeats. This is
+/// possible only for unnormalised pixels.
 fn is_clear_when_flat(row: &[u8]) -> bool {
     let pixels = row.as_chunks::<PIXEL>().0;
     let is_mark = |pixel: &[u8; PIXEL]| pixel[..2] == [2, 2] && pixel[2] < 128;
@@ -156,13 +162,13 @@ fn write_plane(plane: &[u8], out: &mut Vec<u8>) {
     }
 }
 
-/// Where the next run that is long enough starts; the length if there is none.
+/// Start of the next run that is long enough, or the length if there is none.
 fn next_run(bytes: &[u8]) -> usize {
     bytes.windows(SHORTEST_RUN).position(|four| four[1..] == four[..SHORTEST_RUN - 1]).unwrap_or(bytes.len())
 }
 
 fn write_stretch(stretch: &[u8], out: &mut Vec<u8>) {
-    // Two or three equal bytes take two bytes as a run, and three or four as they are.
+    // Two or three equal bytes take two bytes as a run, but three or four as literals.
     if (2..SHORTEST_RUN).contains(&stretch.len()) && stretch.iter().all(|byte| *byte == stretch[0]) {
         out.extend_from_slice(&[128 + stretch.len() as u8, stretch[0]]);
         return;
@@ -173,9 +179,11 @@ fn write_stretch(stretch: &[u8], out: &mut Vec<u8>) {
     }
 }
 
-/// Whether so many scanlines can stand in so many bytes, whatever their form. `first` is the start of the pixels.
+/// Whether this many bytes can hold this many scanlines in any encoding. `pixels` holds the
+/// encoded pixels.
 pub(crate) fn can_hold(width: usize, scanlines: usize, pixels: &[u8]) -> bool {
-    // Only a scanline of one pixel is as short as a pixel; a longer old one needs at least one repeat.
+    // Only a scanline of one pixel can be as short as one pixel; a longer old one needs at least
+    // one repeat.
     let shortest = if width == 1 { PIXEL } else { 2 * PIXEL };
     scanlines.checked_mul(shortest).is_some_and(|least| least <= pixels.len())
 }
@@ -198,7 +206,7 @@ mod tests {
         let row = decoded(&repeats, 1 + 3 + 256 + 1).unwrap();
         assert!(row.chunks(4).take(260).all(|p| p == pixel));
         assert_eq!(row[260 * 4..], [5, 5, 5, 5]);
-        // The rest of a repeat past the end is dropped, and so is one that no integer can count.
+        // The excess of a repeat past the end is dropped, and so is a repeat whose count overflows.
         assert_eq!(decoded(&[&pixel[..], &[1, 1, 1, 200]].concat(), 3).unwrap(), pixel.repeat(3));
         let endless = [&pixel[..], &[1, 1, 1, 0].repeat(12), &[1, 1, 1, 1]].concat();
         assert_eq!(decoded(&endless, 3).unwrap(), pixel.repeat(3));
@@ -221,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_that_look_like_marks_survive_in_short_scanlines() {
+    fn pixels_that_resemble_marks_survive_in_short_scanlines() {
         for row in
             [vec![2, 2, 0, 3, 9, 9, 9, 9, 8, 8, 8, 8], vec![200, 0, 0, 9, 1, 1, 1, 7, 1, 1, 1, 7], vec![2, 2, 0, 1]]
         {

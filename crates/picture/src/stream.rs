@@ -1,18 +1,18 @@
-//! Pictures of any size, a scanline at a time.
+//! Reads and writes pictures of any size, one scanline at a time.
 
 use crate::picture::{components_of, mean_of_parts, spectrum_parts};
 use crate::rgbe::{decode_spectrum, encode_spectrum};
 use crate::{Encoding, Header, PictureError, Resolution, decode_rgbe, encode_rgbe, scanline};
 use std::io::{Read, Write};
 
-/// The longest header that is read, in bytes.
+/// Largest header, bytes.
 const LONGEST_HEADER: usize = 1 << 24;
-/// The longest scanline that is read or written, in pixels: a scanline is held in memory.
+/// Longest scanline, pixels. One scanline is held in memory.
 const LONGEST_SCANLINE: usize = 1 << 22;
-/// How many bytes are asked for at a time.
+/// Number of bytes per read.
 const CHUNK: usize = 1 << 18;
 
-/// Reads the scanlines of a picture one after another, in the order of the file, and holds one of them in memory.
+/// Reads the scanlines of a picture in file order and holds one of them in memory.
 ///
 /// ```
 /// use radsight_picture::{Header, Image, Picture, PictureReader};
@@ -37,14 +37,14 @@ pub struct PictureReader<R> {
     planes: Vec<u8>,
 }
 
-/// How pixels stand in the file.
+/// The number format of stored pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Storage {
-    /// Mantissas with a common exponent.
+    /// Mantissas with a shared exponent.
     Exponent,
-    /// Floats with the least significant byte first.
+    /// Little-endian floats.
     LittleEndian,
-    /// Floats with the most significant byte first.
+    /// Big-endian floats.
     BigEndian,
 }
 
@@ -54,27 +54,27 @@ impl<R> PictureReader<R> {
         &self.header
     }
 
-    /// What the values are.
+    /// The meaning of the values.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// Values a pixel: 3, or more for spectra.
+    /// Values per pixel: 3, or more for spectra.
     pub fn components(&self) -> usize {
         self.components
     }
 
-    /// The size, and the order of the pixels.
+    /// The size, and the order of the pixels in the file.
     pub fn resolution(&self) -> Resolution {
         self.resolution
     }
 
-    /// The scanline that was read last, as stored.
+    /// The last scanline read, as stored.
     pub fn stored(&self) -> &[u8] {
         &self.stored
     }
 
-    /// Scanlines that are still to be read.
+    /// Number of scanlines left to read.
     pub fn scanlines_left(&self) -> usize {
         self.left
     }
@@ -98,7 +98,8 @@ impl<R: Read> PictureReader<R> {
         PictureReader::over(bytes, header, encoding, components, resolution, Storage::Exponent)
     }
 
-    /// The picture that follows in the same source, once all of this one was read, as frames of an animation do; `None` at the end of the source.
+    /// The next picture of the same source, after all scanlines of this one, as in the frames of an
+    /// animation; `None` at the end of the source.
     ///
     /// # Errors
     /// As [`PictureReader::new`].
@@ -110,8 +111,8 @@ impl<R: Read> PictureReader<R> {
         PictureReader::of_picture(self.bytes, header).map(Some)
     }
 
-    /// Reads the header and the size of a picture, or of a matrix of floats with one or three components, whose components count as
-    /// those of an RGBE picture.
+    /// Reads the header and the size of a picture, or of a float matrix with one or three
+    /// components. The components of a matrix are treated as those of an RGBE picture.
     ///
     /// # Errors
     /// As [`PictureReader::new`].
@@ -150,10 +151,11 @@ impl<R: Read> PictureReader<R> {
         Ok(PictureReader { bytes, header, encoding, components, resolution, storage, left, stored, planes })
     }
 
-    /// The next scanline as stored: mantissas and exponent of each pixel, or the bytes of its floats.
+    /// The next scanline as stored: mantissas and exponent of each pixel, or the bytes of its
+    /// floats.
     ///
     /// # Errors
-    /// When it is malformed or not there, or the source fails.
+    /// When it is malformed or missing, or the source fails.
     pub fn read_stored(&mut self) -> Result<&[u8], PictureError> {
         let length = self.resolution.scanline_length();
         if self.left == 0 {
@@ -165,9 +167,10 @@ impl<R: Read> PictureReader<R> {
             _ => length * self.components * size_of::<f32>(),
         };
         if self.components == 3 && self.storage == Storage::Exponent {
-            // Only runs make a scanline longer than its pixels: by a count for each, and nobody writes counts of none.
+            // Only runs can make a scanline longer than its pixels, by one count each; no encoder
+            // writes empty counts.
             let longest = CHUNK + 16 * size;
-            // Memory is taken when there are bytes for it, so that a large number in a header costs nothing.
+            // Memory is allocated as bytes arrive, so a large number in a header costs nothing.
             self.bytes.parse(longest, |bytes| {
                 if stored.is_empty() && bytes.len() < scanline::PIXEL {
                     return Err(PictureError::Truncated { offset: bytes.len(), expected: "more pixels".into() });
@@ -189,7 +192,7 @@ impl<R: Read> PictureReader<R> {
         Ok(&self.stored)
     }
 
-    /// The raw values of the next scanline, [`PictureReader::components`] a pixel.
+    /// The raw values of the next scanline, [`PictureReader::components`] per pixel.
     ///
     /// # Errors
     /// As [`PictureReader::read_stored`].
@@ -215,7 +218,8 @@ impl<R: Read> PictureReader<R> {
 }
 
 impl<R: Read> PictureReader<R> {
-    /// The pixels of the next scanline as stored, with three mantissas; of a spectrum or a matrix those of its three values.
+    /// The next scanline as pixels with three mantissas. A spectrum or a matrix is reduced to three
+    /// values.
     ///
     /// # Errors
     /// As [`PictureReader::read_stored`].
@@ -230,7 +234,8 @@ impl<R: Read> PictureReader<R> {
         Ok(())
     }
 
-    /// The raw values of the next scanline in three components: of a spectrum the mean in each of its parts, of a grey matrix three times its value.
+    /// The raw values of the next scanline in three components: the mean of a
+    /// spectrum in its colour ranges, the value of a grey matrix repeated.
     ///
     /// # Errors
     /// As [`PictureReader::read_stored`].
@@ -258,7 +263,7 @@ impl<R: Read> PictureReader<R> {
     }
 }
 
-/// Writes a picture a scanline at a time. The header comes first and is taken as it is, with whatever lines the program has put in it.
+/// Writes a picture one scanline at a time. The header is written first, unchanged.
 #[derive(Debug)]
 pub struct PictureWriter<W> {
     target: W,
@@ -269,10 +274,10 @@ pub struct PictureWriter<W> {
 }
 
 impl<W: Write> PictureWriter<W> {
-    /// Writes the header, with the empty line at its end, and the resolution.
+    /// Writes the header, the empty line after it, and the resolution.
     ///
     /// # Errors
-    /// When scanlines would be too long to hold, or the target fails.
+    /// When scanlines are too long to hold in memory, or the target fails.
     pub fn new(
         mut target: W,
         header: &Header,
@@ -320,7 +325,7 @@ impl<W: Write> PictureWriter<W> {
         Ok(self.target.write_all(&self.encoded)?)
     }
 
-    /// Writes a scanline of pixels as stored, without run-lengths.
+    /// Writes a scanline of pixels as stored, without run-length encoding.
     ///
     /// # Errors
     /// When the target fails.
@@ -328,7 +333,7 @@ impl<W: Write> PictureWriter<W> {
         Ok(self.target.write_all(stored)?)
     }
 
-    /// Sends on what is still held back.
+    /// Flushes buffered data.
     ///
     /// # Errors
     /// When the target fails.
@@ -350,14 +355,14 @@ fn check_length(resolution: &Resolution, components: usize) -> Result<(), Pictur
     })
 }
 
-/// The bytes of a source that have not been used yet.
+/// The unused bytes of a source.
 #[derive(Debug)]
 struct Bytes<R> {
     source: R,
     buffer: Vec<u8>,
-    /// What has been used of the buffer.
+    /// Start of the unused bytes in the buffer.
     start: usize,
-    /// What has been used of the source before the buffer.
+    /// Offset of the buffer in the source.
     before: usize,
     ended: bool,
 }
@@ -371,8 +376,9 @@ impl<R: Read> Bytes<R> {
         self.before + self.start
     }
 
-    /// Gives the parser what there is, and more as long as it finds the end too early. More is twice as much each time, so
-    /// that the work is in proportion to the bytes. Above `longest` bytes no more is given.
+    /// Runs a parser on the available bytes, and again on more bytes as long as it finds the end
+    /// too early. The number of bytes doubles each time, so the work is linear. No more than
+    /// `longest` bytes are passed.
     fn parse<T>(
         &mut self,
         longest: usize,
@@ -387,7 +393,8 @@ impl<R: Read> Bytes<R> {
                 Err(error) => error,
             };
             let held = self.buffer.len() - self.start;
-            // What is wrong in a part may be right with more after it, such as a line without its end.
+            // An error in a partial input may disappear with more bytes, such as a line without its
+            // end.
             if self.ended || held >= longest || !(error.is_truncation() || held < LONGEST_LINE) {
                 return Err(error.at(self.offset()));
             }
@@ -412,5 +419,5 @@ impl<R: Read> Bytes<R> {
     }
 }
 
-/// A parser that finds something wrong within so few bytes may have been given a part of a line.
+/// An error within this many bytes may be caused by an incomplete line.
 const LONGEST_LINE: usize = 512;

@@ -1,6 +1,6 @@
-//! TIFF pictures: 8 and 16 bits and single precision, grey and RGB; LogLuv is read too.
+//! TIFF pictures: 8 and 16 bits and single precision, grey and RGB; LogLuv can be read as well.
 //!
-//! The Radiance header travels along as the image description.
+//! The Radiance header is stored as the image description.
 
 use crate::{Header, Image, PictureError, log_luv};
 use std::io::Cursor;
@@ -9,11 +9,11 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::encoder::{Compression, TiffEncoder, TiffValue, colortype};
 use tiff::tags::Tag;
 
-/// Reads the first picture of a file: grey, RGB or RGBA of 8, 16 or 32 bit whole numbers, which become 0 to 1, or of
-/// half, single or double precision.
+/// Reads the first picture of a file: grey, RGB or RGBA in 8, 16 or 32-bit integers, which are
+/// scaled to 0 to 1, or in half, single or double precision.
 ///
 /// # Errors
-/// When the bytes are not such a picture, or claim more pixels than they can hold.
+/// When the bytes are not such a picture, or declare more pixels than they can hold.
 pub fn read_tiff(bytes: &[u8]) -> Result<(Image<f32>, Option<Header>), PictureError> {
     let Tiff { width, height, components, pixels, header, .. } = read_tiff_pixels(bytes)?;
     let data = match pixels {
@@ -24,48 +24,48 @@ pub fn read_tiff(bytes: &[u8]) -> Result<(Image<f32>, Option<Header>), PictureEr
     Ok((Image::new(width, height, components, data)?, header))
 }
 
-/// The pixels of a file as they are stored.
+/// The pixels as stored.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TiffPixels {
     /// 8 bits.
     Bytes(Vec<u8>),
     /// 16 bits.
     Words(Vec<u16>),
-    /// Single precision; other numbers become this.
+    /// Single precision; all other number types are converted to this.
     Floats(Vec<f32>),
 }
 
-/// A file as it is stored.
+/// The content of a TIFF file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tiff {
-    /// Pixels a row.
+    /// Width in pixels.
     pub width: usize,
-    /// Rows.
+    /// Height in pixels.
     pub height: usize,
-    /// Values a pixel, from 1 to 4.
+    /// Values per pixel, 1 to 4.
     pub components: usize,
     /// The values, row 0 at the top.
     pub pixels: TiffPixels,
     /// The Radiance header, if the file has one.
     pub header: Option<Header>,
-    /// When the picture was taken, as the file says: `2026:11:21 11:14:09`. A file that is written has the date of
-    /// its header (`CAPDATE`) instead.
+    /// Date and time of the picture: `2026:11:21 11:14:09`. When writing, the date of the header
+    /// (`CAPDATE`) is used instead.
     pub date: Option<String>,
 }
 
-/// How pixels are packed.
+/// The compression of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TiffCompression {
-    /// Not at all.
+    /// No compression.
     None,
     /// Lempel-Ziv-Welch.
     Lzw,
 }
 
-/// Letters of a date.
+/// Number of characters of a date.
 const LONGEST_DATE: usize = 19;
 
-/// Reads the first picture of a file, of the kinds that [`read_tiff`] reads.
+/// Reads the first picture of a file, in the variants that [`read_tiff`] supports.
 ///
 /// # Errors
 /// As [`read_tiff`].
@@ -73,7 +73,7 @@ pub fn read_tiff_pixels(bytes: &[u8]) -> Result<Tiff, PictureError> {
     if let Some(picture) = log_luv::read(bytes) {
         return picture;
     }
-    // Deflate and LZW cannot shrink by more than this factor, so no honest file needs more memory.
+    // The largest compression ratio of Deflate and LZW; no valid file needs more memory.
     const LARGEST_RATIO: usize = 1400;
     let memory = bytes.len().saturating_mul(LARGEST_RATIO).saturating_add(1 << 16);
     let mut limits = Limits::default();
@@ -101,7 +101,7 @@ pub fn read_tiff_pixels(bytes: &[u8]) -> Result<Tiff, PictureError> {
         DecodingResult::F32(values) => TiffPixels::Floats(values),
         DecodingResult::F64(values) => TiffPixels::Floats(values.into_iter().map(|value| value as f32).collect()),
         _ => {
-            let what = "signed or 64 bit whole numbers".to_owned();
+            let what = "signed or 64-bit integers".to_owned();
             return Err(PictureError::Unsupported {
                 format: "tiff",
                 what,
@@ -136,7 +136,8 @@ pub fn write_tiff(image: &Image<f32>, header: Option<&Header>) -> Result<Vec<u8>
 /// Writes pixels.
 ///
 /// # Errors
-/// [`PictureError::Shape`] unless there are one or three components, and as many values as the size says.
+/// [`PictureError::Shape`] unless there are one or three components, and as many values as the size
+/// requires.
 pub fn write_tiff_pixels(picture: &Tiff, compression: TiffCompression) -> Result<Vec<u8>, PictureError> {
     match (&picture.pixels, picture.components) {
         (TiffPixels::Bytes(values), 1) => encode::<colortype::Gray8>(picture, values, compression),
@@ -158,7 +159,7 @@ where
     [C::Inner]: TiffValue,
 {
     let (Ok(width), Ok(height)) = (u32::try_from(picture.width), u32::try_from(picture.height)) else {
-        return Err(bad_shape(picture, "at most 2^32 - 1 pixels a side for tiff"));
+        return Err(bad_shape(picture, "width and height of at most 2^32 - 1 pixels for tiff"));
     };
     if Some(values.len()) != picture.width.checked_mul(picture.height).and_then(|n| n.checked_mul(picture.components)) {
         return Err(bad_shape(picture, "width * height * components values"));

@@ -4,7 +4,7 @@ use crate::picture::Encoding;
 use crate::resolution::Resolution;
 use crate::{Header, PictureError, scanline};
 
-/// What is there of a picture with three components: the scanlines that are whole, as they are stored.
+/// The complete scanlines, as stored, of an unfinished picture with three components.
 ///
 /// ```
 /// use radsight_picture::{Header, Image, Picture, Unfinished};
@@ -17,24 +17,24 @@ use crate::{Header, PictureError, scanline};
 pub struct Unfinished<'b> {
     /// All lines of the header.
     pub header: Header,
-    /// The size that the whole picture would have.
+    /// The size of the complete picture.
     pub resolution: Resolution,
-    /// How its values are stored.
+    /// The encoding of its values.
     pub encoding: Encoding,
-    /// How many scanlines are whole.
+    /// Number of complete scanlines.
     pub scanlines: usize,
-    /// The bytes of those.
+    /// The bytes of those scanlines.
     pub pixels: &'b [u8],
 }
 
-/// No form of a scanline is shorter than this share of its pixels.
+/// Largest ratio of decoded to encoded bytes of a scanline.
 const LARGEST_RATIO: usize = 64;
 
 impl<'b> Unfinished<'b> {
-    /// Reads what is there. Nothing but the header and the resolution has to be.
+    /// Reads an unfinished picture, which must have at least a header and a resolution.
     ///
     /// # Errors
-    /// When the header or the resolution is wrong, or the picture is a spectral one.
+    /// When the header or the resolution is wrong, or the picture is spectral.
     pub fn read(bytes: &'b [u8]) -> Result<Unfinished<'b>, PictureError> {
         let (header, start) = Header::read(bytes)?;
         let encoding = Encoding::from_header(&header)?;

@@ -1,7 +1,7 @@
-//! Views: where a picture is seen from, and the ray of each of its points.
+//! Views: the projection of a picture, and the ray of each point of the image plane.
 //!
-//! A view as typed is a [`ViewOptions`]; a [`View`] is one that was checked and can give rays. The meaning is that of
-//! Radiance (`rpict -vt… -vp … -vd …`).
+//! [`ViewOptions`] is a view as typed; a [`View`] was checked and generates rays. Options mean the
+//! same as in Radiance (`rpict -vt… -vp … -vd …`).
 
 mod geometry;
 mod options;
@@ -10,7 +10,7 @@ mod text;
 pub use geometry::{View, ViewLocation, ViewRay};
 pub use options::{ViewKind, ViewOptions};
 
-/// Why a view cannot be.
+/// Why a view is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
@@ -20,9 +20,9 @@ pub enum ViewError {
     /// A number is not finite.
     #[error("{option} is {value}, expected finite numbers")]
     NotFinite {
-        /// Such as `-vp`.
+        /// The option, such as `-vp`.
         option: &'static str,
-        /// As printed.
+        /// The value.
         value: String,
     },
     /// The direction is the zero vector.
@@ -39,23 +39,23 @@ pub enum ViewError {
     Size {
         /// `-vh` or `-vv`.
         option: &'static str,
-        /// As printed.
+        /// The value.
         value: String,
-        /// What the view type allows.
+        /// The range that the view type allows.
         expected: &'static str,
     },
     /// The clipping planes are behind the eye or in the wrong order.
-    #[error("clipping planes -vo {fore} -va {aft}, expected 0 <= fore, and aft = 0 or beyond fore")]
+    #[error("clipping planes -vo {fore} -va {aft}, expected 0 <= fore, and aft = 0 or aft > fore")]
     Clipping {
-        /// As printed.
+        /// The value.
         fore: String,
-        /// As printed.
+        /// The value.
         aft: String,
     },
     /// A crop without area, or one that leaves the hemisphere.
     #[error("the crop is empty or leaves the hemisphere")]
     Crop,
-    /// No line with a view.
+    /// The file has no line with a view.
     #[error("there is no view in the file, expected a line such as VIEW= -vtv -vp 0 0 0 -vd 0 1 0")]
     Missing,
 }

@@ -1,4 +1,4 @@
-//! No bytes make a reader panic.
+//! No input makes a reader panic.
 
 mod mutation;
 

@@ -1,6 +1,6 @@
-//! Differential tests against real Radiance and the pictures and views of others. Both are skipped where they are not
-//! to be had: `RADSIGHT_RADIANCE` names a folder with `bin` and `lib` (else PATH is searched), `RADSIGHT_SHARED` one
-//! with `radiance/loose` and its neighbours.
+//! Differential tests against real Radiance and published pictures and views. Each is skipped if
+//! these are not available: `RADSIGHT_RADIANCE` names a folder with `bin` and `lib` (otherwise PATH
+//! is searched), `RADSIGHT_SHARED` one with `radiance/loose` and its neighbours.
 
 use radsight_picture::{
     Encoding, FloatMatrix, Header, Image, MatrixFormat, Orientation, Picture, Resolution, RgbPrimaries, View,
@@ -11,7 +11,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// A program of real Radiance, or nothing with a word about it.
+/// A program of real Radiance; prints a note if it is missing.
 fn real(program: &str) -> Option<Command> {
     let mut command = Radiance::find()?.command(program, &[]);
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -29,7 +29,7 @@ fn run(mut command: Command, arguments: &[&str], input: &[u8]) -> Vec<u8> {
     output.stdout
 }
 
-/// Files of others with one of the endings.
+/// Published files with one of the endings.
 fn shared(endings: &[&str]) -> Vec<PathBuf> {
     let Some(folder) = std::env::var_os("RADSIGHT_SHARED") else {
         println!("skipped: RADSIGHT_SHARED is not set");
@@ -52,7 +52,7 @@ fn shared(endings: &[&str]) -> Vec<PathBuf> {
     found
 }
 
-/// Values from the bottom of black to the top of what pixels hold, many of them at the borders of mantissas.
+/// Values from black to the largest pixel value, many of them at the limits of mantissas.
 fn values(count: usize) -> Vec<f32> {
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     let mut next = || {
@@ -94,7 +94,7 @@ fn encoding_and_run_lengths_are_those_of_pvalue() {
     }
 }
 
-/// Our picture beside `pvalue`'s floats, as bits.
+/// Compares our picture with `pvalue`'s floats, bit by bit.
 fn same_as_pvalue(path: &Path, option: &str, ours: &Image<f32>, stored: Resolution) {
     let mut arguments = vec!["-h", "-H", "-df", path.to_str().unwrap()];
     if !option.is_empty() {
@@ -147,7 +147,7 @@ fn all_orientations_are_turned_as_pvalue_says() {
         let bytes = picture.to_bytes_in(Resolution { orientation, ..picture.resolution() });
         let read = Picture::read(&bytes).unwrap();
         assert_eq!(read.pixels(), picture.pixels());
-        // pvalue gives x from the left and y from the bottom with each pixel.
+        // pvalue prints x from the left and y from the bottom with each pixel.
         let text = String::from_utf8(run(real("pvalue").unwrap(), &["-h", "-H"], &bytes)).unwrap();
         for line in text.lines() {
             let words: Vec<f32> = line.split_ascii_whitespace().map(|word| word.parse().unwrap()).collect();
@@ -191,7 +191,7 @@ fn float_matrices_go_through_rmtxop_and_pvalue() {
         let theirs = FloatMatrix::read(&run(real("rmtxop").unwrap(), &["-ff", "-"], &through)).unwrap();
         assert_eq!(ours.into_f32(), theirs.into_f32(), "{option}");
     }
-    // What pvalue writes: with and without a resolution line, both byte orders, text.
+    // Output of pvalue: with and without a resolution line, in both byte orders, and as text.
     let rgb = Image::new(21, 5, 3, values(315).into_iter().map(f32::abs).collect()).unwrap();
     let picture = Picture::from_rgb(Header::new("RADIANCE"), &rgb).unwrap();
     for options in [&["-df"][..], &["-dF"], &["-dd"], &["-dD"], &["-H", "-df"], &["-H", "-dF"]] {
@@ -210,7 +210,7 @@ fn our_matrices_become_pictures_as_pvalue_makes_them() {
     assert_eq!(theirs.pixels(), ours.pixels());
 }
 
-/// Our conversion of a picture beside `ra_xyze`'s: at most one step of a mantissa apart, and nearly always equal.
+/// Compares our conversion with `ra_xyze`'s: at most one mantissa step apart, and mostly equal.
 fn same_as_ra_xyze(path: &Path, arguments: &[&str], ours: impl Fn(&Picture, [f32; 3]) -> [f32; 3]) {
     let bytes = std::fs::read(path).unwrap();
     let picture = Picture::read(&bytes).unwrap();
@@ -221,7 +221,7 @@ fn same_as_ra_xyze(path: &Path, arguments: &[&str], ours: impl Fn(&Picture, [f32
         let ours = encode_rgbe(ours(&picture, [value[0], value[1], value[2]]));
         if ours != *theirs {
             differing += 1;
-            // The exponents differ where the largest value is at a power of two.
+            // The exponents differ where the largest value is near a power of two.
             let step = mantissa_step(ours[3].max(theirs[3]));
             let apart =
                 |i: usize| (decode_rgbe(ours)[i] - decode_rgbe([theirs[0], theirs[1], theirs[2], theirs[3]])[i]).abs();
@@ -245,7 +245,7 @@ fn colours_convert_as_ra_xyze_converts_them() {
         let primaries = header.primaries().unwrap().unwrap_or(RgbPrimaries::STANDARD);
         let to_xyz = primaries.rgb_to_xyz().unwrap().as_mat3();
         same_as_ra_xyze(&path, &["-o"], |_, rgb| (to_xyz * glam::Vec3::from(rgb) * 179.0).to_array());
-        // And back from what was made.
+        // Convert the result back.
         let xyz = folder.path().join("xyz.hdr");
         std::fs::write(&xyz, run(real("ra_xyze").unwrap(), &["-o"], &bytes)).unwrap();
         let to_rgb = RgbPrimaries::STANDARD.xyz_to_rgb().unwrap();
@@ -268,7 +268,7 @@ const VIEWS: [&str; 12] = [
     "-vts -vp 1 2 3 -vd 1 2 -.5 -vh 170 -vv 200 -vo .5 -va 9 -vs .2 -vl -.1",
 ];
 
-/// Every ray of a view beside those of `vwrays`, to 1e-9 of its length.
+/// Compares every ray of a view with those of `vwrays`, to 1e-9 of its length.
 fn same_as_vwrays(view: &View, options: &[&str], (width, height): (usize, usize)) {
     let mut arguments = vec!["-fd", "-pa", "0", "-x", "37", "-y", "23"];
     arguments.extend_from_slice(options);

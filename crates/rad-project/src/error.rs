@@ -1,34 +1,34 @@
-//! What can be wrong with a `.rif` file.
+//! Errors of `.rif` files.
 
 /// Why no pictures can be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RifError {
-    /// A name that is no variable.
+pub enum ProjectError {
+    /// An unknown variable.
     #[error("{place}: unknown variable \"{name}\"")]
     UnknownVariable {
         /// File and line, or the command line.
         place: String,
-        /// As typed.
+        /// The name as typed.
         name: String,
     },
-    /// A value that its variable cannot have.
+    /// An invalid value of a variable.
     #[error("variable {variable} is \"{value}\", expected {expected}")]
     Value {
-        /// Its full name.
+        /// Full name of the variable.
         variable: &'static str,
-        /// As typed.
+        /// The value as typed.
         value: String,
-        /// What it can be.
+        /// The valid values.
         expected: &'static str,
     },
-    /// Nothing says of what to make pictures.
-    #[error("there is no octree, expected a variable OCTREE, scene or illum")]
+    /// No variable names the scene.
+    #[error("no scene is named, expected a variable OCTREE, scene or illum")]
     NoScene,
-    /// A file that the variables name.
+    /// A file named by a variable does not exist.
     #[error("file \"{0}\" does not exist")]
     NoFile(String),
-    /// The scene has no size that a quality could be told from.
-    #[error("the size of the scene cannot be told")]
+    /// The scene has no bounding cube from which a quality could be derived.
+    #[error("the size of the scene is unknown, expected a scene with local surfaces or a variable ZONE")]
     NoCube,
 }

@@ -1,7 +1,7 @@
-//! Options of rendering for each quality, as Radiance's `rad` chooses them.
+//! Rendering options for each quality, as in Radiance's `rad`.
 
-use crate::variables::{Rif, Variable};
-use crate::{Cube, RifError};
+use crate::variables::{Project, Variable};
+use crate::{Cube, ProjectError};
 use radsight_scene_generators::padded;
 
 /// Low, medium or high.
@@ -13,9 +13,9 @@ pub(crate) enum Level {
 }
 
 impl Level {
-    /// The level that a checked value names.
-    pub(crate) fn of(rif: &Rif, variable: Variable) -> Level {
-        match rif.value(variable).and_then(|value| value.chars().next()) {
+    /// The level of a variable whose value was checked.
+    pub(crate) fn of(project: &Project, variable: Variable) -> Level {
+        match project.value(variable).and_then(|value| value.chars().next()) {
             Some('M' | 'm') => Level::Medium,
             Some('H' | 'h') => Level::High,
             _ => Level::Low,
@@ -30,7 +30,7 @@ impl Level {
         }
     }
 
-    /// How many times as wide as the picture the rendering is.
+    /// Ratio of the width of the rendering to that of the picture.
     pub(crate) fn oversampling(self) -> u32 {
         self.pick([1, 2, 3])
     }
@@ -45,10 +45,10 @@ pub(crate) struct Zone {
 }
 
 impl Zone {
-    pub(crate) fn of(rif: &Rif) -> Result<Zone, RifError> {
+    pub(crate) fn of(project: &Project) -> Result<Zone, ProjectError> {
         let expected = "I or E and xmin xmax ymin ymax zmin zmax";
-        let wrong = || rif.wrong(Variable::Zone, expected);
-        let value = rif.value(Variable::Zone).unwrap_or_default();
+        let wrong = || project.wrong(Variable::Zone, expected);
+        let value = project.value(Variable::Zone).unwrap_or_default();
         let mut words = value.split_whitespace();
         let is_exterior = match words.next().and_then(|word| word.chars().next()) {
             Some('E' | 'e') => true,
@@ -72,24 +72,24 @@ impl Zone {
     }
 }
 
-/// The options of a rendering.
+/// Options of a rendering.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct QualityOptions {
-    /// Of the light: `-d… -s… -a… -l…`, with a space before each.
+    /// Options of light transport: `-d… -s… -a… -l…`, each after a space.
     pub(crate) render: String,
-    /// Of the pixels: `-p…`, with a space before each.
+    /// Options of pixel sampling: `-p…`, each after a space.
     pub(crate) pixels: String,
-    /// Whether a small picture is made first to fill a file of ambient values.
+    /// Whether a small picture is rendered first to fill the ambient file.
     pub(crate) overture: bool,
 }
 
 impl QualityOptions {
-    pub(crate) fn new(rif: &Rif, zone: &Zone, cube: &Cube) -> Result<QualityOptions, RifError> {
-        let quality = Level::of(rif, Variable::Quality);
-        let detail = Level::of(rif, Variable::Detail);
-        let penumbras = rif.value(Variable::Penumbras).is_some_and(|value| value.starts_with(['T', 't']));
+    pub(crate) fn new(project: &Project, zone: &Zone, cube: &Cube) -> Result<QualityOptions, ProjectError> {
+        let quality = Level::of(project, Variable::Quality);
+        let detail = Level::of(project, Variable::Detail);
+        let penumbras = project.value(Variable::Penumbras).is_some_and(|value| value.starts_with(['T', 't']));
         let mut render = String::new();
-        let map = |name: Variable| rif.value(name).map(photon_map).unwrap_or_default();
+        let map = |name: Variable| project.value(name).map(photon_map).unwrap_or_default();
         render.push_str(&map(Variable::GlobalMap));
         let pretest = detail.pick([64, 128, 256]) * quality.pick([1, 4, 16]);
         let resolution = detail.pick([8.0, 16.0, 32.0]) * quality.pick([1.0, 2.0, 4.0]);
@@ -108,33 +108,33 @@ impl QualityOptions {
             " -dt .07 -dc .7 -dr 1 -ss 1 -st .1",
             " -dt .04 -dc .9 -dr 3 -ss 16 -st .01",
         ]));
-        let bounces = quality.pick([0, bounces(rif), bounces(rif) + 1]);
+        let bounces = quality.pick([0, bounces(project), bounces(project) + 1]);
         if bounces != 0 || quality == Level::High {
             render.push_str(&format!(" -ab {bounces}"));
         }
-        if let Some(file) = rif.value(Variable::AmbientFile) {
+        if let Some(file) = project.value(Variable::AmbientFile) {
             render.push_str(&format!(" -af {file}"));
         }
-        let variability = Level::of(rif, Variable::Variability);
+        let variability = Level::of(project, Variable::Variability);
         render.push_str(variability.pick(quality.pick([
             [" -aa .3 -ad 256", " -aa .25 -ad 512", " -aa .2 -ad 1024"],
             [" -aa .2 -ad 329 -as 42", " -aa .15 -ad 800 -as 128", " -aa .1 -ad 1536 -as 392"],
             [" -aa .125 -ad 512 -as 64", " -aa .1 -ad 1536 -as 768", " -aa .075 -ad 4096 -as 2048"],
         ])));
-        let ambient = padded(ambient_value(rif, zone), 0, 2).to_string();
+        let ambient = padded(ambient_value(project, zone), 0, 2).to_string();
         let supers = if quality == Level::Low { " -as 0" } else { "" };
         render.push_str(&format!("{supers} -av {ambient} {ambient} {ambient}"));
         render.push_str(quality.pick([" -lr 6 -lw .001", " -lr 8 -lw 1e-4", " -lr 12 -lw 5e-6"]));
         render.push_str(&map(Variable::CausticMap));
-        let mut overture = bounces != 0 && rif.value(Variable::AmbientFile).is_some();
-        if let Some(more) = rif.value(Variable::Render) {
+        let mut overture = bounces != 0 && project.value(Variable::AmbientFile).is_some();
+        if let Some(more) = project.value(Variable::Render) {
             render.push_str(&format!(" {more}"));
             let accuracy = more.split_once("-aa ").and_then(|(_, rest)| rest.split_whitespace().next());
             overture &= accuracy.is_none_or(|word| word.parse().is_ok_and(|accuracy: f64| accuracy > 1e-6));
         }
         let mut pixels = pixels(quality, detail, penumbras).to_owned();
         pixels.push_str(quality.pick([" -pt .16", " -pt .08", " -pt .04"]));
-        pixels.push_str(&own_options(rif, Variable::Rpict).1);
+        pixels.push_str(&own_options(project, Variable::Rpict).1);
         Ok(QualityOptions { render, pixels, overture })
     }
 }
@@ -149,18 +149,18 @@ fn pixels(quality: Level, detail: Level, penumbras: bool) -> &'static str {
     }
 }
 
-fn bounces(rif: &Rif) -> i64 {
-    rif.value(Variable::Indirect).and_then(|value| value.parse().ok()).unwrap_or(0)
+fn bounces(project: &Project) -> i64 {
+    project.value(Variable::Indirect).and_then(|value| value.parse().ok()).unwrap_or(0)
 }
 
-/// The ambient value that goes with an exposure: 0.18 is a medium grey.
-fn ambient_value(rif: &Rif, zone: &Zone) -> f64 {
-    let Some(exposure) = rif.value(Variable::Exposure) else { return if zone.is_exterior { 10.0 } else { 0.01 } };
+/// The ambient value for an exposure: 0.18 is a medium grey.
+fn ambient_value(project: &Project, zone: &Zone) -> f64 {
+    let Some(exposure) = project.value(Variable::Exposure) else { return if zone.is_exterior { 10.0 } else { 0.01 } };
     let number: f64 = exposure.parse().unwrap_or(1.0);
     0.18 / if exposure.starts_with(['+', '-']) { number.exp2() } else { number }
 }
 
-/// The option for a photon map: its file, and its bandwidth if one is given.
+/// The photon map option: its file, and its bandwidth if one is given.
 fn photon_map(value: &str) -> String {
     let mut words = value.split_whitespace();
     let file = words.next().unwrap_or_default();
@@ -170,9 +170,9 @@ fn photon_map(value: &str) -> String {
     }
 }
 
-/// The program that a variable names, if it does, and its options with a space before each.
-pub(crate) fn own_options(rif: &Rif, variable: Variable) -> (Option<String>, String) {
-    let Some(value) = rif.value(variable) else { return (None, String::new()) };
+/// The program that a variable names, if any, and its options, each after a space.
+pub(crate) fn own_options(project: &Project, variable: Variable) -> (Option<String>, String) {
+    let Some(value) = project.value(variable) else { return (None, String::new()) };
     if value.starts_with('-') {
         return (None, format!(" {value}"));
     }

@@ -1,15 +1,15 @@
-//! The commands, in order.
+//! The commands of a project, in order.
 
-use crate::RifError;
+use crate::ProjectError;
 use crate::quality::{Level, QualityOptions, Zone, own_options};
-use crate::variables::{NamedBy, Rif, Variable};
+use crate::variables::{NamedBy, Project, Variable};
 use crate::views::{NamedView, views};
 use radsight_scene_generators::padded;
 
-/// When a file was changed last, in seconds; 0 if it does not exist.
+/// Time of the last modification of a file, seconds; 0 if it does not exist.
 pub type Date = i64;
 
-/// The cube around a scene.
+/// The bounding cube of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cube {
     /// Its corner with the smallest coordinates.
@@ -18,73 +18,74 @@ pub struct Cube {
     pub size: f64,
 }
 
-/// Where the files are.
+/// Access to the files of the project.
 pub trait Site {
-    /// When a file was changed last.
+    /// Time of the last modification of a file.
     fn date(&self, name: &str) -> Date;
 
-    /// The cube around the scene of some files, of which an octree may be one, and commands that begin with `!`.
+    /// The bounding cube of a scene given by files, of which one may be an octree, and commands
+    /// that begin with `!`.
     fn cube(&self, scene: &[String]) -> Option<Cube>;
 }
 
-/// What the command line asks for.
+/// Options of the command line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct How {
-    /// Only the dates of files are to be brought up to date (`-t`).
+    /// Only update the dates of files (`-t`).
     pub touch_only: bool,
-    /// The only view that is wanted: its name, its number, or options (`-v`).
+    /// The only requested view: its name, its number, or options (`-v`).
     pub view: Option<String>,
-    /// Whether the full view of each picture is wanted too (`-V`).
+    /// Whether to print the full view of each picture (`-V`).
     pub show_views: bool,
 }
 
-/// What a file that is written is; one that is there already may be replaced only by its kind.
+/// The kind of an output file; an existing file may be replaced only by its own kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputKind {
     /// An octree.
     Octree,
-    /// Scene text that `mkillum` wrote.
+    /// Scene text from `mkillum`.
     IllumScene,
     /// A picture.
     Picture,
     /// Distances (`rpict -z`).
     Distances,
-    /// Options of rendering.
+    /// Rendering options.
     Options,
-    /// Values of `-af`.
+    /// Ambient values of `-af`.
     AmbientValues,
-    /// Messages of programs, to which more are added.
+    /// Messages of programs, which are appended.
     Messages,
     /// A photon map.
     PhotonMap,
 }
 
-/// A file that is written, removed or given another date.
+/// A file that is written, removed or touched.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputFile {
     /// Its name.
     pub name: String,
-    /// What it is.
+    /// Its kind.
     pub kind: OutputKind,
-    /// Who says so.
+    /// The origin of its name.
     pub named_by: NamedBy,
 }
 
-/// One thing to do.
+/// One step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
     /// Run a program.
     Run {
-        /// The program and its options, as a shell would read them.
+        /// The program and its options in shell syntax.
         command: String,
-        /// Where its standard output goes.
+        /// The destination of its standard output.
         output: Option<OutputFile>,
-        /// What else it writes.
+        /// Other files that it writes.
         also_writes: Vec<OutputFile>,
-        /// Files that are removed if it fails.
+        /// Files to remove if it fails.
         removed_on_failure: Vec<String>,
     },
-    /// Tell the whole view of these options.
+    /// Print the full view of these options.
     ShowView(String),
     /// Set a file's date to now.
     Touch(OutputFile),
@@ -92,12 +93,12 @@ pub enum Step {
     Remove(OutputFile),
     /// Give a file another name.
     Rename(OutputFile, OutputFile),
-    /// Write the options of rendering to a file, one a line.
+    /// Write the rendering options to a file, one per line.
     WriteOptions(OutputFile, String),
 }
 
 impl Step {
-    /// The files that it writes, removes or changes.
+    /// The files that this step writes, removes or changes.
     #[must_use]
     pub fn outputs(&self) -> Vec<&OutputFile> {
         match self {
@@ -108,8 +109,7 @@ impl Step {
         }
     }
 
-    /// The command with where its output goes, as a shell would read it; empty for what is no
-    /// command.
+    /// The command with its output redirection in shell syntax; empty for other steps.
     #[must_use]
     pub fn command_line(&self) -> String {
         match self {
@@ -123,7 +123,7 @@ impl Step {
         Step::Run { command, output: None, also_writes: Vec::new(), removed_on_failure: Vec::new() }
     }
 
-    /// With its standard output in a file, which stays if the program fails.
+    /// Redirects standard output to a file that is kept if the program fails.
     fn into_file(mut self, file: OutputFile) -> Step {
         if let Step::Run { output, .. } = &mut self {
             *output = Some(file);
@@ -152,12 +152,12 @@ impl OutputFile {
     }
 }
 
-impl Rif {
-    /// All that is to be done, and the values that were missing filled in.
+impl Project {
+    /// All steps, with missing variables set to their defaults.
     ///
     /// # Errors
-    /// What is missing or wrong.
-    pub fn steps(&mut self, how: &How, site: &dyn Site) -> Result<Vec<Step>, RifError> {
+    /// The missing or wrong variable.
+    pub fn steps(&mut self, how: &How, site: &dyn Site) -> Result<Vec<Step>, ProjectError> {
         let mut maker = Maker { how, site, steps: Vec::new(), octree: Octree::new(self, site)? };
         let cube = maker.octree.cube(self, site);
         self.fill_in(cube)?;
@@ -168,9 +168,9 @@ impl Rif {
         Ok(maker.steps)
     }
 
-    fn fill_in(&mut self, cube: Option<Cube>) -> Result<(), RifError> {
+    fn fill_in(&mut self, cube: Option<Cube>) -> Result<(), ProjectError> {
         if self.value(Variable::Zone).is_none() {
-            let Cube { corner, size } = cube.ok_or(RifError::NoCube)?;
+            let Cube { corner, size } = cube.ok_or(ProjectError::NoCube)?;
             let side = |axis: usize| format!("{} {}", padded(corner[axis], 0, 6), padded(corner[axis] + size, 0, 6));
             self.set_default(Variable::Zone, format!("E {} {} {}", side(0), side(1), side(2)));
         }
@@ -193,7 +193,7 @@ impl Rif {
     }
 }
 
-/// The octree and what it is made of.
+/// The octree and its inputs.
 struct Octree {
     name: String,
     named_by: NamedBy,
@@ -204,23 +204,23 @@ struct Octree {
 }
 
 impl Octree {
-    fn new(rif: &mut Rif, site: &dyn Site) -> Result<Octree, RifError> {
-        let usual = format!("{}.oct", rif.root);
-        rif.set_default(Variable::Octree, usual);
-        let name = rif.value(Variable::Octree).unwrap_or_default().to_owned();
+    fn new(project: &mut Project, site: &dyn Site) -> Result<Octree, ProjectError> {
+        let usual = format!("{}.oct", project.root);
+        project.set_default(Variable::Octree, usual);
+        let name = project.value(Variable::Octree).unwrap_or_default().to_owned();
         if name.starts_with('!') {
-            return Err(rif.wrong(Variable::Octree, "a file"));
+            return Err(project.wrong(Variable::Octree, "a file"));
         }
-        let latest = |variable| latest(&words(rif.value(variable).unwrap_or_default()), site);
+        let latest = |variable| latest(&words(project.value(variable).unwrap_or_default()), site);
         let mut scene = latest(Variable::Scene)?;
         if scene > 0 {
             scene = scene.max(latest(Variable::Objects)?);
         }
         let (date, illum) = (site.date(&name), latest(Variable::Illum)?);
         if date == 0 && scene == 0 && illum == 0 {
-            return Err(RifError::NoScene);
+            return Err(ProjectError::NoScene);
         }
-        let named_by = rif.named_by(Variable::Octree);
+        let named_by = project.named_by(Variable::Octree);
         Ok(Octree { date, scene, illum, materials: latest(Variable::Materials)?, name, named_by })
     }
 
@@ -228,12 +228,12 @@ impl Octree {
         OutputFile::new(name, OutputKind::Octree, self.named_by)
     }
 
-    fn cube(&self, rif: &Rif, site: &dyn Site) -> Option<Cube> {
+    fn cube(&self, project: &Project, site: &dyn Site) -> Option<Cube> {
         let files = if self.date > 0 && self.date >= self.scene.max(self.illum) {
             vec![self.name.clone()]
         } else {
-            let scene = rif.value(Variable::Scene).or(rif.value(Variable::Illum)).unwrap_or_default();
-            words(rif.value(Variable::Materials).unwrap_or_default()).into_iter().chain(words(scene)).collect()
+            let scene = project.value(Variable::Scene).or(project.value(Variable::Illum)).unwrap_or_default();
+            words(project.value(Variable::Materials).unwrap_or_default()).into_iter().chain(words(scene)).collect()
         };
         site.cube(&files)
     }
@@ -246,23 +246,23 @@ struct Maker<'a> {
     octree: Octree,
 }
 
-/// Later than any file: what is made now.
+/// Later than any file: the date of a file made in this run.
 const NOW: Date = Date::MAX;
 
 impl Maker<'_> {
-    /// A command whose output is removed if it fails.
+    /// Adds a command whose output is removed if it fails.
     fn run(&mut self, command: String, output: OutputFile) {
         let step = Step::run(command).removing_on_failure(&[&output.name]);
         self.steps.push(step.into_file(output));
     }
 
-    /// The octree, and with `illum` files the second one, whose windows shine.
-    fn make_octree(&mut self, rif: &Rif) {
-        let (program, options) = own_options(rif, Variable::Oconv);
+    /// Adds the octree and, with `illum` files, the second one with luminous windows.
+    fn make_octree(&mut self, project: &Project) {
+        let (program, options) = own_options(project, Variable::Oconv);
         let oconv = format!("{}{options}", program.as_deref().unwrap_or("oconv"));
         let name = self.octree.name.clone();
-        let value = |variable| rif.value(variable).unwrap_or_default();
-        let materials = match rif.value(Variable::Materials) {
+        let value = |variable| project.value(variable).unwrap_or_default();
+        let materials = match project.value(Variable::Materials) {
             Some(files) => format!(" {files}"),
             None => String::new(),
         };
@@ -274,7 +274,7 @@ impl Maker<'_> {
             }
             self.octree.date = NOW;
         }
-        let Some(illum) = rif.value(Variable::Illum) else {
+        let Some(illum) = project.value(Variable::Illum) else {
             self.octree.date = self.octree.date.max(self.octree.materials);
             return;
         };
@@ -299,9 +299,9 @@ impl Maker<'_> {
         if self.how.touch_only && after_date > 0 {
             self.steps.push(Step::Touch(self.octree.file(&after)));
         } else {
-            let (program, options) = own_options(rif, Variable::Mkillum);
+            let (program, options) = own_options(project, Variable::Mkillum);
             let mkillum = format!("{}{options}", program.as_deref().unwrap_or("mkillum"));
-            let made = format!("{}_illum.rad", rif.root);
+            let made = format!("{}_illum.rad", project.root);
             let scene = OutputFile::new(&made, OutputKind::IllumScene, NamedBy::CommandLine);
             self.run(format!("{mkillum} {before} \"<\" {illum}"), scene.clone());
             self.steps.push(Step::Remove(self.octree.file(&before)));
@@ -312,20 +312,20 @@ impl Maker<'_> {
         self.octree.date = NOW;
     }
 
-    fn make_photon_maps(&mut self, rif: &Rif) -> Result<(), RifError> {
+    fn make_photon_maps(&mut self, project: &Project) -> Result<(), ProjectError> {
         let maps = [(Variable::GlobalMap, "-apg"), (Variable::CausticMap, "-apc")];
         let mut outdated = Vec::new();
         let mut all_there = true;
         for (variable, option) in maps {
-            let Some(value) = rif.value(variable) else { continue };
+            let Some(value) = project.value(variable) else { continue };
             let words: Vec<&str> = value.split_whitespace().collect();
             let [file, photons, ..] = words[..] else {
-                return Err(rif.wrong(variable, "a file and a number of photons"));
+                return Err(project.wrong(variable, "a file and a number of photons"));
             };
             let date = self.site.date(file);
             all_there &= date > 0;
             if date < self.octree.date {
-                let map = OutputFile::new(file, OutputKind::PhotonMap, rif.named_by(variable));
+                let map = OutputFile::new(file, OutputKind::PhotonMap, project.named_by(variable));
                 outdated.push((map, format!(" {option} {file} {photons}")));
             }
         }
@@ -335,8 +335,8 @@ impl Maker<'_> {
         if self.how.touch_only && all_there {
             self.steps.extend(outdated.into_iter().map(|(file, _)| Step::Touch(file)));
         } else {
-            let (program, options) = own_options(rif, Variable::Mkpmap);
-            let mut command = format!("{}{options} -fo+{}", program.as_deref().unwrap_or("mkpmap"), report(rif)?);
+            let (program, options) = own_options(project, Variable::Mkpmap);
+            let mut command = format!("{}{options} -fo+{}", program.as_deref().unwrap_or("mkpmap"), report(project)?);
             outdated.iter().for_each(|(_, map)| command.push_str(map));
             let files: Vec<&str> = outdated.iter().map(|(file, _)| file.name.as_str()).collect();
             self.steps.push(Step::run(format!("{command} {}", self.octree.name)).removing_on_failure(&files));
@@ -345,41 +345,48 @@ impl Maker<'_> {
         Ok(())
     }
 
-    fn check_ambient_file(&mut self, rif: &Rif) {
-        let Some(file) = rif.value(Variable::AmbientFile) else { return };
+    fn check_ambient_file(&mut self, project: &Project) {
+        let Some(file) = project.value(Variable::AmbientFile) else { return };
         let date = self.site.date(file);
         if date > 0 && self.octree.date > date {
-            let file = OutputFile::new(file, OutputKind::AmbientValues, rif.named_by(Variable::AmbientFile));
+            let file = OutputFile::new(file, OutputKind::AmbientValues, project.named_by(Variable::AmbientFile));
             self.steps.push(if self.how.touch_only { Step::Touch(file) } else { Step::Remove(file) });
         }
     }
 
-    fn make_pictures(&mut self, rif: &Rif, cube: Option<Cube>) -> Result<(), RifError> {
-        let zone = Zone::of(rif)?;
-        let cube = cube.ok_or(RifError::NoCube)?;
-        let mut options = QualityOptions::new(rif, &zone, &cube)?;
-        if let Some(file) = rif.value(Variable::OptionFile) {
+    fn make_pictures(&mut self, project: &Project, cube: Option<Cube>) -> Result<(), ProjectError> {
+        let zone = Zone::of(project)?;
+        let cube = cube.ok_or(ProjectError::NoCube)?;
+        let mut options = QualityOptions::new(project, &zone, &cube)?;
+        if let Some(file) = project.value(Variable::OptionFile) {
             let render = std::mem::replace(&mut options.render, format!(" @{file}"));
-            let file = OutputFile::new(file, OutputKind::Options, rif.named_by(Variable::OptionFile));
+            let file = OutputFile::new(file, OutputKind::Options, project.named_by(Variable::OptionFile));
             self.steps.push(Step::WriteOptions(file, one_a_line(&render)));
         }
-        let size = Size::of(rif)?;
-        let report = report(rif)?;
-        for view in views(rif, &zone, self.how.view.as_deref())? {
-            self.make_picture(rif, &view, &options, &size, &report);
+        let size = Size::of(project)?;
+        let report = report(project)?;
+        for view in views(project, &zone, self.how.view.as_deref())? {
+            self.make_picture(project, &view, &options, &size, &report);
         }
         Ok(())
     }
 
-    fn make_picture(&mut self, rif: &Rif, view: &NamedView, options: &QualityOptions, size: &Size, report: &str) {
+    fn make_picture(
+        &mut self,
+        project: &Project,
+        view: &NamedView,
+        options: &QualityOptions,
+        size: &Size,
+        report: &str,
+    ) {
         if self.how.show_views {
             self.steps.push(Step::ShowView(view.options.clone()));
         }
-        let value = |variable| rif.value(variable).unwrap_or_default();
+        let value = |variable| project.value(variable).unwrap_or_default();
         let root = value(Variable::Picture);
         let named = |root: Variable, root_name: &str, suffix: &str, kind| {
-            // A view's name may lead elsewhere.
-            let by = if view.name.contains('/') { rif.named_by(Variable::View) } else { rif.named_by(root) };
+            // A view's name may lead to another folder.
+            let by = if view.name.contains('/') { project.named_by(Variable::View) } else { project.named_by(root) };
             OutputFile::new(format!("{root_name}_{}.{suffix}", view.name), kind, by)
         };
         let picture_file = named(Variable::Picture, root, "hdr", OutputKind::Picture);
@@ -388,7 +395,7 @@ impl Maker<'_> {
         if date >= self.octree.date {
             return;
         }
-        let raw_root = rif.value(Variable::RawFile);
+        let raw_root = project.value(Variable::RawFile);
         let raw_variable = if raw_root.is_some() { Variable::RawFile } else { Variable::Picture };
         let raw_file = named(raw_variable, raw_root.unwrap_or(root), "unf", OutputKind::Picture);
         let raw = raw_file.name.clone();
@@ -399,12 +406,12 @@ impl Maker<'_> {
             let outdated = outdated.filter(|_| raw_date > 0 || date > 0);
             return self.steps.extend(outdated.map(Step::Touch));
         }
-        let (program, _) = own_options(rif, Variable::Rpict);
+        let (program, _) = own_options(project, Variable::Rpict);
         let rpict = format!("{}{report}", program.as_deref().unwrap_or("rpict"));
-        let distances = rif.value(Variable::ZFile);
+        let distances = project.value(Variable::ZFile);
         let distances = distances.map(|root| named(Variable::ZFile, root, "zbf", OutputKind::Distances));
         let depths = distances.as_ref().map(|file| format!(" -z {}", file.name)).unwrap_or_default();
-        let messages = messages(rif);
+        let messages = messages(project);
         let (octree, QualityOptions { render, pixels, .. }) = (&self.octree.name, options);
         if raw_date >= self.octree.date {
             let command = format!("{rpict}{render}{pixels}{depths} -ro {raw} {octree}");
@@ -424,7 +431,7 @@ impl Maker<'_> {
             self.steps.push(step.also_writing(distances.into_iter().chain(messages)));
         }
         if raw_root != Some(root) {
-            let (program, pfilt) = filter_options(rif);
+            let (program, pfilt) = filter_options(project);
             let command = format!("{}{pfilt}{} {raw}", program.as_deref().unwrap_or("pfilt"), size.reduction);
             self.run(command, picture_file);
         }
@@ -435,19 +442,19 @@ impl Maker<'_> {
     }
 }
 
-/// How large pictures are.
+/// The size of pictures.
 struct Size {
     /// Options of the rendering.
     rendered: String,
-    /// Options that make the rendering the picture, with a space before each.
+    /// Options that reduce the rendering to the picture, each after a space.
     reduction: String,
 }
 
 impl Size {
-    fn of(rif: &Rif) -> Result<Size, RifError> {
-        let wrong = || rif.wrong(Variable::Resolution, "columns, and rows and pixel aspect if wanted");
-        let times = Level::of(rif, Variable::Quality).oversampling();
-        let words: Vec<&str> = rif.value(Variable::Resolution).unwrap_or_default().split_whitespace().collect();
+    fn of(project: &Project) -> Result<Size, ProjectError> {
+        let wrong = || project.wrong(Variable::Resolution, "columns, and rows and pixel aspect if wanted");
+        let times = Level::of(project, Variable::Quality).oversampling();
+        let words: Vec<&str> = project.value(Variable::Resolution).unwrap_or_default().split_whitespace().collect();
         let pixels = |word: &str| word.parse::<u32>().ok().and_then(|size| size.checked_mul(times)).ok_or_else(wrong);
         let columns = pixels(words.first().ok_or_else(wrong)?)?;
         let rows = match words.get(1) {
@@ -464,12 +471,12 @@ impl Size {
     }
 }
 
-/// The options for reports of progress: minutes between them, and a file for messages.
-fn report(rif: &Rif) -> Result<String, RifError> {
-    let Some(value) = rif.value(Variable::Report) else { return Ok(String::new()) };
+/// The options for progress reports: minutes between them, and a file for messages.
+fn report(project: &Project) -> Result<String, ProjectError> {
+    let Some(value) = project.value(Variable::Report) else { return Ok(String::new()) };
     let mut words = value.split_whitespace();
     let minutes: Option<f64> = words.next().and_then(|word| word.parse().ok());
-    let minutes = minutes.ok_or_else(|| rif.wrong(Variable::Report, "minutes, and a file if wanted"))?;
+    let minutes = minutes.ok_or_else(|| project.wrong(Variable::Report, "minutes, and a file if wanted"))?;
     let seconds = (minutes * 60.0) as i64;
     Ok(match words.next() {
         Some(file) => format!(" -t {seconds} -e {file}"),
@@ -477,27 +484,27 @@ fn report(rif: &Rif) -> Result<String, RifError> {
     })
 }
 
-/// The file for messages of `REPORT`.
-fn messages(rif: &Rif) -> Option<OutputFile> {
-    let file = rif.value(Variable::Report)?.split_whitespace().nth(1)?;
-    Some(OutputFile::new(file, OutputKind::Messages, rif.named_by(Variable::Report)))
+/// The message file of `REPORT`.
+fn messages(project: &Project) -> Option<OutputFile> {
+    let file = project.value(Variable::Report)?.split_whitespace().nth(1)?;
+    Some(OutputFile::new(file, OutputKind::Messages, project.named_by(Variable::Report)))
 }
 
-fn filter_options(rif: &Rif) -> (Option<String>, String) {
-    let mut options = match rif.value(Variable::Exposure) {
+fn filter_options(project: &Project) -> (Option<String>, String) {
+    let mut options = match project.value(Variable::Exposure) {
         Some(exposure) => format!(" -1 -e {exposure}"),
         None => String::new(),
     };
-    options.push_str(match Level::of(rif, Variable::Quality) {
+    options.push_str(match Level::of(project, Variable::Quality) {
         Level::Low => "",
         Level::Medium => " -r .6",
         Level::High => " -m .25",
     });
-    let (program, own) = own_options(rif, Variable::Pfilt);
+    let (program, own) = own_options(project, Variable::Pfilt);
     (program, options + &own)
 }
 
-/// Options with a line for each.
+/// Options, one per line.
 fn one_a_line(options: &str) -> String {
     let mut text = String::new();
     let words: Vec<&str> = options.split_whitespace().collect();
@@ -512,7 +519,7 @@ fn one_a_line(options: &str) -> String {
     text + "\n"
 }
 
-/// The words of a value; quotes keep some together and are taken off.
+/// The words of a value; quotes group words and are removed.
 fn words(value: &str) -> Vec<String> {
     let mut words = Vec::new();
     let mut rest = value.trim_start();
@@ -528,8 +535,8 @@ fn words(value: &str) -> Vec<String> {
     words
 }
 
-/// When the latest of some files was changed; commands have no date but are always there.
-fn latest(files: &[String], site: &dyn Site) -> Result<Date, RifError> {
+/// The latest modification among some files; commands have no date but always exist.
+fn latest(files: &[String], site: &dyn Site) -> Result<Date, ProjectError> {
     let mut latest = 0;
     for file in files {
         let date = match file.starts_with('!') || file.starts_with("\\!") {
@@ -537,14 +544,14 @@ fn latest(files: &[String], site: &dyn Site) -> Result<Date, RifError> {
             false => site.date(file),
         };
         if date == 0 {
-            return Err(RifError::NoFile(file.clone()));
+            return Err(ProjectError::NoFile(file.clone()));
         }
         latest = latest.max(date);
     }
     Ok(latest)
 }
 
-/// A file's name with a digit before its suffix.
+/// A file name with a digit before its suffix.
 fn numbered(name: &str, digit: char) -> String {
     let root = crate::variables::without_suffix(name);
     format!("{root}{digit}{}", &name[root.len()..])

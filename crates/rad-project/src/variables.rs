@@ -1,6 +1,6 @@
 //! The variables of a `.rif` file.
 
-use crate::RifError;
+use crate::ProjectError;
 
 /// A variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,16 +38,16 @@ pub(crate) enum Variable {
     Zone,
 }
 
-/// What a variable holds, and what more than one assignment means.
+/// The type of a variable, and the meaning of repeated assignments.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// Text, perhaps in quotes; the last counts.
+    /// Text, optionally quoted; the last assignment is used.
     Text,
-    /// Several words; the last counts.
+    /// Several words; the last assignment is used.
     Last,
-    /// Assignments add up to one text.
+    /// Assignments are joined into one text.
     Joined,
-    /// Each assignment counts.
+    /// Each assignment is kept.
     Each,
     /// Low, medium or high.
     Quality,
@@ -58,7 +58,8 @@ enum Kind {
 
 use Variable as V;
 
-/// Each variable with its name, the length of the shortest short form of it, and its kind; in the order in which they are printed.
+/// Each variable with its name, the length of its shortest abbreviation, and its type; in printing
+/// order.
 const VARIABLES: [(Variable, &str, usize, Kind); 31] = [
     (V::AmbientFile, "AMBFILE", 3, Kind::Text),
     (V::Detail, "DETAIL", 3, Kind::Quality),
@@ -93,14 +94,14 @@ const VARIABLES: [(Variable, &str, usize, Kind); 31] = [
     (V::Zone, "ZONE", 2, Kind::Last),
 ];
 
-/// The columns after which a printed value goes on in the next line.
+/// Column after which a printed value is continued on the next line.
 const JOINED_WIDTH: usize = 64;
 const OTHER_WIDTH: usize = 236;
 
-/// Who says something.
+/// The origin of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NamedBy {
-    /// The user: on the command line, or by the name of the `.rif` file where nothing else is said.
+    /// The user: on the command line, or by the name of the `.rif` file as a default.
     CommandLine,
     /// The `.rif` file.
     File {
@@ -109,40 +110,41 @@ pub enum NamedBy {
     },
 }
 
-/// What a `.rif` file says.
+/// A project: the variables of a `.rif` file.
 #[derive(Clone, Debug)]
-pub struct Rif {
+pub struct Project {
     /// The file's name without its suffix.
     pub(crate) root: String,
     values: [Vec<String>; VARIABLES.len()],
-    /// Who gave the values.
+    /// The origins of the values.
     named_by: [NamedBy; VARIABLES.len()],
 }
 
-impl Rif {
-    /// Reads the text of a file of this name.
+impl Project {
+    /// Parses the text of a file with this name.
     ///
     /// # Errors
-    /// [`RifError::UnknownVariable`].
-    pub fn read(file: &str, text: &str) -> Result<Rif, RifError> {
+    /// [`ProjectError::UnknownVariable`].
+    pub fn read(file: &str, text: &str) -> Result<Project, ProjectError> {
         let values = std::array::from_fn(|_| Vec::new());
         let named_by = [NamedBy::CommandLine; VARIABLES.len()];
-        let mut rif = Rif { root: without_suffix(file).to_owned(), values, named_by };
+        let mut project = Project { root: without_suffix(file).to_owned(), values, named_by };
         for (line, assignment) in logical_lines(text) {
-            rif.set(&assignment, &format!("{file}:{line}"), NamedBy::File { line })?;
+            project.set(&assignment, &format!("{file}:{line}"), NamedBy::File { line })?;
         }
-        Ok(rif)
+        Ok(project)
     }
 
-    /// Takes an assignment such as `QUALITY=high` from the command line. False if nothing is assigned.
+    /// Parses an assignment such as `QUALITY=high` from the command line. False if the word is not
+    /// an assignment.
     ///
     /// # Errors
-    /// [`RifError::UnknownVariable`].
-    pub fn assign(&mut self, assignment: &str) -> Result<bool, RifError> {
+    /// [`ProjectError::UnknownVariable`].
+    pub fn assign(&mut self, assignment: &str) -> Result<bool, ProjectError> {
         self.set(assignment, "command line", NamedBy::CommandLine)
     }
 
-    fn set(&mut self, assignment: &str, place: &str, by: NamedBy) -> Result<bool, RifError> {
+    fn set(&mut self, assignment: &str, place: &str, by: NamedBy) -> Result<bool, ProjectError> {
         let assignment = assignment.trim();
         let end = assignment.find(|c: char| c.is_whitespace() || c == '=').unwrap_or(assignment.len());
         let (name, value) = assignment.split_at(end);
@@ -152,9 +154,9 @@ impl Rif {
         }
         let known = VARIABLES.iter().position(|(_, full, least, _)| name.len() >= *least && full.starts_with(name));
         let Some(known) = known else {
-            return Err(RifError::UnknownVariable { place: place.to_owned(), name: name.to_owned() });
+            return Err(ProjectError::UnknownVariable { place: place.to_owned(), name: name.to_owned() });
         };
-        // Where values add up, one of the file makes the whole the file's.
+        // If assignments are joined, one from the file makes the file the origin of the whole.
         let adds_up = matches!(VARIABLES[known].3, Kind::Joined | Kind::Each);
         if !(adds_up && matches!(self.named_by[known], NamedBy::File { .. })) {
             self.named_by[known] = by;
@@ -163,11 +165,11 @@ impl Rif {
         Ok(true)
     }
 
-    /// Checks the values and makes one of each that can be only one. Gives warnings.
+    /// Checks the values and resolves repeated assignments. Returns warnings.
     ///
     /// # Errors
-    /// [`RifError::Value`].
-    pub fn check(&mut self) -> Result<Vec<String>, RifError> {
+    /// [`ProjectError::Value`].
+    pub fn check(&mut self) -> Result<Vec<String>, ProjectError> {
         let mut warnings = Vec::new();
         for ((_, name, _, kind), values) in VARIABLES.iter().zip(&mut self.values) {
             match kind {
@@ -198,12 +200,12 @@ impl Rif {
                     continue;
                 }
             };
-            return Err(RifError::Value { variable: name, value: value.clone(), expected });
+            return Err(ProjectError::Value { variable: name, value: value.clone(), expected });
         }
         Ok(warnings)
     }
 
-    /// All values, an assignment a line, as `rad -e` prints them.
+    /// All values, one assignment per line, as `rad -e` prints them.
     #[must_use]
     pub fn explained(&self) -> String {
         let mut text = String::new();
@@ -232,12 +234,12 @@ impl Rif {
         &self.values[place(variable)]
     }
 
-    /// Who gave a variable its value.
+    /// The origin of a variable's value.
     pub(crate) fn named_by(&self, variable: Variable) -> NamedBy {
         self.named_by[place(variable)]
     }
 
-    /// Gives a variable without a value one.
+    /// Sets a variable that has no value.
     pub(crate) fn set_default(&mut self, variable: Variable, value: impl Into<String>) {
         let values = &mut self.values[place(variable)];
         if values.is_empty() {
@@ -245,10 +247,10 @@ impl Rif {
         }
     }
 
-    /// The error of a value that turns out wrong when it is used.
-    pub(crate) fn wrong(&self, variable: Variable, expected: &'static str) -> RifError {
+    /// The error for a value that is found to be wrong on use.
+    pub(crate) fn wrong(&self, variable: Variable, expected: &'static str) -> ProjectError {
         let value = self.value(variable).unwrap_or_default().to_owned();
-        RifError::Value { variable: VARIABLES[place(variable)].1, value, expected }
+        ProjectError::Value { variable: VARIABLES[place(variable)].1, value, expected }
     }
 }
 
@@ -256,7 +258,7 @@ fn place(variable: Variable) -> usize {
     variable as usize
 }
 
-/// The lines that backslashes at their ends make of those of the text, without comments, each with its number.
+/// The lines of the text, joined at backslashes, without comments, each with its number.
 fn logical_lines(text: &str) -> Vec<(usize, String)> {
     let mut lines = Vec::new();
     let mut characters = text.chars();
@@ -284,8 +286,8 @@ fn logical_lines(text: &str) -> Vec<(usize, String)> {
     lines
 }
 
-/// Of white space outside of quotes the first character is kept. As in Radiance, a quote at the very start keeps nothing together, so
-/// that a command in quotes can go on in the next line.
+/// Reduces runs of white space outside quotes to their first character. As in Radiance, a quote at
+/// the very start groups nothing, so that a quoted command can continue on the next line.
 fn squeezed(value: &str) -> String {
     let mut text = String::with_capacity(value.len());
     let mut quote = None;
@@ -314,7 +316,7 @@ fn unquote(value: &mut String) {
     }
 }
 
-/// Writes a value, going on in a new line at the first space beyond a width.
+/// Writes a value, with line breaks at the first space beyond a width.
 fn wrap(value: &str, width: usize, next: &str, text: &mut String) {
     let mut left = width;
     for character in value.chars() {
@@ -327,7 +329,7 @@ fn wrap(value: &str, width: usize, next: &str, text: &mut String) {
     }
 }
 
-/// A file's name without what follows the last full stop of its last part.
+/// A file name without the last suffix of its last component.
 pub(crate) fn without_suffix(name: &str) -> &str {
     let last = name.rfind('/').map_or(0, |slash| slash + 1);
     match name[last..].rfind('.') {
@@ -348,29 +350,29 @@ mod tests {
     #[test]
     fn names_can_be_short_and_lines_long() {
         let text = "# all\nQUAL = Hi # best\nscene= a.rad \\\n  b.rad\nsce = \"!xform  -n c  d.rad\"\nEXP=\\#\n";
-        let mut rif = Rif::read("x/y.z.rif", text).unwrap();
-        assert_eq!(rif.root, "x/y.z");
-        assert!(rif.check().is_err(), "an exposure is a number");
-        rif.assign("EXP=2").unwrap();
-        assert_eq!(rif.check().unwrap(), ["multiple assignment of variable 'EXPOSURE'"]);
-        assert_eq!(rif.value(Variable::Scene), Some("a.rad b.rad \"!xform -n c d.rad\""));
-        assert_eq!(rif.value(Variable::Quality), Some("Hi"));
+        let mut project = Project::read("x/y.z.rif", text).unwrap();
+        assert_eq!(project.root, "x/y.z");
+        assert!(project.check().is_err(), "an exposure is a number");
+        project.assign("EXP=2").unwrap();
+        assert_eq!(project.check().unwrap(), ["multiple assignment of variable 'EXPOSURE'"]);
+        assert_eq!(project.value(Variable::Scene), Some("a.rad b.rad \"!xform -n c d.rad\""));
+        assert_eq!(project.value(Variable::Quality), Some("Hi"));
     }
 
     #[test]
-    fn the_last_word_on_a_name_is_told() {
-        let mut rif = Rif::read("a.rif", "# one\nOCT= a.oct\nrender= -ab 1\n").unwrap();
-        assert_eq!(rif.named_by(Variable::Octree), NamedBy::File { line: 2 });
-        assert_eq!(rif.named_by(Variable::Picture), NamedBy::CommandLine);
-        rif.assign("OCTREE=b.oct").unwrap();
-        rif.assign("render=-ab 2").unwrap();
-        assert_eq!(rif.named_by(Variable::Octree), NamedBy::CommandLine);
-        assert_eq!(rif.named_by(Variable::Render), NamedBy::File { line: 3 }, "values that add up stay the file's");
+    fn the_origin_of_the_last_assignment_is_returned() {
+        let mut project = Project::read("a.rif", "# one\nOCT= a.oct\nrender= -ab 1\n").unwrap();
+        assert_eq!(project.named_by(Variable::Octree), NamedBy::File { line: 2 });
+        assert_eq!(project.named_by(Variable::Picture), NamedBy::CommandLine);
+        project.assign("OCTREE=b.oct").unwrap();
+        project.assign("render=-ab 2").unwrap();
+        assert_eq!(project.named_by(Variable::Octree), NamedBy::CommandLine);
+        assert_eq!(project.named_by(Variable::Render), NamedBy::File { line: 3 }, "values that add up stay the file's");
     }
 
     #[test]
     fn unknown_variables_are_named_with_their_line() {
-        let error = Rif::read("a.rif", "view= X\n\nQU= low\n").unwrap_err();
+        let error = Project::read("a.rif", "view= X\n\nQU= low\n").unwrap_err();
         assert_eq!(error.to_string(), "a.rif:3: unknown variable \"QU\"");
     }
 }

@@ -1,8 +1,8 @@
-//! Views: those of the file, and the standard ones such as `Xl` that are told from the zone.
+//! Views: those of the file, and standard ones such as `Xl`, which are derived from the zone.
 
-use crate::RifError;
+use crate::ProjectError;
 use crate::quality::Zone;
-use crate::variables::{Rif, Variable};
+use crate::variables::{Project, Variable};
 use radsight_scene_generators::padded;
 
 /// A picture's name and view options.
@@ -12,19 +12,19 @@ pub(crate) struct NamedView {
     pub(crate) options: String,
 }
 
-/// The views that are wanted: all, or the one that the command line selects.
-pub(crate) fn views(rif: &Rif, zone: &Zone, selected: Option<&str>) -> Result<Vec<NamedView>, RifError> {
-    let listed = rif.all(Variable::View);
-    let numbered = |number: usize| -> Result<Option<NamedView>, RifError> {
+/// The requested views: all, or the one that the command line selects.
+pub(crate) fn views(project: &Project, zone: &Zone, selected: Option<&str>) -> Result<Vec<NamedView>, ProjectError> {
+    let listed = project.all(Variable::View);
+    let numbered = |number: usize| -> Result<Option<NamedView>, ProjectError> {
         let Some(view) = listed.get(number) else { return Ok(None) };
         let first = view.split_whitespace().next().unwrap_or_default();
         let name = if view.starts_with('-') { (number + 1).to_string() } else { first.to_owned() };
-        Ok(options(rif, zone, view)?.map(|options| NamedView { name, options }))
+        Ok(options(project, zone, view)?.map(|options| NamedView { name, options }))
     };
     let Some(selected) = selected else {
         let mut views = Vec::new();
         for number in 0..listed.len() {
-            // As in Radiance, nothing comes after a view without options.
+            // As in Radiance, the list ends at a view without options.
             let Some(view) = numbered(number)? else { break };
             views.push(view);
         }
@@ -38,23 +38,23 @@ pub(crate) fn views(rif: &Rif, zone: &Zone, selected: Option<&str>) -> Result<Ve
     }
     let name = selected.split_whitespace().next().unwrap_or_default();
     let view = listed.iter().find(|view| view.split_whitespace().next() == Some(name)).map_or(selected, String::as_str);
-    let options = options(rif, zone, view)?;
+    let options = options(project, zone, view)?;
     Ok(options.into_iter().map(|options| NamedView { name: name.to_owned(), options }).collect())
 }
 
-/// The up vectors by axis, −3 to 3; 0 is for none.
+/// The up vectors by axis, −3 to 3; 0 for none.
 const UP: [&str; 7] = ["-vu 0 0 -1", "-vu 0 -1 0", "-vu -1 0 0", "-vu 0 0 1", "-vu 1 0 0", "-vu 0 1 0", "-vu 0 0 1"];
 
 fn up_vector(axis: i32) -> &'static str {
     UP[(axis + 3).clamp(0, 6) as usize]
 }
 
-/// The options of a view; `None` for a name alone that is no standard view.
-fn options(rif: &Rif, zone: &Zone, view: &str) -> Result<Option<String>, RifError> {
+/// The options of a view; `None` for a name that is no standard view.
+fn options(project: &Project, zone: &Zone, view: &str) -> Result<Option<String>, ProjectError> {
     if view.starts_with('-') {
         return Ok(Some(view.to_owned()));
     }
-    let up = up_axis(rif)?;
+    let up = up_axis(project)?;
     let (name, more) = view.split_once(' ').unwrap_or((view, ""));
     if let Some(standard) = standard_view(zone, name, up) {
         return Ok(Some(if more.is_empty() { standard } else { format!("{standard} {more}") }));
@@ -65,20 +65,20 @@ fn options(rif: &Rif, zone: &Zone, view: &str) -> Result<Option<String>, RifErro
     Ok(Some(if up == 0 { more.to_owned() } else { format!("{} {more}", up_vector(up)) }))
 }
 
-/// The axis that the variable `UP` names, 1 to 3, negative for one that points down; 0 for none.
-fn up_axis(rif: &Rif) -> Result<i32, RifError> {
-    let Some(value) = rif.value(Variable::Up) else { return Ok(0) };
+/// The axis that the variable `UP` names, 1 to 3, negative if it points down; 0 for none.
+fn up_axis(project: &Project) -> Result<i32, ProjectError> {
+    let Some(value) = project.value(Variable::Up) else { return Ok(0) };
     let axis = match value.trim_start_matches(['+', '-']).chars().next() {
         Some('X' | 'x') => 1,
         Some('Y' | 'y') => 2,
         Some('Z' | 'z') => 3,
-        _ => return Err(rif.wrong(Variable::Up, "X, Y or Z, with a sign or without")),
+        _ => return Err(project.wrong(Variable::Up, "X, Y or Z, with a sign or without")),
     };
     Ok(if value.starts_with('-') { -axis } else { axis })
 }
 
-/// A view such as `XYa`: from the sides of the zone that capital letters (the far end of an axis) or small ones (the near end) name, of
-/// the type that the last letter names.
+/// A standard view such as `XYa`: from the sides of the zone given by capital letters (the far end
+/// of an axis) or small ones (the near end), with the view type of the last letter.
 fn standard_view(zone: &Zone, name: &str, up: i32) -> Option<String> {
     let mut letters = name.chars().peekable();
     let mut side = |far: char| {
@@ -100,7 +100,7 @@ fn standard_view(zone: &Zone, name: &str, up: i32) -> Option<String> {
     let from: Vec<String> =
         (0..3).map(|axis| g(zone.low[axis] + zone.extent[axis] * (0.5 + sides[axis] * reach))).collect();
     let towards: Vec<String> = (0..3).map(|axis| g(0.0 - sides[axis] * zone.extent[axis])).collect();
-    // A view along the axis that should be up needs another.
+    // A view along the up axis needs another up vector.
     let [x, y, z] = sides.map(|side| side != 0.0);
     let up = match up.abs() {
         1 if !(y || z) => 3,

@@ -1,4 +1,4 @@
-//! How much time goes to an error: the same picture as a preview, and within 10 and 2 %.
+//! The cost of accuracy: the same picture as a preview, and with errors of 10 % and 2 %.
 
 use radsight::{Error, ErrorBudget, Renderer, Scene, View};
 use std::time::Instant;

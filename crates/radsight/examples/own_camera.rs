@@ -1,4 +1,5 @@
-//! A camera of one's own: a push-broom line scanner that turns about the vertical axis while it takes its columns.
+//! A custom camera: a push-broom line scanner that rotates about the vertical axis while it records
+//! its columns.
 
 use glam::DVec3;
 use radsight::{Camera, CameraRay, Error, Renderer, Scene};

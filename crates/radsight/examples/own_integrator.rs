@@ -1,11 +1,12 @@
-//! An integrator of one's own: ambient occlusion, the share of the cosine-weighted sky that a point sees.
+//! A custom integrator: ambient occlusion, the cosine-weighted share of the sky visible from a
+//! point.
 
 use glam::DVec3;
 use radsight::{Camera, CameraRay, Error, Integrator, Ray, RayQueries, Renderer, Scene};
 use std::f64::consts::TAU;
 
 struct AmbientOcclusion {
-    /// What is farther away does not shade, scene units.
+    /// Distance beyond which surfaces do not occlude, scene units.
     range: f64,
 }
 
@@ -14,7 +15,8 @@ impl Integrator for AmbientOcclusion {
         let Some(hit) = queries.first_hit(ray).filter(|hit| hit.distance.is_finite()) else { return [1.0; 3] };
         let normal = if hit.normal.dot(ray.direction) < 0.0 { hit.normal } else { -hit.normal };
         let [u, v, ..] = queries.random();
-        // Points of the unit sphere that lies on the surface are seen by the cosine from where it touches.
+        // A point sampled uniformly on the unit sphere tangent to the surface gives a
+        // cosine-weighted direction from the point of tangency.
         let (z, angle) = (1.0 - 2.0 * u, TAU * v);
         let radius = (1.0 - z * z).max(0.0).sqrt();
         let direction = normal + DVec3::new(radius * angle.cos(), radius * angle.sin(), z);
@@ -24,7 +26,7 @@ impl Integrator for AmbientOcclusion {
     }
 }
 
-/// Looks straight down at two by two units.
+/// Views two by two units from straight above.
 struct FromAbove;
 
 impl Camera for FromAbove {
@@ -34,7 +36,8 @@ impl Camera for FromAbove {
     }
 }
 
-/// The share of the sky over a floor that a disk of radius 1 above its middle leaves open, in the middle: 1 − 1/(1 + h²) at height h.
+/// A disk of radius 1 at height h above the centre of a floor leaves the share 1 − 1/(1 + h²) of
+/// the sky visible there.
 pub(crate) fn main() -> Result<(), Error> {
     let scene = Scene::from_text(
         "void plastic grey 0 0 5 .5 .5 .5 0 0

@@ -1,4 +1,4 @@
-//! A material of one's own, without a shared library: the model of Lommel and Seeliger, which the moon follows.
+//! A custom material without a shared library: the Lommel-Seeliger model, which describes the moon.
 
 use glam::DVec3;
 use radsight::{BrdfSample, Density, Error, Lobes, Material, Renderer, Scene, View};

@@ -1,4 +1,4 @@
-//! Rays in and radiance out, and what of it comes from which light.
+//! Traces rays, and splits their radiance into the contributions of lights.
 
 use glam::DVec3;
 use radsight::{Error, Ray, Renderer, Scene};

@@ -1,4 +1,4 @@
-//! Cameras of one's own.
+//! Custom cameras.
 
 use glam::DVec3;
 use radsight_render::Ray;
@@ -6,15 +6,15 @@ use radsight_render::Ray;
 /// A ray of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraRay {
-    /// Where it starts, scene units.
+    /// Origin, scene units.
     pub origin: DVec3,
-    /// Where it goes; need not be of unit length.
+    /// Direction; need not be normalised.
     pub direction: DVec3,
-    /// What its radiance is multiplied by, such as cos⁴ or vignetting.
+    /// Factor of its radiance, such as cos⁴ or vignetting.
     pub weight: f64,
 }
 
-/// Turns points of a film into rays.
+/// Generates rays for points on the film.
 ///
 /// ```
 /// use radsight::{Camera, CameraRay, Renderer, Scene};
@@ -34,11 +34,13 @@ pub struct CameraRay {
 /// # Ok::<(), radsight::Error>(())
 /// ```
 pub trait Camera: Sync {
-    /// The ray through a point of the film, (0, 0) its top left corner and (1, 1) the bottom right one, and a point of the
-    /// aperture in the unit square; `None` where nothing is seen. Both are evenly spread.
+    /// The ray through a film point, (0, 0) at the top left and (1, 1) at the bottom right, and an
+    /// aperture point in the unit square; `None` where the camera sees nothing. Both are uniformly
+    /// distributed.
     fn ray(&self, film: [f64; 2], aperture: [f64; 2]) -> Option<CameraRay>;
 
-    /// The same for many pairs of points at once; what is traced is this. For cameras to which one call costs much.
+    /// The rays of many pairs of points. Renderers call this method; override it if a single call
+    /// is expensive.
     fn rays(&self, film: &[[f64; 2]], aperture: &[[f64; 2]]) -> Vec<Option<CameraRay>> {
         film.iter().zip(aperture).map(|(film, aperture)| self.ray(*film, *aperture)).collect()
     }

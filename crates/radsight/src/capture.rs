@@ -1,4 +1,4 @@
-//! A scene through a real camera.
+//! Captures of a scene with a real camera.
 
 use crate::error::{Error, Report};
 use crate::file_loader::FileLoader;
@@ -14,10 +14,10 @@ use radsight_render::{RenderOptions, RenderPlan};
 use radsight_report::RunRecord;
 use std::path::Path;
 
-/// Error of the exposure when nothing is said.
+/// Default relative error of the exposure.
 const USUAL_ERROR: f64 = 0.005;
 
-/// A camera file (camera, light ring, sensor), and how exactly it is to expose.
+/// A camera file (camera, light ring, sensor), and the sampling budget of its exposure.
 ///
 /// ```no_run
 /// use radsight::{Capture, Scene};
@@ -36,28 +36,28 @@ pub struct Capture {
     samples: Option<u32>,
 }
 
-/// An exposed picture.
+/// An exposed image.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CapturedImage {
-    /// Pixels in a row.
+    /// Number of columns.
     pub columns: usize,
-    /// Rows.
+    /// Number of rows.
     pub rows: usize,
     /// Exposure of each pixel, J/m², top row first.
     pub exposure_j_per_m2: Vec<f64>,
-    /// Estimated rms error over the pixels as a share of the mean exposure, where it was estimated.
+    /// Estimated rms error of the pixels, relative to the mean exposure, if it was estimated.
     pub estimated_error: Option<f64>,
-    /// Rays that were traced from the camera.
+    /// Number of camera rays.
     pub rays: u64,
-    /// The standard error and the rays of each pixel, where the error was estimated.
+    /// Standard error and number of rays of each pixel, if the error was estimated.
     pub pixels: Option<PixelStatistics>,
     seed: u64,
     pub(crate) record: RunRecord,
 }
 
 impl Capture {
-    /// Reads a camera file; files that it names stand beside it.
+    /// Loads a camera file; files that it names are found beside it.
     ///
     /// # Errors
     /// [`Error::Load`], and [`Error::Camera`] with every mistake in it.
@@ -68,7 +68,8 @@ impl Capture {
         Capture::from_text(&name, &bytes, &loader)
     }
 
-    /// Reads a camera file with some of its keys replaced, as [`with_keys`](Capture::with_keys) does.
+    /// Loads a camera file and replaces some of its keys, as [`with_keys`](Capture::with_keys)
+    /// does.
     ///
     /// # Errors
     /// As [`Capture::load`] and [`Capture::with_keys`].
@@ -79,10 +80,11 @@ impl Capture {
         Capture::with_keys(&name, &bytes, keys, &loader)
     }
 
-    /// Reads the text of a camera file with some of its keys, written as `table.key`, replaced or added.
+    /// Parses a camera file with some of its keys, written as `table.key`, replaced or added.
     ///
     /// # Errors
-    /// [`Error::Key`] for what is no key, and [`Error::Camera`] with every mistake in the changed text.
+    /// [`Error::Key`] for an unknown key, and [`Error::Camera`] with every mistake in the changed
+    /// text.
     pub fn with_keys<K: AsRef<str>>(
         name: &str,
         text: &[u8],
@@ -97,7 +99,7 @@ impl Capture {
         Capture::from_text(name, text.as_bytes(), loader)
     }
 
-    /// Reads the text of a camera file, of this name in messages.
+    /// Parses a camera file. `name` denotes it in messages.
     ///
     /// # Errors
     /// [`Error::Camera`] with every mistake in it.
@@ -105,7 +107,7 @@ impl Capture {
         let mut sources = SourceMap::default();
         match CameraFile::read(name, text, &mut sources, loader) {
             Ok(file) if !file.flickering.is_empty() => {
-                let message = "[flicker] is for the program's capture; the library does not change a scene's lamps";
+                let message = "[flicker] is not supported by the library, only by the program \"radsight capture\"";
                 Err(Error::Camera(Report::new(vec![Diagnostic::error(message)], sources)))
             }
             Ok(file) => Ok(Capture { file, options: RenderOptions::default(), error: USUAL_ERROR, samples: None }),
@@ -113,28 +115,29 @@ impl Capture {
         }
     }
 
-    /// The relative error of the exposure: rms over the pixels, as a share of the mean. Default 0.005.
+    /// The requested error of the exposure: rms over the pixels, relative to the mean. Default
+    /// 0.005.
     #[must_use]
     pub fn error(mut self, error: f64) -> Capture {
         (self.error, self.samples) = (error, None);
         self
     }
 
-    /// So many rays through every pixel.
+    /// The number of rays per pixel, instead of an error.
     #[must_use]
     pub fn samples(mut self, samples: u32) -> Capture {
         self.samples = Some(samples);
         self
     }
 
-    /// Chooses the sample sequence and the sensor's noise. Default 0.
+    /// The seed of the sample sequence and of the sensor's noise. Default 0.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Capture {
         self.options.seed = seed;
         self
     }
 
-    /// All render options, to be changed.
+    /// All render options, mutable.
     pub fn options_mut(&mut self) -> &mut RenderOptions {
         &mut self.options
     }
@@ -156,7 +159,8 @@ impl Capture {
         self.expose_with_progress(scene, &Silent)
     }
 
-    /// The same; `progress` hears how far it is, and can stop it: pixels that are not done then have 0.
+    /// The same with progress reports. `progress` receives the finished share and can stop the
+    /// work; unfinished pixels are then 0.
     ///
     /// # Errors
     /// As [`Capture::expose`].
@@ -176,19 +180,19 @@ impl Capture {
         Ok(self.image(exposure, report_page::record(&renderer, &self.options)))
     }
 
-    /// Whether what is asked for can be had.
+    /// Checks the options.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
         if self.samples == Some(0) {
             return wrong("samples", "0".to_owned(), "at least 1");
         }
         if !(self.error > 0.0 && self.error.is_finite()) {
-            return wrong("error", self.error.to_string(), "a share above 0, such as 0.005");
+            return wrong("error", self.error.to_string(), "a relative error above 0, such as 0.005");
         }
         Ok(())
     }
 
-    /// What the camera file says.
+    /// The parsed camera file.
     #[must_use]
     pub fn camera_file(&self) -> &CameraFile {
         &self.file
@@ -230,13 +234,13 @@ impl CapturedImage {
         self.exposure_j_per_m2.iter().sum::<f64>() / self.exposure_j_per_m2.len().max(1) as f64
     }
 
-    /// The grey values that the camera's sensor gives, top row first.
+    /// The grey values of the camera's sensor, top row first.
     ///
     /// # Errors
     /// [`Error::NoSensor`].
     pub fn greys(&self, camera: &Capture) -> Result<Vec<u16>, Error> {
         let sensor = camera.file.sensor.as_ref().ok_or(Error::NoSensor)?;
-        // Exposures are stored in single precision, here as in files.
+        // Exposures are rounded to single precision, as in files.
         let stored: Vec<f64> = self.exposure_j_per_m2.iter().map(|value| f64::from(*value as f32)).collect();
         Ok(sensor.greys(&stored, self.seed))
     }

@@ -1,4 +1,4 @@
-//! Many captures of nearly one scene.
+//! Series of captures of similar scenes.
 
 mod engine;
 
@@ -16,11 +16,12 @@ use radsight_ir::ValidScene;
 use radsight_render::{RenderOptions, RenderPlan};
 use std::cell::RefCell;
 
-/// Captures of a scene that differ in camera, ring, exposure, sensor, or in where parts are.
+/// Captures of a scene that differ in camera, ring, exposure, sensor, or poses of parts.
 ///
-/// What two pictures have in common is computed once: the scene is read once for each light ring, pictures that differ in the sensor, the exposure
-/// time or the LEDs' intensity have the rays in common, and pictures that differ in where parts are have all pixels in common whose light
-/// passes beside the parts. The latter keep more rays than a picture alone would have; their error is the same in all pictures.
+/// Common work is done once. The scene is read once per light ring. Pictures that differ in the
+/// sensor, the exposure time or the LEDs' intensity share their rays. Pictures that differ in the
+/// poses of parts share all pixels whose light does not meet the parts. These shared pixels get more
+/// rays than in a single picture, and their error is the same in all pictures.
 ///
 /// ```
 /// use radsight::{Capture, CaptureSeries, MemoryLoader, PartMove, Scene, SeriesPicture};
@@ -46,21 +47,24 @@ pub struct CaptureSeries<'l> {
 }
 
 impl<'l> CaptureSeries<'l> {
-    /// Of a scene without a light ring: each camera file's own is added.
+    /// A series for a scene without a light ring; the ring of each camera file is added.
     #[must_use]
     pub fn new(scene: SceneBuilder<'l>) -> CaptureSeries<'l> {
         CaptureSeries { scene }
     }
 
-    /// Exposes all pictures; `visit` has each with its place in the list, not in the order of the list.
+    /// Exposes all pictures. `visit` receives each with its index in the list; the order may differ
+    /// from the list.
     ///
     /// # Errors
-    /// As [`Capture::expose`](crate::Capture::expose), and [`Error::Scene`] for parts that cannot be moved.
+    /// As [`Capture::expose`](crate::Capture::expose), and [`Error::Scene`] for parts that cannot
+    /// be moved.
     pub fn expose(&self, pictures: &[SeriesPicture], visit: impl FnMut(usize, CapturedImage)) -> Result<(), Error> {
         self.expose_with_progress(pictures, &Silent, visit)
     }
 
-    /// The same; `progress` hears how far each exposure is, and can stop it. A picture that was stopped is not visited.
+    /// The same with progress reports. `progress` receives the finished share of each exposure and
+    /// can stop it; a stopped picture is not visited.
     ///
     /// # Errors
     /// As [`CaptureSeries::expose`].
@@ -80,10 +84,10 @@ impl<'l> CaptureSeries<'l> {
     }
 }
 
-/// Scenes that a builder reads.
+/// The scenes that a builder reads.
 struct BuiltScenes<'s, 'l> {
     builder: &'s SceneBuilder<'l>,
-    /// The last that was read: it has the sources of messages, and the materials.
+    /// The last scene read: it holds the sources of messages, and the materials.
     last: RefCell<Option<Scene>>,
 }
 

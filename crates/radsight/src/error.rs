@@ -1,12 +1,12 @@
-//! What can go wrong, as data.
+//! Errors as data.
 
 use radsight_diag::{Diagnostic, SourceMap};
 use std::fmt;
 
-/// Messages about a text, with what is needed to show where they point.
+/// Diagnostics of a text, with the sources needed to print them.
 #[derive(Clone)]
 pub struct Report {
-    /// The messages, in the order of the text. Spans point into the sources.
+    /// The diagnostics in text order. Spans refer to the sources.
     pub diagnostics: Vec<Diagnostic>,
     pub(crate) sources: SourceMap,
 }
@@ -16,7 +16,7 @@ impl Report {
         Box::new(Report { diagnostics, sources })
     }
 
-    /// File name, line and column (from 1) of a message; `None` for one about no place.
+    /// File name, line and column (from 1) of a diagnostic; `None` if it has no span.
     #[must_use]
     pub fn position(&self, diagnostic: &Diagnostic) -> Option<(&str, u32, u32)> {
         let span = diagnostic.span?;
@@ -25,21 +25,21 @@ impl Report {
     }
 }
 
-/// All messages, each with its line, a caret and hints.
+/// Prints all diagnostics, each with its line, a caret and hints.
 impl fmt::Display for Report {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.diagnostics.iter().try_for_each(|diagnostic| formatter.write_str(&diagnostic.render(&self.sources)))
     }
 }
 
-/// The same as for people, since that is what `main` shows.
+/// Prints the same as `Display`, since `main` shows this form.
 impl fmt::Debug for Report {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, formatter)
     }
 }
 
-/// Why something could not be done.
+/// Why an operation failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -49,10 +49,10 @@ pub enum Error {
     /// A camera file is wrong.
     #[error("the camera file is wrong:\n{0}")]
     Camera(Box<Report>),
-    /// The file of a series of captures is wrong.
+    /// A series file is wrong.
     #[error("the series is wrong:\n{0}")]
     Series(Box<Report>),
-    /// Something is no key of a camera file that could be replaced.
+    /// A word is not a replaceable key of a camera file.
     #[error("key \"{key}\": {expected}")]
     Key {
         /// The key.
@@ -64,57 +64,57 @@ pub enum Error {
     #[error("the job is wrong:\n{0}")]
     Job(Box<Report>),
     /// A part of a picture cannot be merged.
-    #[error("\"{name}\" is no part of this picture: {reason}")]
+    #[error("\"{name}\" is not part of this picture: {reason}")]
     Part {
         /// Its name.
         name: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// A ray met a material that cannot be used.
-    #[error("a material cannot be used:\n{0}")]
+    /// A ray met an unusable material.
+    #[error("a material is unusable:\n{0}")]
     Material(Box<Report>),
     /// A file could not be read.
     #[error(transparent)]
     Load(#[from] radsight_loader::LoadError),
-    /// A view is wrong.
+    /// A view is invalid.
     #[error("bad view: {0}")]
     View(String),
-    /// An option is out of its range.
+    /// An option is out of range.
     #[error("{option} is {value}, expected {expected}")]
     Option {
         /// Its name.
         option: &'static str,
-        /// What it was.
+        /// Its value.
         value: String,
-        /// What it may be.
+        /// The valid range.
         expected: &'static str,
     },
-    /// A picture has more pixels than can be held.
-    #[error("a picture of {columns} by {rows} pixels, expected 1 to {most} pixels")]
+    /// A picture exceeds the largest supported size.
+    #[error("the picture has {columns} by {rows} pixels, expected 1 to {most} pixels")]
     Size {
-        /// Pixels in a row.
+        /// Number of columns.
         columns: usize,
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Most pixels.
+        /// Largest number of pixels.
         most: usize,
     },
     /// The camera has no sensor.
-    #[error("the camera file has no [sensor], expected one for grey values")]
+    #[error("the camera file has no [sensor], which is needed for grey values")]
     NoSensor,
-    /// An irradiance cache that was saved cannot be used.
+    /// A saved irradiance cache cannot be used.
     #[error("the irradiance cache: {0}")]
     Cache(#[from] radsight_render::CacheError),
     /// Band weights do not fit the scene.
     #[error("{0}")]
     Bands(String),
-    /// A picture cannot be written in this format.
+    /// A picture cannot be saved.
     #[error("cannot save \"{path}\": {reason}")]
     Save {
         /// The file.
         path: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
 }

@@ -1,45 +1,47 @@
-//! How an asked error is split between the irradiance cache and the pixels.
+//! Splits a requested error between the irradiance cache and the pixels.
 
 use radsight_film::{Interpolation, MAX_SAMPLES, SamplingBudget};
 use radsight_render::{Gathering, LightDivision, RenderOptions};
 
-/// For less error than this pixels may have more rays than usual, and cache points more.
+/// Error below which the limits of rays per pixel and per cache point are raised.
 const COARSE_ERROR: f64 = 0.02;
 
-/// What of an error goes to the noise and the reach of cached irradiance; records that reach no farther than this
-/// are good enough for any error.
+/// Ratio of cache noise to the requested error, and of the interpolation distance. The smallest
+/// distance suffices for any error.
 const NOISE_SHARE: f64 = 1.5;
 const REACH_SHARE: f64 = 0.5;
 const NEAR_ENOUGH: f64 = 0.1;
 
-/// Where an error is asked for, the whole picture's counts, not what is seen in its corners.
+/// With a requested error, the error of the whole picture counts, not visible unevenness in
+/// corners.
 const ALLOCATION_FLOOR: f64 = 0.1;
 
-/// For errors below the coarse one cache points have more rays, in proportion to what noise needs, at most so many times: many
-/// points with few rays each come to no less noise, for more time.
+/// Largest factor on the rays of a cache point. Below the coarse error, cache points get more rays
+/// in proportion to the required noise. More points with few rays each would reach the same noise
+/// in more time.
 const MOST_THOROUGH: f64 = 16.0;
 
-/// Caustics are cached where records disagree by less than so many times the noise; elsewhere pixels have as many rays as the
-/// asked error needs.
+/// Caustics are cached where records agree within this multiple of the noise. Elsewhere pixels get
+/// as many rays as the requested error needs.
 const CAUSTIC_NOISES: f64 = 2.0;
 
-/// Relative noise of the irradiance that N rays find, times √N: what Radiance's records have.
+/// Relative noise of the irradiance from N rays, times √N, as measured for Radiance's records.
 const NOISE_OF_A_RAY: f64 = 1.5;
 
-/// Rays that a record traces in the mean where no error is asked for, as a share of those that Radiance's records do: neighbours
-/// share them.
+/// Mean number of rays of a record without a requested error, relative to Radiance's records.
+/// Neighbouring records share their rays.
 const RECORD_SHARE: f64 = 0.75;
 
-/// Radiance's default of `-pj`; a picture of which an error is asked averages whole pixels.
+/// Radiance's default of `-pj`. A picture with a requested error averages over whole pixels.
 const USUAL_JITTER: f64 = 0.67;
 
-/// How good a picture is to be.
+/// The requested quality of a picture.
 ///
 /// ```
 /// use radsight::{ErrorBudget, RenderOptions, SamplingBudget};
 /// let mut options = RenderOptions { ambient_bounces: 2, ..RenderOptions::default() };
 /// let pixels = ErrorBudget::error(0.02).apply(&mut options);
-/// // The cache is filled for a part of the error; pixels find out what is left of it.
+/// // The cache is filled for a part of the error; pixels estimate the rest.
 /// assert!(matches!(pixels, SamplingBudget::Error { error, .. } if error == 0.02));
 /// assert!(options.gathering.noise <= 0.03);
 /// ```
@@ -48,7 +50,7 @@ pub struct ErrorBudget(Asked);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Asked {
-    /// Relative error, and the most rays a pixel at the coarse error.
+    /// Relative error, and the largest number of rays per pixel at the coarse error.
     Error(f64, u32),
     Samples(u32),
     Preview(Interpolation),
@@ -62,28 +64,28 @@ impl Default for ErrorBudget {
 }
 
 impl ErrorBudget {
-    /// Rays a pixel at most, where an error is asked for.
+    /// Largest number of rays per pixel with a requested error.
     pub const MOST_SAMPLES: u32 = MAX_SAMPLES;
 
-    /// This relative error: rms over the bands of all pixels, as a share of their values.
+    /// A requested relative error: rms over the bands of all pixels, relative to their values.
     #[must_use]
     pub fn error(error: f64) -> ErrorBudget {
         ErrorBudget(Asked::Error(error, ErrorBudget::MOST_SAMPLES))
     }
 
-    /// So many rays through every pixel.
+    /// A number of rays per pixel.
     #[must_use]
     pub fn samples(samples: u32) -> ErrorBudget {
         ErrorBudget(Asked::Samples(samples))
     }
 
-    /// What Radiance's options say: smooth parts are interpolated between samples.
+    /// Radiance's adaptive preview: smooth regions are interpolated between samples.
     #[must_use]
     pub fn preview(interpolation: Interpolation) -> ErrorBudget {
         ErrorBudget(Asked::Preview(interpolation))
     }
 
-    /// The budget that a sampling budget stands for, as a user gives it.
+    /// The budget for a sampling budget given by a user.
     #[must_use]
     pub fn of(budget: SamplingBudget) -> ErrorBudget {
         ErrorBudget(match budget {
@@ -93,7 +95,7 @@ impl ErrorBudget {
         })
     }
 
-    /// The error that is asked for, if one is.
+    /// The requested error, if any.
     #[must_use]
     pub fn asked_error(&self) -> Option<f64> {
         match self.0 {
@@ -102,13 +104,13 @@ impl ErrorBudget {
         }
     }
 
-    /// Side of the square in a pixel over which its rays are spread, in pixels, unless something else is asked for (`-pj`).
+    /// The default side of the square in a pixel over which its rays are jittered, pixels (`-pj`).
     #[must_use]
     pub fn pixel_jitter(&self) -> f64 {
         if let Asked::Preview(_) = self.0 { USUAL_JITTER } else { 1.0 }
     }
 
-    /// The side in pixels of the squares that have one ray of the cache's pre-pass.
+    /// The side in pixels of the squares that get one ray of the cache's pre-pass.
     #[must_use]
     pub fn prepass_spacing(&self) -> usize {
         match self.0 {
@@ -117,9 +119,10 @@ impl ErrorBudget {
         }
     }
 
-    /// Gives the irradiance cache its part, or that of the rays that Radiance would trace, and says what is left to the pixels. A
-    /// value's noise may be more than the error, since a pixel sees several values; interpolation bias grows as the square of the
-    /// distance that records reach.
+    /// Allots the irradiance cache its part of the error, or Radiance's number of rays, and returns
+    /// the budget of the pixels. The noise of a cached value may exceed the error, since a pixel
+    /// averages several values; interpolation bias grows as the square of the interpolation
+    /// distance.
     #[must_use]
     pub fn apply(&self, options: &mut RenderOptions) -> SamplingBudget {
         let gathering = &mut options.gathering;

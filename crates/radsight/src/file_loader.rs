@@ -1,10 +1,10 @@
-//! Files of the disk, found as Radiance finds them.
+//! Loads files from disk, with Radiance's search rules.
 
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Looks for names in folders, and then among radsight's own function files. Runs no commands.
+/// Searches folders, then radsight's built-in function files. Runs no commands.
 ///
 /// ```
 /// use radsight::{FileKind, FileLoader, Loader};
@@ -18,7 +18,7 @@ pub struct FileLoader {
     home: Option<PathBuf>,
 }
 
-/// Looks in the working folder only.
+/// Searches only the working folder.
 impl Default for FileLoader {
     fn default() -> Self {
         FileLoader::new([PathBuf::from(".")])
@@ -26,19 +26,20 @@ impl Default for FileLoader {
 }
 
 impl FileLoader {
-    /// Looks in these folders, in this order, as Radiance looks in those of `RAYPATH`.
+    /// Searches these folders in order, as Radiance searches `RAYPATH`.
     #[must_use]
     pub fn new(folders: impl IntoIterator<Item = PathBuf>) -> FileLoader {
         FileLoader { folders: folders.into_iter().collect(), home: None }
     }
 
-    /// The folder that `~/` stands for.
+    /// Sets the folder for `~/`.
     #[must_use]
     pub fn home(self, home: PathBuf) -> FileLoader {
         FileLoader { home: Some(home), ..self }
     }
 
-    /// Where a name is looked for: names that say where they are only there, others in each folder.
+    /// The candidate paths of a name: a name with an explicit folder is looked up only there,
+    /// others in each folder.
     #[must_use]
     pub fn candidates(&self, name: &str) -> Vec<PathBuf> {
         let path = Path::new(name);
@@ -55,10 +56,10 @@ impl FileLoader {
             .collect()
     }
 
-    /// The first place where there is something of this name; `None` if there is nothing.
+    /// The first existing candidate; `None` if there is none.
     ///
     /// # Errors
-    /// When a folder has the name.
+    /// When the candidate is a folder.
     pub fn find(&self, name: &str) -> Result<Option<PathBuf>, LoadError> {
         for candidate in self.candidates(name) {
             match std::fs::metadata(&candidate) {
@@ -73,7 +74,7 @@ impl FileLoader {
         Ok(None)
     }
 
-    /// radsight's own function file of this name, or the error that there is no such file.
+    /// The built-in function file with this name.
     ///
     /// # Errors
     /// When there is none.

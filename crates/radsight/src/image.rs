@@ -1,4 +1,4 @@
-//! Pictures, and what is known of their error.
+//! Images with their error estimates.
 
 use crate::{Error, report_page};
 use radsight_film::Estimate;
@@ -7,7 +7,7 @@ use radsight_report::RunRecord;
 use std::fmt;
 use std::path::Path;
 
-/// A picture of radiances.
+/// An image of radiances.
 #[derive(Clone, Debug)]
 pub struct Image {
     columns: usize,
@@ -18,7 +18,7 @@ pub struct Image {
     record: RunRecord,
 }
 
-/// What is known of each pixel.
+/// Per-pixel statistics.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Maps {
     pub(crate) relative_errors: Option<Vec<f32>>,
@@ -26,10 +26,10 @@ pub(crate) struct Maps {
 }
 
 impl Image {
-    /// No picture has more pixels: it needs memory for each of them until it is done.
+    /// Largest number of pixels; they are held in memory until the image is finished.
     pub const MOST_PIXELS: usize = 1 << 27;
 
-    /// Whether a picture can have this size.
+    /// Checks the size of an image.
     ///
     /// # Errors
     /// [`Error::Size`] for no pixels, and for more than [`Image::MOST_PIXELS`].
@@ -42,7 +42,7 @@ impl Image {
         Image { columns, pixels, header, report, maps: Maps::default(), record: RunRecord::default() }
     }
 
-    /// With what is known of each pixel, and of the run.
+    /// Adds per-pixel statistics and the record of the run.
     pub(crate) fn with_accounts(mut self, maps: Maps, mut record: RunRecord, asked: Option<f64>) -> Image {
         record.error = report_page::reached(self.report.error, self.report.uncertainty, asked);
         record.rays = maps.samples.as_ref().map(|samples| samples.iter().copied().map(u64::from).sum());
@@ -50,13 +50,13 @@ impl Image {
         self
     }
 
-    /// Pixels in a row.
+    /// Number of columns.
     #[must_use]
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Rows.
+    /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.pixels.len() / self.columns.max(1)
@@ -71,21 +71,21 @@ impl Image {
     /// The radiance of a pixel; row 0 is the top.
     ///
     /// # Panics
-    /// If there is no such pixel.
+    /// If the pixel is out of range.
     #[must_use]
     pub fn pixel(&self, column: usize, row: usize) -> [f32; 3] {
         assert!(column < self.columns, "column {column} of {}", self.columns);
         self.pixels[row * self.columns + column]
     }
 
-    /// The standard error of each pixel as a share of its value, top row first: of its bands the root of the mean square.
-    /// `None` where no error was asked for.
+    /// The relative standard error of each pixel, rms over its bands, top row first. `None` without
+    /// a requested error.
     #[must_use]
     pub fn relative_errors(&self) -> Option<&[f32]> {
         self.maps.relative_errors.as_deref()
     }
 
-    /// Rays through each pixel, top row first; `None` where pixels are interpolated.
+    /// Number of rays of each pixel, top row first; `None` if pixels are interpolated.
     #[must_use]
     pub fn samples(&self) -> Option<&[u32]> {
         self.maps.samples.as_deref()
@@ -99,16 +99,17 @@ impl Image {
         &self.record
     }
 
-    /// How good it is.
+    /// The error estimate.
     #[must_use]
     pub fn report(&self) -> &RenderReport {
         &self.report
     }
 
-    /// Writes a file whose name says the format: `.hdr .pic .exr .tif .tiff .pfm .npy .mtx .png`.
+    /// Writes a file in the format of its extension: `.hdr .pic .exr .tif .tiff .pfm .npy .mtx
+    /// .png`.
     ///
     /// # Errors
-    /// [`Error::Save`] for another name, or a file that cannot be written.
+    /// [`Error::Save`] for another extension, or a file that cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         let failed = |reason: String| Error::Save { path: path.display().to_string(), reason };
@@ -123,23 +124,23 @@ impl Image {
     }
 }
 
-/// What is known of a picture's error.
+/// The error estimate of an image.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct RenderReport {
-    /// Estimated relative error of the pixels, rms over their bands: noise, and noise and interpolation bias of cached irradiance. `None`
-    /// where it was not estimated.
+    /// Estimated relative error of the pixels, rms over their bands. It includes pixel noise, and
+    /// noise and interpolation bias of cached irradiance. `None` if it was not estimated.
     pub error: Option<f64>,
-    /// With 95 % confidence the error is no farther away from this.
+    /// Half-width of the 95 % confidence interval of the error.
     pub uncertainty: Option<f64>,
-    /// Mean number of rays a pixel, where it was counted.
+    /// Mean number of rays per pixel, if counted.
     pub rays_per_pixel: Option<f64>,
-    /// Whether the limit of rays a pixel stopped the work before the asked error was reached.
+    /// Whether the limit of rays per pixel stopped the work before the requested error was reached.
     pub is_stopped: bool,
-    /// Relative noise of cached irradiance as the cache itself tells it, rms over the cache points, before pixels are corrected. `None`
-    /// without a cache.
+    /// Relative noise of cached irradiance as estimated by the cache, rms over the cache points,
+    /// before pixels are corrected. `None` without a cache.
     pub cache_noise: Option<f64>,
-    /// What the plan left out, and why.
+    /// The work that the plan skipped, with reasons.
     pub skipped: Vec<String>,
 }
 
@@ -169,7 +170,7 @@ impl fmt::Display for RenderReport {
             _ => writeln!(formatter, "pixels: error not estimated")?,
         }
         if self.is_stopped {
-            writeln!(formatter, "stopped by the limit of rays a pixel")?;
+            writeln!(formatter, "stopped by the limit of rays per pixel")?;
         }
         if let Some(noise) = self.cache_noise {
             let corrected =
@@ -180,8 +181,8 @@ impl fmt::Display for RenderReport {
     }
 }
 
-/// The bytes of a PNG file of 8 bits a component: red, green and blue of each pixel, top row first; `None` where their number does not
-/// fit the columns. For showing pictures that were mapped to a display.
+/// Encodes a PNG file with 8 bits per component: red, green and blue of each pixel, top row first.
+/// `None` if their number does not match the columns. For images already mapped to a display.
 #[must_use]
 pub fn png_rgb8(columns: usize, values: Vec<u8>) -> Option<Vec<u8>> {
     let rows = values.len().checked_div(3 * columns)?;

@@ -1,15 +1,17 @@
-//! Integrators of one's own.
+//! Custom integrators.
 
 use radsight_render::{FirstHit, Ray, RayWorker, Traced};
 use radsight_sampling::{DimensionSet, RaySampler};
 
-/// Bits of a ray's number below those that tell the rays of one answer.
+/// Number of low bits of a ray's number that identify the pixel sample; higher bits number the rays
+/// of one sample.
 const FURTHER_RAYS_FROM: u32 = 40;
 
-/// Says what radiance comes along a camera's rays.
+/// Computes the radiance along camera rays.
 ///
-/// The library's own is [`PathIntegrator`]. Another one asks the scene through [`RayQueries`]: what a ray meets, what the library's
-/// own integrator answers, random numbers that are evenly spread over the rays of a pixel.
+/// The library's integrator is [`PathIntegrator`]. A custom one queries the scene through
+/// [`RayQueries`]: the first hit of a ray, the result of the library's integrator, and random numbers
+/// that are stratified over the samples of a pixel.
 ///
 /// ```
 /// use radsight::{Camera, CameraRay, Integrator, Ray, RayQueries, Renderer, Scene};
@@ -33,12 +35,14 @@ const FURTHER_RAYS_FROM: u32 = 40;
 /// # Ok::<(), radsight::Error>(())
 /// ```
 pub trait Integrator: Sync {
-    /// Radiance that comes along a ray towards its origin, W/(sr·m²), or whatever else the picture is to hold. What it answers must be
-    /// a function of the ray and of what `queries` give, so that threads do not change pictures.
+    /// Radiance along a ray towards its origin, W/(sr·m²), or another quantity for the image. The
+    /// result must be a function of the ray and of `queries` alone, so that threads do not change
+    /// images.
     fn radiance(&self, queries: &mut RayQueries<'_, '_>, ray: &Ray) -> [f64; 3];
 }
 
-/// The library's own integrator: single paths, light sampling, cached irradiance, as the options ask.
+/// The library's integrator: path tracing with light sampling and cached irradiance, as the options
+/// select.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PathIntegrator;
 
@@ -48,14 +52,14 @@ impl Integrator for PathIntegrator {
     }
 }
 
-/// What an integrator may ask while it answers one ray.
+/// The queries of an integrator during one sample.
 #[derive(Debug)]
 pub struct RayQueries<'q, 'r> {
     worker: &'q mut RayWorker<'r>,
     seed: u64,
-    /// Number of the camera's ray.
+    /// Number of the camera ray.
     index: u64,
-    /// Rays and random numbers that were asked for.
+    /// Number of rays and random numbers requested.
     asked: u32,
 }
 
@@ -64,8 +68,8 @@ impl<'q, 'r> RayQueries<'q, 'r> {
         RayQueries { worker, seed, index, asked: 0 }
     }
 
-    /// Follows a ray with the library's own integrator. The first ray of an answer has the points of a sample sequence that the
-    /// library's own pictures give it; further ones have points of their own.
+    /// Traces a ray with the library's integrator. The first ray of a sample uses the sample points
+    /// of the library's own images; further rays use independent points.
     #[must_use]
     pub fn trace(&mut self, ray: &Ray) -> Traced {
         let number = self.index ^ u64::from(self.asked) << FURTHER_RAYS_FROM;
@@ -73,13 +77,14 @@ impl<'q, 'r> RayQueries<'q, 'r> {
         self.worker.trace(number, ray)
     }
 
-    /// The first surface or distant source that a ray meets; clear panes and mirrors are surfaces, too.
+    /// The first surface or distant source on a ray, including clear panes and mirrors.
     #[must_use]
     pub fn first_hit(&mut self, ray: &Ray) -> Option<FirstHit> {
         self.trace(ray).first_hit
     }
 
-    /// Four numbers in [0, 1): the next ones of a low-discrepancy sequence over the rays of a pixel.
+    /// Four numbers in [0, 1): the next dimensions of a low-discrepancy sequence over the samples
+    /// of a pixel.
     #[must_use]
     pub fn random(&mut self) -> [f64; 4] {
         let set = DimensionSet::render(self.asked);

@@ -15,8 +15,7 @@ pub(crate) enum CacheFilling {
 }
 
 impl Renderer {
-    /// The irradiance that pictures and rays have cached so far, as bytes for
-    /// [`Renderer::load_irradiance_cache`]; `None` where there is none.
+    /// The irradiance cache as bytes for [`Renderer::load_irradiance_cache`]; `None` if it is empty.
     ///
     /// ```
     /// use radsight::{Renderer, Scene, View};
@@ -40,12 +39,12 @@ impl Renderer {
         cached.or_else(|| self.loaded.clone())
     }
 
-    /// Takes over irradiance that was saved for the same scene and for options that count the same
-    /// light, and says from how many points it is. Rays for which it was gathered get the same
-    /// answers, bit for bit.
+    /// Loads an irradiance cache saved for the same scene and equivalent options, and returns its
+    /// number of records. Rays for which it was gathered get the same results, bit for bit.
     ///
     /// # Errors
-    /// [`Error::Cache`] where it was saved for another scene or other options, here and where options are changed later; as [`Renderer::new`].
+    /// [`Error::Cache`] if it was saved for another scene or other options, also after a later change
+    /// of options; as [`Renderer::new`].
     pub fn load_irradiance_cache(&mut self, bytes: Vec<u8>) -> Result<usize, Error> {
         let (before, options) = (self.loaded.take(), self.options.clone());
         let scene = self.scene.scene.fingerprint();

@@ -2,22 +2,23 @@
 //!
 //! | type | what it is |
 //! |---|---|
-//! | [`Scene`] | what scene files say, read and checked; materials of one's own can be added |
-//! | [`View`], [`Camera`] | where rays start: a view of Radiance's, or a camera of one's own |
-//! | [`Integrator`] | what is seen along a ray: the library's own [`PathIntegrator`], or one of one's own |
-//! | [`Renderer`] | a scene ready to answer rays; renders [`Image`]s within an asked error |
+//! | [`Scene`] | scene files, read and validated; custom materials can be added |
+//! | [`View`], [`Camera`] | camera rays: a Radiance view, or a custom camera |
+//! | [`Integrator`] | radiance along a ray: the library's [`PathIntegrator`], or a custom one |
+//! | [`Renderer`] | a compiled scene; renders [`Image`]s to a requested error and traces rays |
 //! | [`Capture`] | a real camera: finite pinhole, exposure in J/m², sensor, grey values |
-//! | [`CaptureSeries`] | many captures of nearly one scene: poses of parts, rings, exposures, sensors |
+//! | [`CaptureSeries`] | captures of similar scenes: poses of parts, rings, exposures, sensors |
 //! | [`RenderJob`] | a rectangle of a picture or capture, or a range of rays, as plain data for another process or machine |
-//! | [`Error`] | what was wrong, as data: each message with file, line and column |
+//! | [`Error`] | errors as data: each message with file, line and column |
 //!
-//! Units: scene lengths are the scene's own, radiance is W/(sr·m²) in three bands (red, green, blue of Radiance's primaries),
-//! irradiance W/m², exposure J/m². Errors that are asked for are shares: 0.02 is 2 %.
+//! Units: lengths are in scene units, radiance is W/(sr·m²) in three bands (red, green, blue of
+//! Radiance's primaries), irradiance W/m², exposure J/m². Requested errors are relative: 0.02 is 2 %.
 //!
-//! Guarantees: results are functions of scene, options and seed, whatever the number of threads. A [`Renderer`] keeps the irradiance that
-//! it has cached, so that with `ambient_bounces` a second picture of one renderer also rests on what the first gathered. Nothing is printed, no command is
-//! run and no shared library is loaded; files are read through a [`Loader`], which can be one's own. Work runs on the rayon pool
-//! that it is called in (`ThreadPool::install`).
+//! Guarantees: results are functions of scene, options and seed, whatever the number of threads. A
+//! [`Renderer`] keeps its irradiance cache, so with `ambient_bounces` a second picture of the same
+//! renderer also uses records of the first. Nothing is printed, no command is run and no shared
+//! library is loaded; files are read through a [`Loader`], which can be replaced. Work runs on the
+//! rayon pool of the caller (`ThreadPool::install`).
 //!
 //! ```
 //! use radsight::{Renderer, Scene, View};
@@ -76,7 +77,7 @@ pub use scene::{Scene, SceneBuilder};
 pub use series_file::{SeriesRow, read_series};
 pub use view::View;
 
-/// The recipes of CONTRIBUTING.md, compiled and run with the other examples of the documentation.
+/// The recipes of CONTRIBUTING.md, compiled and run as documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../CONTRIBUTING.md")]
 struct Recipes;

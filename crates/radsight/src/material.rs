@@ -1,4 +1,4 @@
-//! Materials of one's own, without a shared library.
+//! Custom materials without a shared library.
 
 use radsight_brdf::Brdf;
 use radsight_diag::Diagnostic;
@@ -7,14 +7,14 @@ use radsight_render::{ModelRequest, ModelSource, NoModels};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A reflectance model: values (1/sr, without the cosine), densities (1/sr) and samples, in a local frame with +z on the shading
-/// normal and directions that point away from the surface.
+/// A reflectance model: values (1/sr, without the cosine), densities (1/sr) and samples. Directions
+/// are in a local frame with +z along the shading normal and point away from the surface.
 pub use radsight_brdf::Brdf as Material;
 
-/// Stands for the library of models that are given as objects.
+/// Stands for the library name of models given as objects.
 const IN_PROCESS: &str = "in process";
 
-/// The models that replace materials of a scene, by the names of these.
+/// The models that replace materials of a scene, by material name.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Materials(BTreeMap<String, Arc<dyn Brdf>>);
 
@@ -23,7 +23,7 @@ impl Materials {
         self.0.insert(material.to_owned(), model);
     }
 
-    /// What the parser is to replace.
+    /// The replacements for the parser.
     pub(crate) fn replacements(&self) -> Vec<BrdfReplacement> {
         let replacement = |material: &String| BrdfReplacement {
             material: material.clone(),
@@ -42,7 +42,8 @@ impl ModelSource for Materials {
     fn model(&self, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
         match self.0.get(request.model) {
             Some(model) if request.library == IN_PROCESS => Ok(model.clone()),
-            // A shared library that the scene names is code of somebody's: a library user gives models as objects.
+            // A shared library named in the scene is foreign code. Library users pass models as
+            // objects.
             _ => NoModels.model(request),
         }
     }

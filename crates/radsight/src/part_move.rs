@@ -1,4 +1,4 @@
-//! Parts of a scene in other places.
+//! Poses of scene parts.
 
 use glam::DVec3;
 use radsight_capture::Region;
@@ -7,7 +7,7 @@ use radsight_ir::{Arena, Material, Modifier, ModifierKind, Pattern, Scene, Shape
 use radsight_parse::surface_bounds;
 use std::collections::BTreeSet;
 
-/// A part, by the names of its surfaces, and where it goes from its place in the scene.
+/// A part, selected by the names of its surfaces, and its rigid motion from its pose in the scene.
 ///
 /// ```
 /// use radsight::PartMove;
@@ -15,35 +15,35 @@ use std::collections::BTreeSet;
 /// assert!(moved.is_of("washer_top") && !moved.is_of("washer"));
 /// let error = PartMove::new("washer_*", "-rz 30 -t .01 0").unwrap_err();
 /// assert_eq!(error, "missing z of -t");
-/// assert!(PartMove::new("washer_*", "-s 2").unwrap_err().contains("keeps its size"));
+/// assert!(PartMove::new("washer_*", "-s 2").unwrap_err().contains("rigid"));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartMove {
-    /// The whole name of a surface, or with `*` at its end how names begin.
+    /// The name of a surface, or a prefix followed by `*`.
     surfaces: String,
-    /// A turn and a shift.
+    /// A rotation and a translation.
     transform: Transform,
 }
 
-/// How far a rotation's columns may be from unit length and its scale from 1.
+/// Tolerance for the orthonormality of the rotation and for a scale of 1.
 const RIGID: f64 = 1e-12;
 
 impl PartMove {
-    /// Moves the surfaces of this name (with `*` at its end: those whose names begin so) as words of `xform` say: `-t`, `-rx`, `-ry`, `-rz`,
-    /// `-i`. Angles are degrees, lengths scene units.
+    /// Moves the surfaces with this name (with `*` at its end: this prefix) by `xform` options:
+    /// `-t`, `-rx`, `-ry`, `-rz`, `-i`. Angles are in degrees, lengths in scene units.
     ///
     /// # Errors
-    /// What is wrong with the words, or that they change more than a place.
+    /// A description of the mistake, including transforms that are not rigid.
     pub fn new(surfaces: &str, words: &str) -> Result<PartMove, String> {
         let words: Vec<&str> = words.split_whitespace().collect();
         let transform = radsight_parse::transform(&words).map_err(|(_, mistake)| mistake)?;
         if (transform.scale - 1.0).abs() > RIGID || transform.is_mirror_image() {
-            return Err("a part keeps its size and its hands, expected -t -rx -ry -rz".to_owned());
+            return Err("the transform is not rigid, expected only -t -rx -ry -rz".to_owned());
         }
         Ok(PartMove { surfaces: surfaces.to_owned(), transform })
     }
 
-    /// Whether the part has a surface of this name.
+    /// Whether this surface belongs to the part.
     #[must_use]
     pub fn is_of(&self, surface: &str) -> bool {
         match self.surfaces.strip_suffix('*') {
@@ -53,7 +53,7 @@ impl PartMove {
     }
 }
 
-/// The surfaces that some of the moves are of, in the order of the scene.
+/// The surfaces that any of the moves selects, in scene order.
 pub(crate) fn moved_surfaces<'m>(
     scene: &Scene,
     moves: impl IntoIterator<Item = &'m PartMove>,
@@ -80,7 +80,7 @@ pub(crate) fn move_parts(scene: &mut Scene, moves: &[PartMove]) -> Result<(), Di
             let surface = scene.surfaces[handle].clone();
             if let Some(modifier) = placed_modifier(scene, &surface) {
                 let message = format!(
-                    "\"{}\" cannot be moved: its modifier \"{}\" is different from place to place",
+                    "\"{}\" cannot be moved: its modifier \"{}\" depends on the position",
                     scene.surface_name(handle),
                     scene.names.get(modifier.name)
                 );
@@ -97,7 +97,7 @@ pub(crate) fn move_parts(scene: &mut Scene, moves: &[PartMove]) -> Result<(), Di
     Ok(())
 }
 
-/// What of a surface's modifiers would have to move with it.
+/// The modifier of a surface that depends on position, if any.
 fn placed_modifier<'s>(scene: &'s Scene, surface: &Surface) -> Option<&'s Modifier> {
     let is_placed = |modifier: &Modifier| {
         modifier.kind.function_call().is_some()
@@ -111,7 +111,7 @@ fn placed_modifier<'s>(scene: &'s Scene, surface: &Surface) -> Option<&'s Modifi
     modifiers(scene, surface).into_iter().find(|modifier| is_placed(modifier))
 }
 
-/// All that modifies a surface, and the triangles of a mesh.
+/// All modifiers of a surface, including those of a mesh's triangles.
 fn modifiers<'s>(scene: &'s Scene, surface: &Surface) -> Vec<&'s Modifier> {
     let mut first = BTreeSet::from([surface.modifier]);
     if let Shape::Mesh(handle) = surface.shape {
@@ -154,7 +154,7 @@ fn move_surface(scene: &mut Scene, shape: Shape, to: &Transform) {
     }
 }
 
-/// The box around each of these surfaces, with a margin for rounding; `None` where one has no place.
+/// The bounding box of each surface with a margin for rounding; `None` if one is unbounded.
 pub(crate) fn regions(scene: &Scene, surfaces: &[SurfaceHandle]) -> Option<Vec<Region>> {
     let region = |handle: &SurfaceHandle| {
         let bounds = surface_bounds(scene, &scene.surfaces[*handle])?;
@@ -163,11 +163,11 @@ pub(crate) fn regions(scene: &Scene, surfaces: &[SurfaceHandle]) -> Option<Vec<R
     surfaces.iter().map(region).collect()
 }
 
-/// Margin around a surface's box, as a share of its size.
+/// Margin of a bounding box, relative to its size.
 const MARGIN: f64 = 1e-3;
 
-/// Whether parts change light only where a ray meets them or their mirror images of lights: they neither shine, nor fill space, nor cut away,
-/// nor hold what is not looked into.
+/// Whether parts change the light only of rays that meet them or their virtual sources: they emit
+/// nothing, contain no medium, subtract nothing, and have no contents that are not inspected.
 pub(crate) fn change_only_what_meets_them(scene: &Scene, surfaces: &[SurfaceHandle]) -> bool {
     surfaces.iter().all(|handle| {
         let surface = &scene.surfaces[*handle];

@@ -1,10 +1,11 @@
-//! What a scene was read from, to be read again elsewhere.
+//! Records the files of a scene, so that it can be read again elsewhere.
 
 use radsight_loader::{FileKind, LoadError, Loaded, Loader, MemoryLoader};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Gives what another loader gives, and remembers it, so that a scene can travel with all files that it names.
+/// Forwards to another loader and records its files, so that a scene can be sent with all files
+/// that it names.
 ///
 /// ```
 /// use radsight::{FileKind, Loader, MemoryLoader, RecordingLoader, Scene};
@@ -23,20 +24,20 @@ pub struct RecordingLoader<L> {
 }
 
 impl<L: Loader> RecordingLoader<L> {
-    /// Asks another loader.
+    /// Forwards to a loader.
     #[must_use]
     pub fn new(loader: L) -> RecordingLoader<L> {
         RecordingLoader { loader, files: Arc::default() }
     }
 
-    /// All files so far, by the names that were asked for.
+    /// All recorded files, by the requested names.
     #[must_use]
     pub fn files(&self) -> MemoryLoader {
         let files = self.named_files().into_iter();
         files.fold(MemoryLoader::default(), |loader, (name, bytes)| loader.with(&name, bytes))
     }
 
-    /// The same as names and contents.
+    /// The same files as names and contents.
     #[must_use]
     pub fn named_files(&self) -> Vec<(String, Vec<u8>)> {
         let files = self.files.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,4 @@
-//! A scene that is ready to answer rays.
+//! Renders a scene.
 
 use crate::camera::{self, Camera};
 use crate::error::{Error, Report};
@@ -16,19 +16,19 @@ use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Rays through a pixel of a camera of one's own, unless it is said.
+/// Default number of rays per pixel of a custom camera.
 const USUAL_SAMPLES: u32 = 16;
 
-/// Rays that a camera of one's own is asked for at once, about.
+/// Approximate number of rays requested from a custom camera at once.
 const CAMERA_BATCH: usize = 4096;
 
-/// Rays after which it is asked whether to go on.
+/// Number of rays between two progress reports.
 const RAYS_AT_A_TIME: usize = 1 << 17;
 
-/// Rays that one thread answers in a row, at least.
+/// Minimum number of consecutive rays that a thread traces.
 const RAYS_OF_A_THREAD: usize = 1024;
 
-/// Bits of a ray's number that tell the samples of a pixel.
+/// Number of bits of a ray's number that identify the sample of a pixel.
 const SEQUENCE_LOG2: u32 = 16;
 
 /// Renders a scene.
@@ -48,24 +48,24 @@ pub struct Renderer {
     pub(crate) options: RenderOptions,
     budget: ErrorBudget,
     jitter: Option<f64>,
-    /// What answers rays, for the options with which it was made.
+    /// The compiled renderer, and the options with which it was made.
     pub(crate) ready: Option<(RenderOptions, radsight_render::Renderer)>,
-    /// An irradiance cache that was loaded, for each `ready` that is made.
+    /// A loaded irradiance cache, applied to each new renderer.
     pub(crate) loaded: Option<Vec<u8>>,
     pub(crate) filling: CacheFilling,
 }
 
-/// What a ray owes to one of the modifiers that were asked for.
+/// The contribution of one of the requested modifiers to a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModifierContribution {
-    /// The place of the modifier among those that were asked for.
+    /// Index of the modifier in the request.
     pub modifier: usize,
-    /// Red, green and blue, W/(sr·m²); W/m² where irradiance is asked for.
+    /// Red, green and blue, W/(sr·m²), or W/m² if irradiance is requested.
     pub value: [f64; 3],
 }
 
 impl Renderer {
-    /// For a scene, with Radiance's defaults for pictures.
+    /// A renderer with Radiance's defaults for pictures.
     ///
     /// # Errors
     /// [`Error::Scene`] for a material or light that cannot be rendered.
@@ -87,7 +87,7 @@ impl Renderer {
         RenderOptions { mirror_sources: 1, gathering, highlight_threshold: 0.15, ..RenderOptions::default() }
     }
 
-    /// The same with options of one's own.
+    /// A renderer with given options.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -107,21 +107,22 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// Diffuse interreflections that are followed (`-ab`). Default 0.
+    /// Number of diffuse interreflections (`-ab`). Default 0.
     #[must_use]
     pub fn ambient_bounces(mut self, bounces: u32) -> Renderer {
         self.options.ambient_bounces = bounces;
         self
     }
 
-    /// Error at which interpolation of irradiance aims, as a share (`-aa`); 0 caches nothing. Default 0.2.
+    /// Relative interpolation error of the irradiance cache (`-aa`); 0 disables it. Default 0.2.
     #[must_use]
     pub fn ambient_accuracy(mut self, accuracy: f64) -> Renderer {
         self.options.gathering.accuracy = accuracy;
         self
     }
 
-    /// Rays of a cache point, and further ones (`-ad`, `-as`). Default 512 and 128.
+    /// Number of hemisphere samples per cache point, and of additional ones (`-ad`, `-as`). Default
+    /// 512 and 128.
     #[must_use]
     pub fn ambient_divisions(mut self, divisions: u32, super_samples: u32) -> Renderer {
         self.options.gathering.divisions = divisions;
@@ -129,54 +130,57 @@ impl Renderer {
         self
     }
 
-    /// Goes on until a picture's estimated relative error is this, such as 0.02.
+    /// Refines until a picture's estimated relative error reaches this value, such as 0.02.
     #[must_use]
     pub fn error(self, error: f64) -> Renderer {
         self.budget(ErrorBudget::error(error))
     }
 
-    /// Traces so many rays through every pixel.
+    /// Traces this many rays per pixel.
     #[must_use]
     pub fn samples(self, samples: u32) -> Renderer {
         self.budget(ErrorBudget::samples(samples))
     }
 
-    /// How good pictures are to be. Default a preview, as Radiance's defaults give.
+    /// The quality of pictures. Default: a preview, as with Radiance's defaults.
     #[must_use]
     pub fn budget(mut self, budget: ErrorBudget) -> Renderer {
         self.budget = budget;
         self
     }
 
-    /// Side of the square in a pixel over which its rays are spread, in pixels (`-pj`). Default the whole pixel, in a preview 0.67.
+    /// Side of the square in a pixel over which its rays are jittered, pixels (`-pj`). Default: the
+    /// whole pixel, or 0.67 in a preview.
     #[must_use]
     pub fn pixel_jitter(mut self, side: f64) -> Renderer {
         self.jitter = Some(side);
         self
     }
 
-    /// Chooses the sample sequence. Default 0.
+    /// The seed of the sample sequence. Default 0.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Renderer {
         self.options.seed = seed;
         self
     }
 
-    /// All options, to be changed.
+    /// All options, mutable.
     pub fn options_mut(&mut self) -> &mut RenderOptions {
         &mut self.options
     }
 
-    /// Renders a view within a size; the picture has the view's own proportions.
+    /// Renders a view within a size; the picture keeps the view's aspect ratio.
     ///
     /// # Errors
-    /// [`Error::Size`], [`Error::Option`], and [`Error::Material`] where a ray met a material that cannot be used.
+    /// [`Error::Size`], [`Error::Option`], and [`Error::Material`] if a ray met an unusable
+    /// material.
     pub fn render(&mut self, view: &View, columns: usize, rows: usize) -> Result<Image, Error> {
         let image = self.render_with_progress(view, columns, rows, &Silent)?;
         Ok(image.expect("nobody stopped it"))
     }
 
-    /// The same; `progress` hears how many rows are done, and can stop it, while an irradiance cache is filled too: it gives `None` then.
+    /// The same with progress reports. `progress` receives the number of finished rows and can stop
+    /// the work, also while an irradiance cache is filled; the result is then `None`.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -206,7 +210,8 @@ impl Renderer {
         let mut row = 0;
         while row < rows {
             let block = film.block_of(row);
-            // Pixels of so many samples each do not depend on each other: the answer to whether to go on need not wait for a block.
+            // With a fixed number of samples, pixels are independent, so progress can be reported
+            // within a block.
             let block = match pixels {
                 SamplingBudget::Samples(samples) => {
                     let at_a_time = (RAYS_AT_A_TIME / (columns * samples as usize)).max(1);
@@ -228,7 +233,8 @@ impl Renderer {
         Ok(Some(image.with_accounts(maps, report_page::record(renderer, &used), asked)))
     }
 
-    /// Renders what a camera of one's own sees, with as many rays a pixel as [`Renderer::samples`] asks for (16 without that).
+    /// Renders a custom camera with the number of rays per pixel from [`Renderer::samples`]
+    /// (default 16).
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -236,7 +242,8 @@ impl Renderer {
         self.render_with(&PathIntegrator, camera, columns, rows)
     }
 
-    /// The same; `progress` hears how many pixels are done, and can stop it: it gives `None` then.
+    /// The same with progress reports. `progress` receives the number of finished pixels and can stop
+    /// the work; the result is then `None`.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -250,7 +257,7 @@ impl Renderer {
         self.render_until(&PathIntegrator, camera, [columns, rows], progress)
     }
 
-    /// The same with an integrator of one's own.
+    /// The same with a custom integrator.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -338,18 +345,19 @@ impl Renderer {
         Ok(Some(image.with_accounts(maps, report_page::record(renderer, &used), None)))
     }
 
-    /// Answers rays: radiance (or irradiance, as the options ask), first hit and effective distance of each. Rays are told apart by
-    /// their place in the list.
+    /// Traces rays: radiance (or irradiance, as the options request), first hit and effective
+    /// distance of each. The index in the list identifies a ray.
     ///
     /// # Errors
-    /// [`Error::Material`] where a ray met a material that cannot be used.
+    /// [`Error::Material`] if a ray met an unusable material.
     pub fn trace(&mut self, rays: &[Ray]) -> Result<Vec<Traced>, Error> {
         Ok(self.trace_part(0, rays, |traced| traced, &Silent)?.expect("nobody stopped it"))
     }
 
-    /// The same for a part of a longer list, in which the first of these rays has the place `first`: without cached irradiance, and with only that of
-    /// [`Renderer::only_irradiance_cache`], the answers are those of the whole list. Each answer is turned into what `of` makes of it on the thread that has it, so that no
-    /// more than that is kept. `progress` hears how far it is, and can stop it: it gives `None` then.
+    /// Traces a part of a longer list that starts at index `first`. Without cached irradiance, or
+    /// with only that of [`Renderer::only_irradiance_cache`], the results equal those of the whole
+    /// list. `of` converts each result on the thread that traced it, so that only what it returns is
+    /// kept. `progress` receives the finished share and can stop the work; the result is then `None`.
     ///
     /// # Errors
     /// As [`Renderer::trace`].
@@ -384,8 +392,8 @@ impl Renderer {
         Ok(Some(told))
     }
 
-    /// What each ray owes to modifiers of these names: the radiance of emitters among them times what of it arrives, as `rcontrib`
-    /// finds it.
+    /// The contributions of modifiers with these names to each ray: the radiance of their emitters
+    /// times its coefficient, as in `rcontrib`.
     ///
     /// # Errors
     /// As [`Renderer::trace`].
@@ -393,7 +401,7 @@ impl Renderer {
         Ok(self.contributions_part(0, rays, modifiers, &Silent)?.expect("nobody stopped it"))
     }
 
-    /// The same for a part of a longer list, as [`Renderer::trace_part`] has it.
+    /// The same for a part of a longer list, as in [`Renderer::trace_part`].
     ///
     /// # Errors
     /// As [`Renderer::trace`].
@@ -427,17 +435,17 @@ impl Renderer {
         Ok(Some(owed))
     }
 
-    /// What answers rays with these options.
+    /// The compiled renderer for these options.
     pub(crate) fn ready_for(&mut self, options: RenderOptions) -> Result<&mut radsight_render::Renderer, Error> {
         self.prepare(options)
     }
 
-    /// Whether a ray met a material that cannot be used.
+    /// Reports an unusable material that a ray met.
     pub(crate) fn check_met(&self) -> Result<(), Error> {
         self.ready.as_ref().map_or(Ok(()), |(_, renderer)| check_materials(renderer.plan(), &self.scene.sources))
     }
 
-    /// What answers rays with these options; made anew where they are others than before.
+    /// The compiled renderer for these options, rebuilt if they changed.
     pub(crate) fn prepare(&mut self, options: RenderOptions) -> Result<&mut radsight_render::Renderer, Error> {
         if self.ready.as_ref().is_none_or(|(made, _)| *made != options) {
             self.ready = None;
@@ -449,7 +457,7 @@ impl Renderer {
             }
             self.ready = Some((options, renderer));
         }
-        Ok(&mut self.ready.as_mut().expect("it was just made").1)
+        Ok(&mut self.ready.as_mut().expect("it was created above").1)
     }
 }
 
@@ -464,7 +472,7 @@ fn contributions_of(worker: &mut RayWorker<'_>, index: u64, ray: &Ray, modifiers
     told.map(|(modifier, value)| ModifierContribution { modifier, value }).collect()
 }
 
-/// How good a picture is, and what was left out for it.
+/// The error estimate of a picture, and the skipped work.
 fn report(renderer: &radsight_render::Renderer, estimate: Option<radsight_film::Estimate>) -> RenderReport {
     let skipped = renderer.plan().decisions().iter().filter(|decision| decision.skip.is_some());
     let skipped = skipped.map(|decision| format!("{}: {}", decision.what, decision.why)).collect();
@@ -484,7 +492,7 @@ fn check_budget(budget: SamplingBudget) -> Result<(), Error> {
     let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
     match budget {
         SamplingBudget::Error { error, .. } if !(error > 0.0 && error.is_finite()) => {
-            wrong("error", error.to_string(), "a share above 0, such as 0.02")
+            wrong("error", error.to_string(), "a relative error above 0, such as 0.02")
         }
         SamplingBudget::Samples(samples) if !(1..=radsight_film::MAX_SAMPLES).contains(&samples) => {
             wrong("samples", samples.to_string(), "1 to 65536")

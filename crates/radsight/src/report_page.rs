@@ -1,14 +1,15 @@
-//! Pages of pictures: one HTML file with values, false colour, error and settings.
+//! HTML report pages: values, false colour, error and settings in one file.
 
 use crate::{Capture, CapturedImage, Error, Image};
 use radsight_picture::Image as Values;
 use radsight_report::{Decision, ErrorEstimate, ErrorMap, GreyPicture, Page, Quantity, RunRecord};
 
 impl Image {
-    /// A page of the picture, to be added to; [`Page::to_html`] writes it.
+    /// A report page of the image, to which more can be added; [`Page::to_html`] writes it.
     ///
-    /// It has the luminance and radiance of each pixel, its standard error and its number of rays where these are known, what was
-    /// skipped, and the options. It knows no times: who has a clock adds them by [`Page::stage`].
+    /// It contains the luminance and radiance of each pixel, its standard error and number of rays
+    /// if known, the skipped work, and the options. It contains no times: callers with a clock add
+    /// them by [`Page::stage`].
     #[must_use]
     pub fn report_page(&self, title: &str) -> Page {
         let values = self.pixels().iter().flatten().copied().collect();
@@ -54,10 +55,11 @@ impl Image {
 }
 
 impl CapturedImage {
-    /// A page of the exposure, with the sensor's grey values where the camera has a sensor; see [`Image::report_page`].
+    /// A report page of the exposure, with the sensor's grey values if the camera has a sensor; see
+    /// [`Image::report_page`].
     ///
     /// # Errors
-    /// [`Error::Size`] for a camera of another size than the one that exposed it.
+    /// [`Error::Size`] if the camera's size differs from the image's.
     pub fn report_page(&self, camera: &Capture, title: &str) -> Result<Page, Error> {
         let file = camera.camera_file();
         let wrong = |_| Error::Size { columns: self.columns, rows: self.rows, most: Image::MOST_PIXELS };
@@ -95,7 +97,7 @@ impl CapturedImage {
     }
 }
 
-/// What a renderer says of a run: its decisions, and the options that decide how long it takes.
+/// The record of a run: the renderer's decisions, and the options that determine its cost.
 pub(crate) fn record(renderer: &radsight_render::Renderer, options: &radsight_render::RenderOptions) -> RunRecord {
     let decision = |decision: &radsight_render::PlanDecision| Decision {
         what: decision.what.clone(),
@@ -118,7 +120,7 @@ pub(crate) fn record(renderer: &radsight_render::Renderer, options: &radsight_re
     record
 }
 
-/// The error that was reached.
+/// The estimated error.
 pub(crate) fn reached(error: Option<f64>, uncertainty: Option<f64>, asked: Option<f64>) -> Option<ErrorEstimate> {
     error.map(|reached| ErrorEstimate { asked, reached, uncertainty })
 }

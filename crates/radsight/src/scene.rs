@@ -1,4 +1,4 @@
-//! What scene files say, read and checked.
+//! Scenes, read and validated.
 
 use crate::error::{Error, Report};
 use crate::file_loader::FileLoader;
@@ -29,7 +29,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads scene files and octrees. Files that they name are looked for in the working folder, and then beside the scenes.
+    /// Reads scene files and octrees. Files that they name are searched in the working folder, then
+    /// beside the scenes.
     ///
     /// # Errors
     /// [`Error::Load`] for a file that cannot be read, [`Error::Scene`] with every mistake in them.
@@ -40,7 +41,7 @@ impl Scene {
         Scene::builder().loader(FileLoader::new(folders)).files(paths)?.build()
     }
 
-    /// Reads scene text. Files that it names are looked for in the working folder.
+    /// Reads scene text. Files that it names are searched in the working folder.
     ///
     /// # Errors
     /// [`Error::Scene`] with every mistake in it.
@@ -48,7 +49,7 @@ impl Scene {
         Scene::builder().text("<text>", text).build()
     }
 
-    /// A scene from several sources, with materials and a loader of one's own.
+    /// A scene from several sources, with custom materials and loader.
     #[must_use]
     pub fn builder() -> SceneBuilder<'static> {
         SceneBuilder {
@@ -59,13 +60,13 @@ impl Scene {
         }
     }
 
-    /// What is suspect in it, as text with lines, carets and hints; empty if nothing is.
+    /// The warnings, with lines, carets and hints; empty if there are none.
     #[must_use]
     pub fn warnings(&self) -> Report {
         Report { diagnostics: self.warnings.clone(), sources: self.sources.clone() }
     }
 
-    /// How many surfaces it has; those of meshes and placed octrees count once.
+    /// Number of surfaces; those of a mesh or an instance count once.
     #[must_use]
     pub fn surface_count(&self) -> usize {
         self.scene.surfaces.len()
@@ -93,7 +94,7 @@ pub struct SceneBuilder<'l> {
 }
 
 impl<'l> SceneBuilder<'l> {
-    /// Adds scene files and octrees of the disk.
+    /// Adds scene files and octrees from disk.
     ///
     /// # Errors
     /// [`Error::Load`] for a file that cannot be read.
@@ -106,14 +107,14 @@ impl<'l> SceneBuilder<'l> {
         Ok(self)
     }
 
-    /// Adds scene text, of this name in messages.
+    /// Adds scene text. `name` denotes it in messages.
     #[must_use]
     pub fn text(mut self, name: &str, text: impl Into<Vec<u8>>) -> SceneBuilder<'l> {
         self.inputs.push(Input::Text { name: name.to_owned(), text: text.into().into() });
         self
     }
 
-    /// Finds all files that are named from now on.
+    /// Sets the loader of all files named from here on.
     #[must_use]
     pub fn loader<'n>(self, loader: impl Loader + 'n) -> SceneBuilder<'n>
     where
@@ -122,7 +123,7 @@ impl<'l> SceneBuilder<'l> {
         SceneBuilder { loader: Box::new(loader), inputs: self.inputs, materials: self.materials, options: self.options }
     }
 
-    /// Replaces the material of this name by a model of one's own.
+    /// Replaces the material with this name by a custom model.
     #[must_use]
     pub fn material(mut self, name: &str, model: Arc<dyn Brdf>) -> SceneBuilder<'l> {
         self.materials.insert(name, model);

@@ -1,44 +1,44 @@
-//! Files of series: a table of pictures, separated by commas.
+//! Series files: a comma-separated table of pictures.
 
 use crate::error::{Error, Report};
 use crate::part_move::PartMove;
 use radsight_diag::{Diagnostic, SourceId, SourceMap, Span};
 use std::collections::BTreeSet;
 
-/// The largest file of a series that is read, bytes.
+/// Largest series file, bytes.
 const LARGEST_FILE: usize = 64 << 20;
 
-/// Mistakes after which reading stops.
+/// Number of mistakes after which reading stops.
 const MOST_ERRORS: usize = 20;
 
-/// What moves a part begins so; its surfaces' name follows.
+/// Prefix of a column that moves a part; the name of its surfaces follows.
 const MOVE: &str = "move ";
 
-/// One picture of a series, as a file says it.
+/// One row of a series file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesRow {
-    /// Its name, or its number from 1 in the file with leading zeros.
+    /// Its name; by default its number in the file, from 1, with leading zeros.
     pub name: String,
     /// The line of the file, from 1.
     pub line: u32,
-    /// Keys of the camera file that are replaced (`table.key`), with their values.
+    /// Keys of the camera file to replace (`table.key`), with their values.
     pub keys: Vec<(String, String)>,
-    /// Parts that are elsewhere.
+    /// Parts with another pose.
     pub moves: Vec<PartMove>,
 }
 
-/// What a column says.
+/// The meaning of a column.
 enum Column {
     Name,
     Key(String),
     Move(String),
 }
 
-/// Reads the text of a series: the first line names columns, each other line is a picture.
+/// Parses a series: the first line names the columns, each other line is a picture.
 ///
-/// A column is `name`, a key of the camera file such as `rig.ring_diameter_mm`, or `move NAME` with the transform of the surfaces of that name
-/// ([`PartMove::new`]). An empty cell changes nothing. Cells with commas stand in double quotes. Empty lines and lines that begin with `#` are
-/// passed over.
+/// A column is `name`, a key of the camera file such as `rig.ring_diameter_mm`, or `move NAME` with
+/// the transform of the surfaces with that name ([`PartMove::new`]). An empty cell changes nothing.
+/// Cells with commas are put in double quotes. Empty lines and lines that begin with `#` are skipped.
 ///
 /// ```
 /// let text = b"move washer_*,rig.ring_diameter_mm\n-t .01 0 0,20\n,30\n";
@@ -68,7 +68,7 @@ struct Reader<'s> {
     errors: Vec<Diagnostic>,
 }
 
-/// One cell of the table, without quotes and white space around it.
+/// One cell of the table, trimmed and unquoted.
 struct Cell {
     text: String,
     span: Span,
@@ -98,7 +98,7 @@ impl Reader<'_> {
         self.named(rows)
     }
 
-    /// The cells of each line that has any.
+    /// The cells of each non-empty line.
     fn lines(&mut self, text: &str) -> Vec<Vec<Cell>> {
         let mut at = if text.starts_with('\u{feff}') { 3 } else { 0 };
         let mut lines = Vec::new();
@@ -201,7 +201,7 @@ impl Reader<'_> {
         Some(row)
     }
 
-    /// The pictures without a name get their numbers, and no two have the same.
+    /// Numbers the pictures without a name, and checks that names are unique.
     fn named(&mut self, mut rows: Vec<SeriesRow>) -> Vec<SeriesRow> {
         let digits = rows.len().to_string().len();
         let mut seen = BTreeSet::new();
@@ -228,7 +228,7 @@ impl Reader<'_> {
     }
 }
 
-/// The text up to closing quotes, and how many bytes it takes with them; two quotes stand for one.
+/// The text up to the closing quote, and its length including the quote; two quotes stand for one.
 fn unquoted(quoted: &str) -> Option<(String, usize)> {
     let mut text = String::new();
     let mut at = 0;

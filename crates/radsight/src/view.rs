@@ -1,10 +1,11 @@
-//! Views of Radiance's.
+//! Radiance's views.
 
 use crate::Error;
 use radsight_picture::ViewOptions;
 use std::str::FromStr;
 
-/// A view: type, viewpoint, direction, up vector, angles, shift, lift and clipping planes, as Radiance has them.
+/// A view as in Radiance: type, viewpoint, direction, up vector, angles, shift, lift and clipping
+/// planes.
 ///
 /// ```
 /// use radsight::View;
@@ -17,17 +18,17 @@ use std::str::FromStr;
 pub struct View(pub(crate) radsight_picture::View);
 
 impl View {
-    /// The view that options of Radiance's describe, such as `-vp 0 0 1.7 -vd 0 1 0 -vh 60`.
+    /// Parses a view from options such as `-vp 0 0 1.7 -vd 0 1 0 -vh 60`.
     ///
     /// # Errors
-    /// [`Error::View`] for an unknown or incomplete option, and for a view that does not exist.
+    /// [`Error::View`] for an unknown or incomplete option, and for an invalid view.
     pub fn from_args(arguments: &str) -> Result<View, Error> {
         let words: Vec<String> = arguments.split_whitespace().map(str::to_owned).collect();
         let mut options = ViewOptions::default();
         let mut rest = &words[..];
         while let Some(word) = rest.first() {
             match options.apply_option(rest) {
-                Ok(0) => return Err(Error::View(format!("\"{word}\" is no view option with all its numbers"))),
+                Ok(0) => return Err(Error::View(format!("\"{word}\" is not a complete view option"))),
                 Ok(used) => rest = &rest[used..],
                 Err(error) => return Err(Error::View(error.to_string())),
             }
@@ -35,10 +36,10 @@ impl View {
         View::new(options)
     }
 
-    /// The view of a view file (`.vf`), or that of a picture's header.
+    /// Reads the view of a view file (`.vf`) or of a picture's header.
     ///
     /// # Errors
-    /// When there is no view in it, or one that does not exist.
+    /// When there is no view, or an invalid one.
     pub fn from_file(bytes: &[u8]) -> Result<View, Error> {
         let mut options = ViewOptions::default();
         options.apply_file(bytes).map_err(|error| Error::View(error.to_string()))?;
@@ -49,7 +50,7 @@ impl View {
         radsight_picture::View::new(options).map(View).map_err(|error| Error::View(error.to_string()))
     }
 
-    /// The options that describe it.
+    /// The options of the view.
     #[must_use]
     pub fn to_args(&self) -> String {
         self.0.options().to_full_string()

@@ -1,4 +1,4 @@
-//! What the library promises: units, errors as data, and results that do not depend on who asks.
+//! Guarantees of the library: units, errors as data, and results that do not depend on the caller.
 
 use glam::DVec3;
 use radsight::{

@@ -1,4 +1,4 @@
-//! Parts of pictures and captures: whole bits, mistakes, and what is missing.
+//! Parts of pictures and captures: equal bits, mistakes, and missing parts.
 
 use glam::DVec3;
 use radsight::{
@@ -19,7 +19,7 @@ fn picture() -> RenderJob {
 fn results(job: &RenderJob, parts: usize) -> Vec<JobResult> {
     let scene = Scene::from_text(TABLE).unwrap();
     let jobs = job.split(parts, job.picture_size().unwrap()).unwrap();
-    // Each in a renderer of its own, as on another machine, and in another order.
+    // Each job in a renderer of its own, as on another machine, and in another order.
     jobs.iter().rev().map(|job| Renderer::new(&scene).unwrap().run_job(job).unwrap()).collect()
 }
 
@@ -165,7 +165,7 @@ fn results_come_back_from_their_files() {
 }
 
 #[test]
-fn what_is_missing_is_told_and_strangers_are_refused() {
+fn missing_rows_are_reported_and_foreign_parts_are_rejected() {
     let mut parts = results(&picture(), 4);
     let gone = parts.remove(1);
     let merged = MergedJob::of(&parts).unwrap();

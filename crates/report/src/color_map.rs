@@ -1,9 +1,11 @@
-//! False colour: viridis, which grows evenly in lightness and is read by colour-blind people, too.
+//! The false colour map viridis: perceptually uniform in lightness and readable for colour-blind
+//! people.
 //!
-//! Source: S. van der Walt and N. Smith, "A Better Default Colormap for Matplotlib", SciPy 2015; the table is in the public domain
-//! (CC0). Between its nine places colours are interpolated linearly.
+//! Source: S. van der Walt and N. Smith, "A Better Default Colormap for Matplotlib", SciPy 2015;
+//! the table is in the public domain (CC0). Colours between its nine entries are interpolated
+//! linearly.
 
-/// sRGB at the eighths of the way.
+/// sRGB at multiples of 1/8.
 pub(crate) const VIRIDIS: [[u8; 3]; 9] = [
     [0x44, 0x01, 0x54],
     [0x47, 0x2d, 0x7b],
@@ -16,10 +18,10 @@ pub(crate) const VIRIDIS: [[u8; 3]; 9] = [
     [0xfd, 0xe7, 0x25],
 ];
 
-/// What has no value.
+/// The colour of undefined values.
 pub(crate) const NO_VALUE: [u8; 3] = [0xff, 0x00, 0xff];
 
-/// The sRGB colour at a place from 0 to 1; NaN has one that viridis does not have.
+/// The sRGB colour at a position from 0 to 1; NaN has a colour outside viridis.
 #[must_use]
 pub fn viridis(place: f64) -> [u8; 3] {
     if place.is_nan() {
@@ -35,12 +37,12 @@ pub fn viridis(place: f64) -> [u8; 3] {
     })
 }
 
-/// The grey at a place from 0 to 1, as stored.
+/// The grey at a position from 0 to 1, as stored.
 pub(crate) fn grey(place: f64) -> [u8; 3] {
     if place.is_nan() { NO_VALUE } else { [(255.0 * place.clamp(0.0, 1.0)).round() as u8; 3] }
 }
 
-/// sRGB's transfer curve (IEC 61966-2-1), 0 to 255, of linear light where 1 is white.
+/// sRGB's transfer curve (IEC 61966-2-1): linear light, 1 for white, to 0 to 255.
 pub(crate) fn srgb(linear: f64) -> u8 {
     let linear = linear.clamp(0.0, 1.0);
     let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };

@@ -1,9 +1,9 @@
-//! Text of others inside the page.
+//! Escapes text from files for the page.
 
 use std::fmt::{self, Display, Formatter, Write};
 
-/// Text as it stands between tags and in quoted attributes. What no text may hold becomes U+FFFD: control characters, and the two
-/// places that are no characters.
+/// Text escaped for content and quoted attributes. Characters that are not allowed in a document
+/// become U+FFFD: control characters and noncharacters.
 pub(crate) struct Escaped<'t>(pub(crate) &'t str);
 
 impl Display for Escaped<'_> {
@@ -16,7 +16,7 @@ impl Display for Escaped<'_> {
                 '"' => formatter.write_str("&quot;")?,
                 '\'' => formatter.write_str("&#39;")?,
                 '\n' | '\t' => formatter.write_char(character)?,
-                // Directions of writing that are overridden would show a name other than it is.
+                // Overrides of the writing direction would make a name look different.
                 '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => formatter.write_char('\u{fffd}')?,
                 '\u{fffe}' | '\u{ffff}' => formatter.write_char('\u{fffd}')?,
                 _ if character.is_control() => formatter.write_char('\u{fffd}')?,
@@ -27,7 +27,7 @@ impl Display for Escaped<'_> {
     }
 }
 
-/// JSON as it stands in an element of data: nothing in it ends the element, and it is well-formed in XML, too.
+/// JSON for a data element: nothing in it ends the element, and it is also well-formed XML.
 pub(crate) fn json_in_element(json: &str) -> String {
     json.replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e")
 }

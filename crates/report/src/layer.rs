@@ -1,4 +1,4 @@
-//! What the page keeps of a picture and its maps, and the ways to show it.
+//! The values stored in a page: a picture and its maps, and how they are displayed.
 
 use crate::escape::json_in_element;
 use crate::map::{ErrorMap, GreyPicture, Pooling, Quantity, pooled};
@@ -7,26 +7,26 @@ use crate::stored_values::StoredValues;
 use radsight_picture::Image;
 use serde_json::json;
 
-/// This share of the pixels is shown darker than white.
+/// The share of pixels displayed darker than white.
 const DARKER_THAN_WHITE: f64 = 0.98;
 
 /// One stored picture or map.
 pub(crate) struct Layer {
     pub(crate) image: Image<f32>,
-    /// Whether its values are whole numbers up to 65535.
+    /// Whether values are integers up to 65535.
     whole: bool,
 }
 
-/// A number that each pixel has, and how it is shown.
+/// A displayable quantity of each pixel.
 pub(crate) struct Choice {
-    /// Told apart in links and by the script.
+    /// Identifier in links and in the script.
     pub(crate) id: &'static str,
     pub(crate) name: String,
     pub(crate) unit: String,
-    /// Which layer it is computed from, by these weights of its components.
+    /// The layer from which it is computed, and the weights of its components.
     pub(crate) layer: usize,
     pub(crate) weights: Vec<f64>,
-    /// Whether it is divided by the magnitude of the first choice, in percent.
+    /// Whether it is divided by the magnitude of the first quantity, in percent.
     pub(crate) ratio: Ratio,
     pub(crate) scale: Scale,
     pub(crate) colors: Colors,
@@ -44,17 +44,17 @@ pub(crate) enum Colors {
     Grey,
 }
 
-/// All that is shown.
+/// All layers and quantities.
 pub(crate) struct Layers {
     pub(crate) layers: Vec<Layer>,
-    /// The first is what brightness is.
+    /// The first quantity is the brightness.
     pub(crate) choices: Vec<Choice>,
-    /// The brightness that is white.
+    /// The brightness displayed as white.
     pub(crate) white: f64,
 }
 
 impl Layers {
-    /// The picture's part; `side` is that of the squares that are averaged.
+    /// Adds the picture; `side` is the side of the averaged squares of pixels.
     pub(crate) fn new(picture: &Image<f32>, quantity: &Quantity, luminance_weights: [f64; 3], side: usize) -> Layers {
         let image = pooled(picture, side, Pooling::Mean);
         let is_color = image.components() == 3;
@@ -100,7 +100,7 @@ impl Layers {
         self.choose("rays", "rays a pixel", "", layer, vec![1.0]);
     }
 
-    /// Adds what the sensor gave.
+    /// Adds the sensor's grey values.
     pub(crate) fn add_grey(&mut self, grey: &GreyPicture, side: usize) {
         let layer = self.layers.len();
         let image = pooled(&grey.values.clone().map(f32::from), side, Pooling::Mean).map(f32::round);
@@ -137,13 +137,13 @@ impl Layers {
         }
     }
 
-    /// Pixels in a row, and rows.
+    /// Columns and rows.
     pub(crate) fn size(&self) -> [usize; 2] {
         let image = &self.layers[0].image;
         [image.width(), image.height()]
     }
 
-    /// A choice's values, from the top left. Where the first choice is 0 a ratio to it is no number.
+    /// The values of a quantity, from the top left. A ratio to a first quantity of 0 is NaN.
     pub(crate) fn values(&self, choice: usize) -> impl Iterator<Item = f64> + '_ {
         let choice = &self.choices[choice];
         let weighted = |choice: &Choice, pixel: &[f32]| {
@@ -160,7 +160,7 @@ impl Layers {
         })
     }
 
-    /// The description that the script reads, and behind it the values.
+    /// The description for the script, followed by the values.
     pub(crate) fn elements(&self, pixel_aspect: f64, side: usize) -> String {
         let stored: Vec<StoredValues> = self.layers.iter().map(Layer::stored).collect();
         let layers: Vec<_> = self

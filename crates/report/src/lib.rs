@@ -1,18 +1,20 @@
-//! One HTML page of a picture: its values, its error, how it was made.
+//! One HTML page about a picture: its values, its error, how it was made.
 //!
-//! A [`Page`] takes a picture of radiances or exposures. Maps of the same size may be added: the standard error of each pixel,
-//! the rays of each pixel, the sensor's grey values. A [`RunRecord`] says how the picture was made.
+//! A [`Page`] takes a picture of radiances or exposures. Maps of the same size may be added: the
+//! standard error of each pixel, the rays of each pixel, the sensor's grey values. A [`RunRecord`]
+//! describes how the picture was made.
 //!
 //! Guarantees of the page:
-//! - It is one file and loads nothing, from a disk as from a server; its content security policy forbids all connections, and
-//!   every script and style but its own two.
-//! - All text that comes from files is escaped.
-//! - It holds the values themselves: to 2⁻¹¹ of each value, over 5·10⁸ to 1. At most [`MOST_PIXELS`] are kept; a larger picture is
-//!   averaged over squares of pixels, and the page says so.
+//! - It is one file and loads nothing, neither from disk nor from a server. Its content security
+//!   policy forbids all connections and all scripts and styles but its own two.
+//! - Text from files is escaped.
+//! - It holds the values themselves, with a relative precision of 2⁻¹¹ over a range of 5·10⁸ to 1.
+//!   At most [`MOST_PIXELS`] are stored; a larger picture is averaged over squares of pixels, and
+//!   the page notes it.
 //! - Without scripts, and in print, it shows still pictures with their scales.
-//! - It is well-formed XML as well, so that any parser takes it apart.
+//! - It is also well-formed XML, so any parser can read it.
 //!
-//! Opens no file and reads no clock: whoever has them passes them in.
+//! The crate opens no file and reads no clock; the caller provides their contents.
 //!
 //! ```
 //! use radsight_picture::Image;

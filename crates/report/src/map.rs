@@ -1,12 +1,12 @@
-//! What a page shows: a picture, and maps of its size.
+//! The picture of a page, and maps of its size.
 
 use crate::ReportError;
 use radsight_picture::{Image, WHITE_EFFICACY};
 
-/// A page keeps the values of no more pixels: a picture of 4096 by 2304 is kept whole.
+/// Largest number of pixels stored in a page; enough for 4096 by 2304.
 pub const MOST_PIXELS: usize = 10_000_000;
 
-/// What the values of a picture are.
+/// The physical quantity of a picture's values.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Quantity {
@@ -16,9 +16,9 @@ pub enum Quantity {
     Irradiance,
     /// Exposure, J/m².
     Exposure,
-    /// Something else, of this name and unit.
+    /// Another quantity.
     Other {
-        /// What it is.
+        /// Its name.
         name: String,
         /// Its unit; empty for none.
         unit: String,
@@ -44,7 +44,7 @@ impl Quantity {
         }
     }
 
-    /// What the weighted sum of red, green and blue is: name, unit, and the factor on it.
+    /// Name, unit and factor of the weighted sum of red, green and blue.
     pub(crate) fn photometric(&self) -> (&str, &str, f64) {
         match self {
             Quantity::Radiance => ("luminance", "cd/m²", WHITE_EFFICACY),
@@ -61,7 +61,7 @@ impl Quantity {
 pub enum ErrorMap {
     /// In the unit of the picture.
     Absolute(Image<f32>),
-    /// As shares of the pixel's value, 0.01 for 1 %.
+    /// Relative to the pixel's value; 0.01 is 1 %.
     Relative(Image<f32>),
 }
 
@@ -73,31 +73,32 @@ impl ErrorMap {
     }
 }
 
-/// What the sensor gave.
+/// The sensor's output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GreyPicture {
     /// Grey values, one component.
     pub values: Image<u16>,
-    /// The largest value that there can be, such as 255.
+    /// The largest possible value, such as 255.
     pub largest: u16,
 }
 
-/// How pixels of a square become one.
+/// How the pixels of a square are reduced to one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pooling {
     /// Their mean.
     Mean,
-    /// The standard error of their mean, their errors being independent.
+    /// The standard error of their mean, assuming independent errors.
     StandardError,
 }
 
-/// The side in pixels of the squares over which pictures of this size are averaged; 1 for as they are.
+/// The side in pixels of the squares over which pictures of this size are averaged; 1 for no
+/// averaging.
 pub(crate) fn square_side(columns: usize, rows: usize) -> usize {
     let fits = |side: &usize| columns.div_ceil(*side).saturating_mul(rows.div_ceil(*side)) <= MOST_PIXELS;
     (1..).find(fits).unwrap_or(usize::MAX)
 }
 
-/// An image averaged over squares; those at the right and the lower edge may be smaller.
+/// An image reduced over squares; those at the right and lower edge may be smaller.
 pub(crate) fn pooled(image: &Image<f32>, side: usize, pooling: Pooling) -> Image<f32> {
     if side <= 1 {
         return image.clone();
@@ -117,10 +118,10 @@ pub(crate) fn pooled(image: &Image<f32>, side: usize, pooling: Pooling) -> Image
             } as f32);
         }
     }
-    Image::new(columns, rows, components, data).expect("the data was made for this shape")
+    Image::new(columns, rows, components, data).expect("the data have this shape")
 }
 
-/// Whether a map fits a picture.
+/// Checks that a map has the size of the picture.
 pub(crate) fn check_size<T, U>(map: &'static str, image: &Image<T>, picture: &Image<U>) -> Result<(), ReportError> {
     let fits = (image.width(), image.height(), image.components()) == (picture.width(), picture.height(), 1);
     fits.then_some(()).ok_or(ReportError::Size {

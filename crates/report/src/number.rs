@@ -1,6 +1,6 @@
-//! Numbers for people.
+//! Formats numbers for display.
 
-/// So many significant digits; very small and very large numbers with a power of ten.
+/// A number with this many significant digits; very small and very large ones with an exponent.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "none".to_owned();
@@ -12,7 +12,7 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     format!("{value:.*}", (digits as i32 - 1 - magnitude).max(0) as usize)
 }
 
-/// The same without zeros at the end, as on a scale.
+/// The same without trailing zeros, for scales.
 pub(crate) fn short(value: f64) -> String {
     let text = significant(value, 3);
     let (number, power) = text.split_at(text.find('e').unwrap_or(text.len()));
@@ -22,7 +22,7 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
-/// A time in the units in which one would say it.
+/// A duration in a suitable unit.
 pub(crate) fn seconds(value: f64) -> String {
     match value {
         v if v < 0.0995 => format!("{:.1} ms", 1e3 * v),

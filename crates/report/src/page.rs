@@ -1,4 +1,4 @@
-//! The page as a whole.
+//! Builds the page.
 
 use crate::escape::Escaped;
 use crate::layer::Layers;
@@ -14,7 +14,7 @@ const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 const VIEWER: &str = include_str!("viewer.html");
 
-/// A page that is being put together.
+/// A page under construction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     title: String,
@@ -56,7 +56,7 @@ impl Page {
         })
     }
 
-    /// The primaries of the picture's components; Radiance's own if nothing is said.
+    /// The primaries of the picture's components. Default: Radiance's.
     #[must_use]
     pub fn primaries(mut self, primaries: &RgbPrimaries) -> Page {
         if let Some(weights) = primaries.luminance_weights() {
@@ -65,7 +65,7 @@ impl Page {
         self
     }
 
-    /// The height of a pixel over its width, 0.001 to 1000. Default 1.
+    /// The pixel aspect, height divided by width, 0.001 to 1000. Default 1.
     ///
     /// # Errors
     /// [`ReportError::PixelAspect`].
@@ -97,7 +97,7 @@ impl Page {
         Ok(self)
     }
 
-    /// Adds what the sensor gave.
+    /// Adds the sensor's grey values.
     ///
     /// # Errors
     /// [`ReportError::Size`].
@@ -107,21 +107,21 @@ impl Page {
         Ok(self)
     }
 
-    /// How the picture was made.
+    /// Adds the record of how the picture was made.
     #[must_use]
     pub fn record(mut self, record: RunRecord) -> Page {
         self.record = record;
         self
     }
 
-    /// Adds a stage to the record: what it was, and how long it took.
+    /// Adds a stage to the record: its name and its duration.
     #[must_use]
     pub fn stage(mut self, stage: Stage) -> Page {
         self.record.stages.push(stage);
         self
     }
 
-    /// What the program said while it worked.
+    /// Adds the output of the program during rendering.
     #[must_use]
     pub fn log(mut self, log: ProgressLog) -> Page {
         self.log = log;
@@ -135,7 +135,7 @@ impl Page {
         self
     }
 
-    /// Adds a text as it stands, such as the picture's header or the camera file.
+    /// Adds a verbatim text, such as the picture's header or the camera file.
     #[must_use]
     pub fn text(mut self, name: impl Into<String>, text: impl Into<String>) -> Page {
         self.texts.push((name.into(), text.into()));
@@ -198,7 +198,7 @@ impl Page {
         layers
     }
 
-    /// What the picture is, then what was added.
+    /// The description of the picture, followed by the added facts.
     fn facts_of(&self, side: usize) -> Vec<Setting> {
         let fact = |name: &str, value: String| Setting { name: name.to_owned(), value };
         let mut facts = vec![fact("size", format!("{} × {} pixels", self.picture.width(), self.picture.height()))];
@@ -210,14 +210,14 @@ impl Page {
             facts.push(fact("shown", values));
         }
         if self.pixel_aspect != 1.0 {
-            facts.push(fact("pixels", format!("{:.4} times as high as wide", self.pixel_aspect)));
+            facts.push(fact("pixels", format!("{:.4} (height divided by width)", self.pixel_aspect)));
         }
         facts.extend(self.facts.iter().cloned());
         facts
     }
 }
 
-/// How a content security policy names a text that may stand in the page.
+/// The hash by which a content security policy permits an inline text.
 fn hash(text: &str) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(text)))
 }

@@ -1,25 +1,25 @@
-//! What `rpict -t` said while it worked, ours and Radiance's.
+//! The progress output of `rpict -t`, ours and Radiance's.
 //!
-//! A line is `rpict: 1024 rays, 12.50% after 0.001u 0.000s 0.002r hours on host (PID 7)`: the time of user and system, and the one
-//! that passed. Other lines are messages.
+//! A line is `rpict: 1024 rays, 12.50% after 0.001u 0.000s 0.002r hours on host (PID 7)`: user
+//! time, system time and elapsed time. Other lines are messages.
 
-/// One such line.
+/// One progress line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Rays so far.
     pub rays: f64,
-    /// The share that is done, 0 to 1.
+    /// The finished share, 0 to 1.
     pub share: f64,
-    /// Processor time so far, s.
+    /// Processor time, s.
     pub processor_s: f64,
-    /// Time that passed, s.
+    /// Elapsed time, s.
     pub elapsed_s: f64,
 }
 
-/// A log, taken apart.
+/// A parsed log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProgressLog {
-    /// Its reports, in order.
+    /// Its progress lines, in order.
     pub progress: Vec<Progress>,
     /// Its other lines.
     pub messages: Vec<String>,
@@ -29,7 +29,7 @@ pub struct ProgressLog {
 const HOUR: f64 = 3600.0;
 
 impl ProgressLog {
-    /// Takes a log apart.
+    /// Parses a log.
     #[must_use]
     pub fn read(text: &str) -> ProgressLog {
         let mut log = ProgressLog::default();
@@ -51,7 +51,7 @@ fn progress(line: &str) -> Option<Progress> {
     let mut hours = [0.0; 3];
     let letters = ['u', 's', 'r'];
     for (index, word) in times.split_whitespace().enumerate() {
-        // Without letters it is the time that passed, as programs say it where there is no other.
+        // A number without a letter is elapsed time, printed where no other time is known.
         let (place, number) = match letters.iter().position(|letter| word.ends_with(*letter)) {
             Some(place) => (place, &word[..word.len() - 1]),
             None if index == 0 => (2, word),
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reports_and_messages_are_told_apart() {
+    fn reports_and_messages_are_separated() {
         let log = ProgressLog::read(
             "rpict: warning - no output\nrpict: 0 rays, 0.00% after 0.000u 0.000s 0.000r hours on h (PID 1)\n\
              rpict: 4096 rays, 50.00% after 0.500u 0.100s 0.250r hours on h (PID 1)\nrpict: x rays, 1% after 1u hours\n",

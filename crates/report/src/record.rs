@@ -1,16 +1,16 @@
-//! How a picture was made, as the program writes it down.
+//! The record of how a picture was made.
 
 use crate::ReportError;
 use serde::{Deserialize, Serialize};
 
-/// The format of records.
+/// The version of the format.
 const FORMAT: u32 = 1;
 
-/// How a picture was made. As JSON it is what `--record` writes.
+/// How a picture was made. `--record` writes it as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunRecord {
-    /// The format of the record: 1.
+    /// The version of the format: 1.
     pub format: u32,
     /// Program and version.
     #[serde(default)]
@@ -18,65 +18,66 @@ pub struct RunRecord {
     /// The words of the command line.
     #[serde(default)]
     pub command: Vec<String>,
-    /// When it was made, as Radiance's headers write it.
+    /// The date in the format of Radiance's headers.
     #[serde(default)]
     pub date: Option<String>,
-    /// What was asked for, the defaults as well.
+    /// The options, including defaults.
     #[serde(default)]
     pub settings: Vec<Setting>,
-    /// Where the time went, in order.
+    /// The stages of the run, in order.
     #[serde(default)]
     pub stages: Vec<Stage>,
-    /// How exact the picture is.
+    /// The estimated error of the picture.
     #[serde(default)]
     pub error: Option<ErrorEstimate>,
-    /// Rays that were traced from the camera.
+    /// Number of camera rays.
     #[serde(default)]
     pub rays: Option<u64>,
-    /// Relative noise of cached irradiance; interpolation bias is not in it, nor what correcting pixels takes away.
+    /// Relative noise of cached irradiance, without interpolation bias and before the correction of
+    /// pixels.
     #[serde(default)]
     pub cache_noise: Option<f64>,
-    /// What the renderer decided: what it did, and what it left out.
+    /// The renderer's decisions: what was computed, and what was skipped.
     #[serde(default)]
     pub decisions: Vec<Decision>,
-    /// What else is to be known, such as that the picture is partial.
+    /// Further notes, such as that the picture is partial.
     #[serde(default)]
     pub notes: Vec<String>,
 }
 
-/// Something that was asked for.
+/// An option.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Setting {
-    /// What it is.
+    /// Its name.
     pub name: String,
     /// Its value, with its unit.
     pub value: String,
 }
 
-/// A part of the work.
+/// A stage of the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
-    /// What was done.
+    /// Its name.
     pub name: String,
-    /// Time that passed, s.
+    /// Elapsed time, s.
     pub elapsed_s: f64,
-    /// Processor time of all threads, s; where it is known.
+    /// Processor time of all threads, s, if known.
     #[serde(default)]
     pub processor_s: Option<f64>,
 }
 
-/// The error of a picture, as shares.
+/// The relative error of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorEstimate {
-    /// Which one was asked for.
+    /// The requested error.
     #[serde(default)]
     pub asked: Option<f64>,
-    /// Which one was reached, as far as the picture's own samples tell.
+    /// The error estimated from the picture's own samples.
     pub reached: f64,
-    /// With 95 % confidence it is no farther away from this.
+    /// Half-width of the 95 % confidence interval of the estimate.
     #[serde(default)]
     pub uncertainty: Option<f64>,
 }
@@ -85,11 +86,11 @@ pub struct ErrorEstimate {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Decision {
-    /// What is done or left out.
+    /// The work that was done or skipped.
     pub what: String,
-    /// Why.
+    /// The reason.
     pub why: String,
-    /// Whether work was left out by it.
+    /// Whether the work was skipped.
     pub skipped: bool,
 }
 
@@ -112,10 +113,10 @@ impl Default for RunRecord {
 }
 
 impl RunRecord {
-    /// Reads a record.
+    /// Parses a record.
     ///
     /// # Errors
-    /// [`ReportError::Record`] with the place, and [`ReportError::RecordFormat`].
+    /// [`ReportError::Record`] with the position, and [`ReportError::RecordFormat`].
     pub fn from_json(bytes: &[u8]) -> Result<RunRecord, ReportError> {
         let record: RunRecord = serde_json::from_slice(bytes).map_err(|error| {
             let text = error.to_string();
@@ -128,10 +129,10 @@ impl RunRecord {
         }
     }
 
-    /// The record as JSON, indented, with a line feed at the end.
+    /// The record as indented JSON with a line feed at the end.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a record is text and numbers");
+        let mut text = serde_json::to_string_pretty(self).expect("a record contains only text and numbers");
         text.push('\n');
         text
     }

@@ -1,18 +1,18 @@
-//! Which values a colour scale shows, and where.
+//! The range of a colour scale.
 
-/// Part of the values that may lie beyond either end of a scale.
-const BEYOND: f64 = 0.002;
+/// The share of values that may lie outside either end of a scale.
+const OUTLIERS: f64 = 0.002;
 
 /// A scale whose ends differ by more than this factor is logarithmic.
 const LOGARITHMIC_FROM: f64 = 50.0;
 
-/// A logarithmic scale has no more decades.
+/// Largest number of decades of a logarithmic scale.
 const MOST_DECADES: f64 = 6.0;
 
-/// About so many labels.
+/// Approximate number of labels.
 const LABELS: f64 = 5.0;
 
-/// From where to where a scale goes.
+/// The range of a scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     pub(crate) low: f64,
@@ -20,7 +20,7 @@ pub(crate) struct Scale {
     pub(crate) spacing: Spacing,
 }
 
-/// How values are spread along it.
+/// The mapping of values to positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Spacing {
     Linear,
@@ -28,37 +28,37 @@ pub(crate) enum Spacing {
 }
 
 impl Scale {
-    /// One that shows nearly all of these values. Values that are not finite do not count.
+    /// A scale for nearly all of these values. Non-finite values are ignored.
     pub(crate) fn of(values: impl Iterator<Item = f32>) -> Scale {
         let mut values: Vec<f32> = values.filter(|value| value.is_finite()).collect();
         if values.is_empty() {
             return Scale { low: 0.0, high: 1.0, spacing: Spacing::Linear };
         }
-        let high = quantile(&mut values, 1.0 - BEYOND);
-        let low = quantile(&mut values, BEYOND);
+        let high = quantile(&mut values, 1.0 - OUTLIERS);
+        let low = quantile(&mut values, OUTLIERS);
         let mut positive: Vec<f32> = values.iter().copied().filter(|value| *value > 0.0).collect();
-        let darkest = if positive.is_empty() { 0.0 } else { quantile(&mut positive, BEYOND) };
+        let darkest = if positive.is_empty() { 0.0 } else { quantile(&mut positive, OUTLIERS) };
         if low >= 0.0 && darkest > 0.0 && high / darkest > LOGARITHMIC_FROM {
             let low = darkest.max(high * 10f64.powf(-MOST_DECADES));
             return Scale { low, high, spacing: Spacing::Logarithmic };
         }
-        // A scale of values from 0 on starts there, and none has equal ends.
+        // A scale of non-negative values starts at zero, and its ends differ.
         let low = if low >= 0.0 && low < 0.5 * high { 0.0 } else { low };
         let high = if high > low { high } else { low + low.abs().max(f64::from(f32::MIN_POSITIVE)) };
         Scale { low, high, spacing: Spacing::Linear }
     }
 
-    /// Where a value is, 0 at the low end and 1 at the high one; NaN for NaN.
+    /// The position of a value, 0 at the low end and 1 at the high one; NaN for NaN.
     pub(crate) fn place(&self, value: f64) -> f64 {
         match self.spacing {
             Spacing::Linear => (value - self.low) / (self.high - self.low),
-            // What is 0 or less is below the low end.
+            // Values of 0 or less lie below the low end.
             Spacing::Logarithmic if value <= 0.0 => f64::NEG_INFINITY,
             Spacing::Logarithmic => (value / self.low).ln() / (self.high / self.low).ln(),
         }
     }
 
-    /// Round values to be labelled.
+    /// Round values to label.
     pub(crate) fn ticks(&self) -> Vec<f64> {
         match self.spacing {
             Spacing::Linear => {
@@ -77,14 +77,14 @@ impl Scale {
     }
 }
 
-/// 1, 2 or 5 times a power of ten, not below the step.
+/// 1, 2 or 5 times a power of ten, at least the step.
 fn round_step(step: f64) -> f64 {
     let power = 10f64.powf(step.log10().floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= step).unwrap_or(10.0);
     factor * power
 }
 
-/// The value below which this part of the values lies; `values` is not empty.
+/// The value below which this share of the values lies; `values` is not empty.
 pub(crate) fn quantile(values: &mut [f32], part: f64) -> f64 {
     let place = ((values.len() - 1) as f64 * part).round() as usize;
     f64::from(*values.select_nth_unstable_by(place, f32::total_cmp).1)

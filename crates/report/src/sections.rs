@@ -1,4 +1,4 @@
-//! The parts of the page that are text and tables.
+//! The sections of text and tables.
 
 use crate::escape::Escaped;
 use crate::layer::Layers;
@@ -9,7 +9,7 @@ use crate::record::{Decision, RunRecord, Setting, Stage};
 use crate::scale::quantile;
 use std::fmt::Write as _;
 
-/// Width and height of the progress plot in its own units.
+/// Width and height of the progress plot, in its own units.
 const PLOT: [f64; 2] = [600.0, 200.0];
 
 fn percent(share: f64) -> String {
@@ -44,7 +44,7 @@ pub(crate) fn facts(facts: &[Setting], record: &RunRecord) -> String {
     out
 }
 
-/// An error as a share with its interval.
+/// A relative error with its confidence interval.
 fn interval(error: f64, uncertainty: Option<f64>) -> String {
     match uncertainty {
         Some(uncertainty) => {
@@ -67,7 +67,7 @@ fn grouped(number: u64) -> String {
     out
 }
 
-/// Least, median, largest value and so on of all that is shown.
+/// Minimum, median, maximum and percentiles of each quantity.
 pub(crate) fn statistics(layers: &Layers) -> String {
     let mut out = String::from(
         "<section><h2>Values</h2><div class=\"wide\"><table><thead><tr><th scope=\"col\">of each pixel</th>\
@@ -102,26 +102,26 @@ pub(crate) fn statistics(layers: &Layers) -> String {
     out
 }
 
-/// What is known of the error.
+/// The known errors.
 pub(crate) fn error(record: &RunRecord, map: Option<&ErrorMap>) -> String {
     let mut out = String::from("<section><h2>Error</h2>\n");
     match &record.error {
         Some(error) => {
-            let asked = error.asked.map_or(String::new(), |asked| format!("; asked for were {}", percent(asked)));
+            let asked = error.asked.map_or(String::new(), |asked| format!("; requested: {}", percent(asked)));
             let _ = writeln!(
                 out,
                 "<p>Estimated error of the picture: <strong>{}</strong>{asked}. It is estimated from the picture's own samples.</p>",
                 interval(error.reached, error.uncertainty)
             );
         }
-        None => out.push_str("<p>No estimate of the whole picture's error came with it.</p>\n"),
+        None => out.push_str("<p>The input has no estimate of the whole picture's error.</p>\n"),
     }
     if let Some(noise) = record.cache_noise {
         let bias = match record.error {
             Some(_) => {
-                "The estimate above counts what is left of it and of interpolation bias after pixels were corrected."
+                "The estimate above includes the noise and interpolation bias that remain after pixels were corrected."
             }
-            None => "Its interpolation bias is not estimated and comes on top.",
+            None => "Its interpolation bias is not estimated and is not included.",
         };
         let _ = writeln!(out, "<p>Irradiance cache: {} noise. {bias}</p>", percent(noise));
     }
@@ -131,17 +131,17 @@ pub(crate) fn error(record: &RunRecord, map: Option<&ErrorMap>) -> String {
              little. With 95 % confidence the value of a pixel lies within 1.96 standard errors; the picture above gives \
              that interval for the pixel under the pointer.</p>\n"
         }
-        None => "<p>No error map came with it (<code>--error-map</code>).</p>\n",
+        None => "<p>The input has no error map (<code>--error-map</code>).</p>\n",
     });
     out.push_str("</section>\n");
     out
 }
 
-/// Where the time went.
+/// The stages and their durations.
 pub(crate) fn time(stages: &[Stage], progress: &[Progress]) -> String {
     let mut out = String::from("<section><h2>Time</h2>\n");
     if stages.is_empty() && progress.is_empty() {
-        out.push_str("<p>No times came with it (<code>--record</code>).</p></section>\n");
+        out.push_str("<p>The input has no times (<code>--record</code>).</p></section>\n");
         return out;
     }
     if !stages.is_empty() {
@@ -183,7 +183,7 @@ fn stage_table(stages: &[Stage]) -> String {
     out
 }
 
-/// The share that is done against the time.
+/// The finished share against time.
 fn plot(progress: &[Progress], last: &Progress) -> String {
     let [width, height] = PLOT;
     let end = last.elapsed_s.max(f64::MIN_POSITIVE);
@@ -193,9 +193,9 @@ fn plot(progress: &[Progress], last: &Progress) -> String {
     };
     let points: String = progress.iter().map(point).collect();
     format!(
-        "<figure class=\"plot\"><svg viewBox=\"-4 -4 {} {}\" role=\"img\" aria-label=\"share done against time\">\
+        "<figure class=\"plot\"><svg viewBox=\"-4 -4 {} {}\" role=\"img\" aria-label=\"finished share against time\">\
          <path d=\"M0 0V{height}H{width}\" class=\"axis\" /><polyline points=\"{}\" /></svg>\
-         <figcaption>Share of the picture that was done, from 0 to {}: {} rays, {} of processor time, \
+         <figcaption>Finished share of the picture, from 0 to {}: {} rays, {} of processor time, \
          {:.2} % done in the end.</figcaption></figure>\n",
         width + 8.0,
         height + 8.0,
@@ -207,7 +207,7 @@ fn plot(progress: &[Progress], last: &Progress) -> String {
     )
 }
 
-/// What was left out, and what was done.
+/// The skipped and the computed work.
 pub(crate) fn decisions(decisions: &[Decision]) -> String {
     let mut out = String::from("<section><h2>Skipped</h2>\n");
     let list = |skipped: bool| {
@@ -218,7 +218,7 @@ pub(crate) fn decisions(decisions: &[Decision]) -> String {
     };
     let (skipped, done) = (list(true), list(false));
     match (decisions.is_empty(), skipped.is_empty()) {
-        (true, _) => out.push_str("<p>What was skipped did not come with it (<code>--record</code>).</p>\n"),
+        (true, _) => out.push_str("<p>The input has no list of skipped work (<code>--record</code>).</p>\n"),
         (false, true) => out.push_str("<p>Nothing.</p>\n"),
         (false, false) => out.push_str(&format!("<ul>\n{skipped}</ul>\n")),
     }
@@ -229,7 +229,7 @@ pub(crate) fn decisions(decisions: &[Decision]) -> String {
     out
 }
 
-/// What was asked for.
+/// The options.
 pub(crate) fn settings(record: &RunRecord) -> String {
     let mut out = String::from("<section><h2>Settings</h2>\n");
     if !record.command.is_empty() {
@@ -250,7 +250,7 @@ pub(crate) fn settings(record: &RunRecord) -> String {
     out
 }
 
-/// A word as a shell takes it.
+/// A word quoted for a shell.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
     match !word.is_empty() && word.chars().all(is_plain) {
@@ -259,7 +259,7 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// Texts as they stand.
+/// Verbatim texts.
 pub(crate) fn texts(texts: &[(String, String)], messages: &[String]) -> String {
     let mut out = String::new();
     let said = (!messages.is_empty()).then(|| ("Messages".to_owned(), messages.join("\n")));
@@ -274,7 +274,7 @@ pub(crate) fn texts(texts: &[(String, String)], messages: &[String]) -> String {
     out
 }
 
-/// Which programs made picture and page.
+/// The versions of the programs that made the picture and the page.
 pub(crate) fn versions(record: &RunRecord) -> String {
     let mut out = String::from("<section><h2>Versions</h2>\n<p>");
     if !record.software.is_empty() {

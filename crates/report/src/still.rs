@@ -1,4 +1,4 @@
-//! Still pictures: what print shows, and browsers without scripts.
+//! Still pictures, for print and for browsers without scripts.
 
 use crate::color_map::{NO_VALUE, VIRIDIS, grey, srgb, viridis};
 use crate::escape::Escaped;
@@ -8,13 +8,14 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use radsight_picture::{Image, write_png_rgb8};
 
-/// A still picture has at most so many pixels.
+/// Largest number of pixels of a still picture.
 const MOST_STILL_PIXELS: f64 = 6e5;
 
-/// A small picture is enlarged to about so many pixels a side, so that its pixels stay sharp in print.
+/// A small picture is enlarged to at least about this side in pixels, so that its pixels stay sharp
+/// in print.
 const LEAST_SIDE: f64 = 300.0;
 
-/// The picture as an eye might see it.
+/// The picture in natural colours, tone mapped by a linear factor.
 pub(crate) fn as_seen(layers: &Layers, pixel_aspect: f64) -> String {
     let image = &layers.layers[0].image;
     let gain = unit_gain(layers);
@@ -27,12 +28,12 @@ pub(crate) fn as_seen(layers: &Layers, pixel_aspect: f64) -> String {
     figure("as seen: 98 % of the pixels are darker than white", &png(image, pixel_aspect, shown), "")
 }
 
-/// What a radiance is multiplied by so that the brightness that is white gives 1.
+/// The factor that maps the white brightness to 1.
 fn unit_gain(layers: &Layers) -> f64 {
     layers.choices[0].weights.iter().sum::<f64>() / layers.white
 }
 
-/// A choice in its colours, with its scale.
+/// A quantity in false colours, with its scale.
 pub(crate) fn in_colors(layers: &Layers, choice: usize, pixel_aspect: f64) -> String {
     let [columns, rows] = layers.size();
     let data: Vec<f32> = layers.values(choice).map(|value| value as f32).collect();
@@ -57,7 +58,7 @@ fn figure(caption: &str, png: &[u8], legend: &str) -> String {
     )
 }
 
-/// A bar with labels: 1000 wide, its ends at the scale's.
+/// The scale with labels, 1000 units wide.
 fn legend(choice: &Choice) -> String {
     let id = choice.id;
     let stops: String = match choice.colors {
@@ -92,13 +93,13 @@ fn legend(choice: &Choice) -> String {
     )
 }
 
-/// A picture in colours, its pixels square, of bounded size.
+/// A picture in colours with square pixels, of bounded size.
 fn png(image: &Image<f32>, pixel_aspect: f64, color: impl Fn(&[f64]) -> [u8; 3]) -> Vec<u8> {
     let [width, height] = still_size(image, pixel_aspect);
     let columns = shares(image.width(), width);
     let mut data = Vec::with_capacity(3 * width * height);
     for shares_of_rows in &shares(image.height(), height) {
-        // First over rows, then over columns: the mean over a rectangle is that of means.
+        // Average first over rows, then over columns: the filter is separable.
         let mut line = vec![0.0; image.width() * image.components()];
         for (row, share) in shares_of_rows {
             line.iter_mut().zip(image.row(*row)).for_each(|(sum, value)| *sum += share * f64::from(*value));
@@ -122,12 +123,12 @@ fn still_size(image: &Image<f32>, pixel_aspect: f64) -> [usize; 2] {
     let (width, height) = (width * across, height * along);
     let shrink = (MOST_STILL_PIXELS / (width * height)).sqrt().min(1.0);
     let enlarge = (LEAST_SIDE / width.max(height)).floor().max(1.0);
-    // Of a line of pixels there is still one row.
+    // At least one row remains.
     let most = MOST_STILL_PIXELS;
     [width, height].map(|side| (side * shrink * enlarge).round().clamp(1.0, most) as usize)
 }
 
-/// Of each new place which old ones it covers, and with which shares of it.
+/// For each new pixel, the old pixels that it covers and their weights.
 fn shares(old: usize, new: usize) -> Vec<Vec<(usize, f64)>> {
     let ratio = old as f64 / new as f64;
     let of_place = |place: usize| {
@@ -147,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_of_a_place_add_up_to_one() {
+    fn weights_of_a_pixel_add_up_to_one() {
         for (old, new) in [(10, 3), (3, 10), (7, 7), (1, 5), (4097, 1000)] {
             for place in shares(old, new) {
                 assert!((place.iter().map(|(_, share)| share).sum::<f64>() - 1.0).abs() < 1e-9, "{old} to {new}");

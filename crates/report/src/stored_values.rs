@@ -1,8 +1,9 @@
-//! Values as the page keeps them: half floats with a common factor, predicted from their neighbours, deflated.
+//! The encoding of values in a page: half floats with a common factor, predicted from their
+//! neighbours, deflated.
 //!
-//! A code is 16 bits. Stored is what it differs by from the code to its left (in the first column: above), modulo 2¹⁶; of each
-//! component first all high bytes, then all low ones. That is deflated (RFC 1950), which browsers undo themselves, and written in
-//! base64.
+//! A code has 16 bits. It is stored as the difference to the code on its left (in the first column:
+//! above), modulo 2¹⁶. For each component all high bytes are stored first, then all low bytes. They
+//! are deflated (RFC 1950), which browsers decode natively, and written in base64.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -12,19 +13,19 @@ use half::f16;
 use radsight_picture::Image;
 use std::io::Write as _;
 
-/// Values with what their codes mean.
+/// Encoded values with their scale.
 pub(crate) struct StoredValues {
-    /// What half floats are multiplied by; `None` where codes are the values.
+    /// The factor of half floats; `None` if codes are the values.
     pub(crate) factor: Option<f64>,
     /// Deflated differences of codes, in base64.
     pub(crate) text: String,
 }
 
-/// The exponent of the largest half float, less one: sums of a few stay finite.
+/// The exponent of the largest half float, minus one, so that sums of a few values stay finite.
 const TOP: i32 = 14;
 
 impl StoredValues {
-    /// Stores numbers to a relative 2⁻¹¹.
+    /// Stores numbers with a relative precision of 2⁻¹¹.
     pub(crate) fn of_numbers(image: &Image<f32>) -> StoredValues {
         let finite = image.data().iter().filter(|value| value.is_finite());
         let largest = finite.fold(0.0_f64, |largest, value| largest.max(f64::from(value.abs())));
@@ -35,7 +36,7 @@ impl StoredValues {
         StoredValues { factor: Some(factor), text }
     }
 
-    /// Stores whole numbers as they are.
+    /// Stores integers exactly.
     pub(crate) fn of_whole(image: &Image<u16>) -> StoredValues {
         StoredValues { factor: None, text: packed(image.data(), image.width(), image.components()) }
     }
@@ -66,7 +67,7 @@ mod tests {
     use flate2::read::ZlibDecoder;
     use std::io::Read as _;
 
-    /// What the page's script does.
+    /// Decodes as the page's script does.
     fn codes(text: &str, columns: usize, components: usize) -> Vec<Vec<u16>> {
         let mut bytes = Vec::new();
         ZlibDecoder::new(&STANDARD.decode(text).unwrap()[..]).read_to_end(&mut bytes).unwrap();

@@ -1,4 +1,4 @@
-//! The page as a parser takes it apart: structure, escaping, what it refers to, and its size.
+//! Tests the page with a parser: structure, escaping, references, and size.
 
 use proptest::prelude::*;
 use radsight_picture::{Image, read_png};
@@ -8,7 +8,8 @@ use radsight_report::{
 };
 use roxmltree::{Document, Node, ParsingOptions};
 
-/// What ends an element, an attribute, a comment, a script, data, and a terminal's patience.
+/// Text that would end an element, an attribute, a comment, a script or data, or control a
+/// terminal.
 const HOSTILE: &str =
     "</title></pre></script>]]><script>alert(1)</script>\" onload='x' &amp; \u{0}\u{1b}[31m\u{202e}--> é";
 
@@ -16,7 +17,7 @@ fn image(components: usize, value: impl Fn(usize) -> f32) -> Image<f32> {
     Image::new(6, 4, components, (0..24 * components).map(value).collect()).unwrap()
 }
 
-/// A page that has everything, each text of which is `text`.
+/// A page with every section, whose texts are all `text`.
 fn full_page(text: &str) -> Page {
     let text = || text.to_owned();
     let mut record = RunRecord {
@@ -45,7 +46,7 @@ fn full_page(text: &str) -> Page {
     page.record(record).log(ProgressLog::read(&log)).fact(text(), text()).text(text(), text())
 }
 
-/// Parses a page as XML, which is stricter than HTML: what is not escaped does not get through.
+/// Parses a page as XML, which is stricter than HTML, so that missing escapes are found.
 fn with_document<T>(html: &str, check: impl FnOnce(&Document<'_>) -> T) -> T {
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let document = Document::parse_with_options(html, options).unwrap_or_else(|error| panic!("{error}\n{html}"));
@@ -68,7 +69,7 @@ fn all_parts_are_there_and_named() {
             assert!(headings.iter().any(|heading| heading == expected), "{expected} in {headings:?}");
         }
         let stills = elements(document, "img").count();
-        // As seen, brightness, error and relative error, rays, grey.
+        // Natural colours, brightness, error and relative error, rays, grey.
         assert_eq!(stills, 6);
         assert!(elements(document, "img").all(|img| !img.attribute("alt").unwrap_or("").is_empty()));
         assert_eq!(document.root_element().attribute("lang"), Some("en"));
@@ -85,7 +86,7 @@ fn ids_are_unique_and_those_of_the_script_exist() {
         let count = ids.len();
         ids.sort_unstable();
         ids.dedup();
-        assert_eq!(ids.len(), count, "an id stands twice");
+        assert_eq!(ids.len(), count, "an id is used twice");
         let script = text_of(elements(document, "script").last().unwrap());
         let wanted: Vec<&str> = script.split("byId('").skip(1).filter_map(|rest| rest.split('\'').next()).collect();
         assert!(wanted.len() > 10, "{wanted:?}");
@@ -136,7 +137,7 @@ fn hostile_text_is_text_wherever_it_stands() {
         let text: String = document.descendants().filter(Node::is_text).filter_map(|node| node.text()).collect();
         assert!(text.matches(&shown).count() >= 15, "{}", text.matches(&shown).count());
     });
-    // Scripts end at the first such bytes, whatever a parser of XML says.
+    // Scripts end at the first such bytes, whatever an XML parser reports.
     let scripts = hostile.matches("<script").count();
     assert_eq!((scripts, hostile.matches("</script").count()), (plain.matches("<script").count(), scripts));
 }
@@ -185,7 +186,7 @@ fn still_pictures_show_the_values() {
 }
 
 #[test]
-fn intervals_and_units_are_said() {
+fn intervals_and_units_are_printed() {
     let picture = image(1, |i| 1e-5 * i as f32);
     let record = RunRecord {
         error: Some(ErrorEstimate { asked: Some(0.01), reached: 0.0123, uncertainty: Some(0.0004) }),
@@ -193,7 +194,7 @@ fn intervals_and_units_are_said() {
     };
     let html = Page::new("e.pfm", picture, Quantity::Exposure).unwrap().record(record).to_html();
     assert!(html.contains("1.23 % ± 0.040 % (95 %)") && html.contains("J/m²"));
-    assert!(html.contains("No error map came with it"));
+    assert!(html.contains("The input has no error map"));
 }
 
 #[test]
@@ -219,7 +220,7 @@ fn values_that_are_none_are_counted_and_shown() {
     with_document(&nothing, |_| ());
 }
 
-/// Noise of a few percent, which is as hard to store as pictures get.
+/// Noise of a few percent, the hardest kind of picture to compress.
 fn noisy(columns: usize, rows: usize) -> Image<f32> {
     let mut state = 1_u64;
     let mut random = || {

@@ -21,7 +21,7 @@ impl Loader for Disk {
     }
 }
 
-/// Standard input, read when it is asked for.
+/// Standard input, read on demand.
 struct Piped(OnceCell<String>);
 
 impl StandardInput for Piped {

@@ -1,34 +1,34 @@
-//! Reading a program's arguments, with errors that name the argument.
+//! Parses a program's arguments. Errors name the argument.
 
 use crate::Error;
 use crate::number_text::{leading_integer, leading_number};
 use radsight_options::Program;
 
-/// A walk over `argv`, from the word after the program's name.
+/// A cursor over `argv`, starting after the program's name.
 pub(crate) struct Arguments<'a> {
     argv: &'a [String],
     usage: &'static str,
-    /// What the table says of the program.
+    /// The program's entry in the table of options.
     options: Option<&'static Program>,
     next: usize,
-    /// What was accepted though it is probably a slip.
+    /// Warnings about accepted but suspicious arguments.
     pub(crate) warnings: Vec<String>,
 }
 
 impl<'a> Arguments<'a> {
-    /// The arguments of a program that the table of options has.
+    /// The arguments of a program in the table of options.
     pub(crate) fn new(argv: &'a [String]) -> Self {
         let arguments = Arguments::with_usage(argv, "");
         let options = radsight_options::program(arguments.program());
         Arguments { options, usage: options.map_or("", |program| program.synopsis), ..arguments }
     }
 
-    /// Those of another program.
+    /// The arguments of a program that is not in the table.
     pub(crate) fn with_usage(argv: &'a [String], usage: &'static str) -> Self {
         Arguments { argv, usage, options: None, next: 1.min(argv.len()), warnings: Vec::new() }
     }
 
-    /// The next word if it begins with a dash: an option, as the table has it.
+    /// The next word if it begins with a dash: an option of the table.
     pub(crate) fn option(&mut self) -> Result<Option<&'a str>, Error> {
         match self.peek() {
             Some(word) if word.starts_with('-') => self.last_options(),
@@ -36,16 +36,16 @@ impl<'a> Arguments<'a> {
         }
     }
 
-    /// The same where `-` names standard input.
+    /// As [`Arguments::option`], but `-` is not an option: it names standard input.
     pub(crate) fn option_before_files(&mut self) -> Result<Option<&'a str>, Error> {
         if self.peek() == Some("-") { Ok(None) } else { self.option() }
     }
 
-    /// The next word where nothing but options is left.
+    /// The next option, where only options may follow.
     pub(crate) fn last_options(&mut self) -> Result<Option<&'a str>, Error> {
         let Some(word) = self.word() else { return Ok(None) };
         match self.options {
-            Some(program) if program.recognise(word).is_none() => Err(self.unknown()),
+            Some(program) if program.parse_word(word).is_none() => Err(self.unknown()),
             _ => Ok(Some(word)),
         }
     }
@@ -55,12 +55,12 @@ impl<'a> Arguments<'a> {
         self.argv.first().map_or("", |word| word.rsplit('/').next().unwrap_or(word))
     }
 
-    /// Index into `argv` of the word that comes next.
+    /// Index of the next word in `argv`.
     pub(crate) fn position(&self) -> usize {
         self.next
     }
 
-    /// The word that comes next, left in place.
+    /// The next word, without consuming it.
     pub(crate) fn peek(&self) -> Option<&'a str> {
         self.argv.get(self.next).map(String::as_str)
     }
@@ -77,7 +77,7 @@ impl<'a> Arguments<'a> {
         &self.argv[self.next.min(self.argv.len())..]
     }
 
-    /// The words from the next one on as names of files, `-` (standard input) when there is none.
+    /// The remaining words as file names; `-` (standard input) if there are none.
     pub(crate) fn files(&self) -> Vec<&'a str> {
         match self.rest() {
             [] => vec!["-"],
@@ -85,7 +85,7 @@ impl<'a> Arguments<'a> {
         }
     }
 
-    /// The next word; `name` says in the error what is missing.
+    /// The next word. `name` describes it in the error if it is missing.
     pub(crate) fn required(&mut self, name: &str) -> Result<&'a str, Error> {
         match self.word() {
             Some(word) => Ok(word),
@@ -93,7 +93,8 @@ impl<'a> Arguments<'a> {
         }
     }
 
-    /// The next word as a finite number. Text after a number is ignored with a warning, as C's `atof` ignores it in silence.
+    /// The next word as a finite number. Text after the number is ignored with a warning; C's
+    /// `atof` ignores it silently.
     pub(crate) fn number(&mut self, name: &str) -> Result<f64, Error> {
         let position = self.next;
         let word = self.required(name)?;
@@ -116,7 +117,7 @@ impl<'a> Arguments<'a> {
         Err(self.mistake(position, format!("{name} is {value}, expected a number above zero")))
     }
 
-    /// The next word as an integer; a fraction is cut off with a warning.
+    /// The next word as an integer; a fraction is truncated with a warning.
     pub(crate) fn integer(&mut self, name: &str) -> Result<i64, Error> {
         let position = self.next;
         let word = self.required(name)?;
@@ -148,17 +149,18 @@ impl<'a> Arguments<'a> {
         Ok(words)
     }
 
-    /// A second walk, from an index of `argv`, for programs whose options come after what they change.
+    /// A second cursor that starts at an index of `argv`, for programs whose options follow what
+    /// they affect.
     pub(crate) fn again_from(&self, next: usize) -> Arguments<'a> {
         Arguments { argv: self.argv, usage: self.usage, options: self.options, next, warnings: Vec::new() }
     }
 
-    /// Three numbers; `name` stands before `x`, `y` and `z` in errors.
+    /// Three numbers. Errors call them `name` followed by `x`, `y` and `z`.
     pub(crate) fn vector(&mut self, name: &str) -> Result<[f64; 3], Error> {
         Ok([self.number(&format!("{name} x"))?, self.number(&format!("{name} y"))?, self.number(&format!("{name} z"))?])
     }
 
-    /// An error about the word just read, which no option or argument explains.
+    /// An error about the last word, which is neither an option nor an argument.
     pub(crate) fn unknown(&self) -> Error {
         let position = self.next.saturating_sub(1);
         let word = self.argv.get(position).map_or("", String::as_str);
@@ -173,7 +175,7 @@ impl<'a> Arguments<'a> {
         Error::Argument { program: self.program().to_owned(), mistake: mistake.into(), usage: self.usage, argument }
     }
 
-    /// An error about what the arguments describe together.
+    /// An error about the combination of arguments.
     pub(crate) fn impossible(&self, mistake: impl Into<String>) -> Error {
         Error::Impossible { program: self.program().to_owned(), mistake: mistake.into() }
     }

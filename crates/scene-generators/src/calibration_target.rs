@@ -1,59 +1,61 @@
-//! Targets by which cameras are calibrated: a chessboard and a grid of dots, as scene text.
+//! Calibration targets for cameras as scene text: a chessboard and a grid of dots.
 //!
-//! A target lies in the plane z = 0, centred at the origin, x to its right and y up as seen from +z, which it faces. Its names
-//! begin with `target`. `xform` moves it.
+//! A target lies in the plane z = 0, centred at the origin, and faces +z; seen from there, x points
+//! right and y up. Its names begin with `target`. `xform` moves it.
 
 use std::fmt::Write;
 
-/// Reflectances of the paper and of the ink.
+/// Reflectances of paper and ink.
 const WHITE: f64 = 0.85;
 const BLACK: f64 = 0.05;
-/// Dots stand this share of their spacing before the board, so that they do not lie in one plane with it.
+/// Height of the dots above the board, relative to their spacing, so that they are not coplanar
+/// with it.
 const DOT_HEIGHT: f64 = 1e-4;
 
-/// The most marks one way.
+/// Largest number of marks per row or column.
 pub const MOST_MARKS: u32 = 500;
 
-/// What is drawn on a target.
+/// The pattern of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TargetPattern {
-    /// Squares, of which one more than corners stand in a row and in a column; OpenCV's `findChessboardCorners`.
+    /// Squares, one more per row and column than inner corners; OpenCV's `findChessboardCorners`.
     Chessboard,
-    /// Black dots, half as wide as they are apart; OpenCV's `findCirclesGrid`.
+    /// Black dots with a diameter of half their spacing; OpenCV's `findCirclesGrid`.
     Dots,
 }
 
 /// A calibration target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CalibrationTarget {
-    /// What is drawn.
+    /// The pattern.
     pub pattern: TargetPattern,
-    /// Marks in a row: inner corners of the chessboard, or dots.
+    /// Marks per row: inner corners of the chessboard, or dots.
     pub columns: u32,
-    /// Marks in a column.
+    /// Marks per column.
     pub rows: u32,
-    /// From one mark to the next, scene units.
+    /// Distance between neighbouring marks, scene units.
     pub spacing: f64,
-    /// Radiance of the white in W/(sr·m²) where it shines by itself; else it is a matt surface that needs light.
+    /// Radiance of the white, W/(sr·m²), if the target is self-luminous; otherwise it is a matt
+    /// surface that needs light.
     pub radiance: Option<f64>,
 }
 
-/// What is wrong with a target.
+/// Why a target is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TargetError {
     /// Too few marks or too many.
     #[error("{columns} x {rows} marks: expected from 2 to {MOST_MARKS} each way")]
     Marks {
-        /// Marks in a row.
+        /// Marks per row.
         columns: u32,
-        /// Marks in a column.
+        /// Marks per column.
         rows: u32,
     },
-    /// A length or radiance that cannot be.
+    /// A length or radiance that is not positive and finite.
     #[error("the {quantity} is {value}, expected a finite number above 0")]
     NotPositive {
-        /// Which.
+        /// Its name.
         quantity: &'static str,
         /// The value.
         value: f64,
@@ -103,7 +105,7 @@ impl CalibrationTarget {
         out
     }
 
-    /// Squares beside each other, none over another, with a white margin as wide as a square.
+    /// Adjacent squares without overlap, with a white margin as wide as a square.
     fn chessboard(&self, out: &mut String) {
         let (columns, rows) = (self.columns + 1, self.rows + 1);
         let corner = |column: u32, row: u32| {

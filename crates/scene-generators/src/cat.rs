@@ -1,4 +1,4 @@
-//! `cat [file …]`: files one after the other; `-` and no file at all mean standard input.
+//! `cat [file …]`: concatenates files; `-` or no file means standard input.
 
 use radsight_loader::FileKind;
 
@@ -16,7 +16,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     Ok(Output { standard_output: text.into_bytes(), ..Output::default() })
 }
 
-/// The files to read, `-` when none is named. The option `-u` (no buffering) changes nothing here.
+/// The files to read; `-` if none is named. The option `-u` (no buffering) has no effect.
 pub(crate) fn file_names<'a>(invocation: &Invocation<'a>, usage: &'static str) -> Result<Vec<&'a str>, Error> {
     let mut arguments = Arguments::with_usage(invocation.argv, usage);
     while let Some(option) = arguments.peek().filter(|word| word.starts_with('-') && *word != "-") {

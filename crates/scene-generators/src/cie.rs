@@ -1,7 +1,8 @@
-//! From CIE 1931 colours to Radiance's red, green and blue.
+//! Conversion from CIE 1931 colours to Radiance's red, green and blue.
 //!
-//! Radiance's primaries are those of a nominal monitor with a white of equal energy (`color.h`); a colour outside of their
-//! triangle is mixed with the grey of its luminance until no component is negative.
+//! Radiance's primaries are those of a nominal monitor with equal-energy white (`color.h`). A
+//! colour outside the gamut is desaturated towards the grey of its luminance until no component is
+//! negative.
 
 use glam::DVec3;
 use radsight_units::color::{XYZ_TO_RGB, rgb_to_xyz};
@@ -20,9 +21,9 @@ pub(crate) fn brightness(rgb: [f64; 3]) -> f64 {
     rgb_to_xyz().row(1).dot(DVec3::from(rgb))
 }
 
-/// From XYZ, inside of the primaries' triangle.
+/// Converts XYZ inside the gamut.
 fn rgb(xyz: [f64; 3]) -> [f64; 3] {
-    // Single precision, as Radiance's colours.
+    // Single precision, as in Radiance's colours.
     let mut rgb = (XYZ_TO_RGB * DVec3::from(xyz)).as_vec3().as_dvec3().to_array();
     let grey = xyz[1];
     let kept = rgb.iter().filter(|value| **value < 0.0).map(|value| grey / (grey - value)).fold(1.0, f64::min);
@@ -38,7 +39,7 @@ mod tests {
 
     #[test]
     fn brightness_has_the_weights_of_radiance() {
-        // The weights that color.h names are rounded from a white of .333.
+        // The weights in color.h are rounded from a white of .333.
         for (rgb, expected) in [([1.0, 0.0, 0.0], 0.2651), ([0.0, 1.0, 0.0], 0.6701), ([0.0, 0.0, 1.0], 0.0648)] {
             assert!((brightness(rgb) - expected).abs() < 5e-5, "{}", brightness(rgb));
         }

@@ -1,8 +1,8 @@
-//! `cnt [-s] N0 [N1 …]`: counts. Each line has one number for each argument, the last running fastest; `-s` shuffles
-//! the lines.
+//! `cnt [-s] N0 [N1 …]`: counts. Each line has one number per argument; the last one varies
+//! fastest. `-s` shuffles the lines.
 //!
-//! The real program shuffles by the clock. Here the order in a scene is always the same, since a scene must not change
-//! by itself; see [`radsight_loader::Loader::shuffle_seed`].
+//! The real program seeds the shuffle from the clock. Here the order in a scene is always the same,
+//! so that the scene is reproducible; see [`radsight_loader::Loader::shuffle_seed`].
 
 use std::fmt::Write;
 
@@ -52,19 +52,21 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
 }
 
-/// The numbers below a count in random order (Fisher and Yates; Knuth, "The Art of Computer Programming" 2, 3.4.2 P).
+/// The numbers below a count in random order (Fisher and Yates; Knuth, "The Art of Computer
+/// Programming" 2, 3.4.2 P).
 fn shuffled(count: u32, seed: u64) -> Vec<u32> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut numbers: Vec<u32> = (0..count).collect();
     for last in (1..numbers.len()).rev() {
-        // The product's upper half is a number up to `last`, each as likely but for 2⁻⁶⁴ of its share.
+        // The upper half of the product is a number up to `last`, uniform up to a relative error of
+        // 2⁻⁶⁴.
         let chosen = (u128::from(random.next_u64()) * (last as u128 + 1)) >> 64;
         numbers.swap(last, chosen as usize);
     }
     numbers
 }
 
-/// The line of a number, which counts the lines in their order.
+/// Writes the line of a given index in unshuffled order.
 fn write_line(text: &mut Text, limits: &[usize], line: u32) -> Result<(), Error> {
     let (mut counters, mut rest) = (vec![0; limits.len()], line as usize);
     for (counter, limit) in counters.iter_mut().zip(limits).rev() {

@@ -1,6 +1,7 @@
 //! `echo [-n] word …`: prints its arguments.
 //!
-//! As the `sh` of Linux has it: words joined by blanks, `\n` `\t` and their like replaced, a line end unless `-n` or `\c`.
+//! As in Linux's `sh`: words are joined by blanks, escapes such as `\n` and `\t` are replaced, and
+//! a line end follows unless `-n` or `\c` is given.
 
 use crate::text::Text;
 use crate::{Error, Invocation, Output};
@@ -19,7 +20,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     Ok(Output { standard_output: text.into_bytes(), ..Output::default() })
 }
 
-/// Replaces the escapes of `echo`; the flag says that `\c` ended the output.
+/// Replaces the escapes of `echo`; the flag reports that `\c` ended the output.
 fn unescape(words: &str) -> (Vec<u8>, bool) {
     let mut bytes = Vec::with_capacity(words.len());
     let mut rest = words.bytes().peekable();

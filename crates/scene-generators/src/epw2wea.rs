@@ -1,5 +1,5 @@
-//! `epw2wea [-a] WEATHER.epw [WEATHER.wea]`: from EnergyPlus' weather files to those of Radiance's programs; `-a` adds the optical depth of aerosols and the
-//! share of the sky that is covered.
+//! `epw2wea [-a] WEATHER.epw [WEATHER.wea]`: converts EnergyPlus weather files to Radiance's
+//! format; `-a` adds the optical depth of aerosols and the cloud cover.
 
 use crate::arguments::Arguments;
 use crate::number_text::{leading_integer, leading_number};
@@ -7,7 +7,7 @@ use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 use radsight_loader::FileKind;
 
-/// Lines of the header; the last tells how many records there are in an hour.
+/// Number of header lines; the last one holds the number of records per hour.
 const HEADER_LINES: usize = 8;
 
 /// Columns of a record.
@@ -41,7 +41,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         mistake: format!("line {line}: {mistake}"),
     };
     let mut text = Text::default();
-    // Names of towns may be in any encoding; numbers are in none.
+    // Town names may have any encoding; numbers are ASCII in all of them.
     let lines = String::from_utf8_lossy(&bytes);
     let mut lines = lines.lines().enumerate().map(|(number, line)| (number + 1, line.trim_end()));
     let header: Vec<(usize, &str)> = lines.by_ref().take(HEADER_LINES).collect();
@@ -59,16 +59,16 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     Ok(Output { standard_output, warnings: arguments.warnings, files })
 }
 
-/// A mistake with its line.
+/// A value, or a mistake with its line.
 type Found<T> = Result<T, (usize, &'static str)>;
 
 fn header_text(header: &[(usize, &str)]) -> Found<String> {
     let fields: Vec<&str> = header.first().map_or(Vec::new(), |(_, line)| line.split(',').collect());
     let [name, city, _, country, _, _, latitude, longitude, time_zone, elevation, ..] = fields[..] else {
-        return Err((1, "expected \"LOCATION\" and what it is followed by in an EPW file"));
+        return Err((1, "expected the fields after \"LOCATION\" in an EPW file"));
     };
     if name != "LOCATION" {
-        return Err((1, "expected \"LOCATION\", with which an EPW file begins"));
+        return Err((1, "expected \"LOCATION\" at the start of an EPW file"));
     }
     let number = |field: &str| leading_number(field).map(|(number, _)| number);
     let [Some(_), Some(east), Some(hours), Some(_)] = [latitude, longitude, time_zone, elevation].map(number) else {
@@ -81,7 +81,7 @@ fn header_text(header: &[(usize, &str)]) -> Found<String> {
 }
 
 fn records_in_an_hour(header: &[(usize, &str)]) -> Found<i64> {
-    const WRONG: (usize, &str) = (HEADER_LINES, "expected \"DATA PERIODS\" and how many records there are in an hour");
+    const WRONG: (usize, &str) = (HEADER_LINES, "expected \"DATA PERIODS\" and the number of records per hour");
     let (_, line) = header.get(HEADER_LINES - 1).ok_or(WRONG)?;
     let found = line.split(',').nth(2).and_then(leading_integer);
     found.map(|(count, _)| count).filter(|count| line.starts_with("DATA PERIODS") && *count > 0).ok_or(WRONG)
@@ -99,12 +99,12 @@ impl Record<'_> {
         else {
             return Err((self.number, "expected a date, an hour, and direct and diffuse irradiance"));
         };
-        // The hour is the one that ends then; light is the mean over it.
+        // A record belongs to the hour before its time, and its light is the mean over that hour.
         let time = if in_an_hour == 1 { hour - 0.5 } else { hour - 1.0 + minute / 60.0 };
         let air = match [AEROSOL_DEPTH, TENTHS_COVERED].map(|column| self.field(column)) {
             _ if !has_air => String::new(),
             [Some(depth), Some(tenths)] => format!(" {depth:.3} {:.1}", tenths / 10.0),
-            _ => return Err((self.number, "expected the sky's cover and the depth of aerosols (-a)")),
+            _ => return Err((self.number, "expected cloud cover and aerosol optical depth (-a)")),
         };
         Ok(format!("{month:.0} {day:.0} {time:.3} {direct:.0} {diffuse:.0}{air}\n"))
     }

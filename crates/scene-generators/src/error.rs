@@ -1,47 +1,47 @@
-//! What can go wrong with a command.
+//! Errors of commands.
 
 use radsight_loader::LoadError;
 
 use crate::shell_words::SyntaxError;
 
-/// Why a command gave nothing.
+/// Why a command failed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Neither this crate nor the caller has the program.
+    /// Neither this crate nor the caller provides the program.
     #[error("unknown program \"{program}\"")]
     UnknownProgram {
-        /// As written.
+        /// The name as written.
         program: String,
     },
-    /// An argument is missing, extra, or not what the program takes.
+    /// An argument is missing, superfluous or invalid.
     #[error("{program}: {mistake}\nusage: {usage}")]
     Argument {
         /// The program.
         program: String,
-        /// Which argument, what it is, what was expected.
+        /// The argument, its value, and what was expected.
         mistake: String,
         /// The usage line.
         usage: &'static str,
-        /// Index into `argv` of the wrong word; `argv.len()` when one is missing.
+        /// Index of the wrong word in `argv`; `argv.len()` if one is missing.
         argument: usize,
     },
-    /// The arguments are well formed but describe something that cannot be made.
+    /// The arguments are valid one by one but describe an impossible object.
     #[error("{program}: {mistake}")]
     Impossible {
         /// The program.
         program: String,
-        /// What cannot be made, and why.
+        /// What is impossible, and why.
         mistake: String,
     },
-    /// A file or the standard input does not hold what the program reads.
+    /// A file or the standard input is malformed.
     #[error("{program}: {source_name}: {mistake}")]
     Input {
         /// The program.
         program: String,
         /// File name, or `standard input`.
         source_name: String,
-        /// What is wrong, and where.
+        /// The mistake and its position.
         mistake: String,
     },
     /// An expression or function file is wrong.
@@ -49,18 +49,18 @@ pub enum Error {
     Expression {
         /// The program.
         program: String,
-        /// The rendered diagnostic of the function language.
+        /// The rendered diagnostic of the expression.
         message: String,
-        /// Index into `argv` of the expression.
+        /// Index of the expression in `argv`.
         argument: Option<usize>,
     },
-    /// The command asks for more than [`MAX_OUTPUT_BYTES`](crate::MAX_OUTPUT_BYTES).
-    #[error("the output would be larger than {limit_bytes} bytes")]
+    /// The output exceeds [`MAX_OUTPUT_BYTES`](crate::MAX_OUTPUT_BYTES).
+    #[error("the output exceeds {limit_bytes} bytes")]
     OutputTooLarge {
         /// The limit.
         limit_bytes: usize,
     },
-    /// The command line is not one that can be run without a shell.
+    /// The command line cannot be run without a shell.
     #[error(transparent)]
     Syntax(#[from] SyntaxError),
     /// A file could not be loaded, or an external command was refused or failed.
@@ -69,7 +69,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// The program that the message begins with, where it does.
+    /// The program named at the start of the message, if any.
     #[must_use]
     pub fn program(&self) -> Option<&str> {
         match self {
@@ -81,7 +81,7 @@ impl Error {
         }
     }
 
-    /// Index into `argv` of the word that the error is about; `argv.len()` when a word is missing.
+    /// Index in `argv` of the wrong word; `argv.len()` if one is missing.
     #[must_use]
     pub fn argument(&self) -> Option<usize> {
         match self {
@@ -93,7 +93,7 @@ impl Error {
 }
 
 impl From<std::fmt::Error> for Error {
-    /// The only writer that this crate formats into is a text that fails when it is full.
+    /// This crate formats only into a text that fails when it is full.
     fn from(_: std::fmt::Error) -> Self {
         Error::OutputTooLarge { limit_bytes: crate::MAX_OUTPUT_BYTES }
     }

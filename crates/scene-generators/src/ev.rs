@@ -1,4 +1,4 @@
-//! `ev expression …`: the values of expressions, one a line.
+//! `ev expression …`: prints the values of expressions, one per line.
 
 use std::fmt::Write;
 

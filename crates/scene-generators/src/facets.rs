@@ -1,7 +1,8 @@
-//! Polygon meshes with shared vertices and normals, written as Wavefront text or as Radiance polygons.
+//! Polygon meshes with shared vertices and normals, written as Wavefront text or as Radiance
+//! polygons.
 //!
-//! Smoothed triangles become a `texfunc` of `tmesh.cal` over a polygon: the normal at a point is interpolated from those at
-//! the corners by barycentric coordinates.
+//! Smoothed triangles become polygons with a `texfunc` of `tmesh.cal`, which interpolates the
+//! corner normals by barycentric coordinates.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -11,10 +12,10 @@ use crate::text::{Text, general, wide};
 
 /// Areas and squared lengths below the square of this count as zero, in scene units.
 const TINY: f64 = 1e-6;
-/// Normals whose cosine is above this are taken for one direction.
+/// Normals whose cosine exceeds this are equal.
 const SAME_DIRECTION: f64 = 0.999_995;
 
-/// A face's use of a vertex.
+/// A reference from a face to a vertex and its normal.
 #[derive(Clone, Copy)]
 pub(crate) struct Use {
     pub(crate) vertex: usize,
@@ -70,12 +71,12 @@ impl Mesh {
         self.faces.push(face);
     }
 
-    /// Forgets that the faces have normals.
+    /// Removes the normals of all faces.
     pub(crate) fn flatten(&mut self) {
         self.faces.iter_mut().flat_map(|face| &mut face.uses).for_each(|corner| corner.normal = None);
     }
 
-    /// Twice the face's area along its normal.
+    /// The face normal with twice the face's area as length.
     fn area_vector(&self, face: &Face) -> [f64; 3] {
         let origin = self.vertices[face.uses[0].vertex];
         let spoke = |index: usize| subtract(self.vertices[face.uses[index].vertex], origin);
@@ -106,13 +107,14 @@ impl Mesh {
         Ok(())
     }
 
-    /// Whether the face's normals bend. A face with all its normals on the back is turned round.
+    /// Whether the corner normals of a face differ. A face whose normals all point backwards is
+    /// reversed.
     fn needs_smoothing(&mut self, index: usize) -> bool {
         let face = &self.faces[index];
         let area_vector = self.area_vector(face);
         let (false, Some(face_normal)) = (face.degenerate, normalize(area_vector)) else { return false };
         let mut backward = 0;
-        // From the last corner to the first, as the bend is found there first in real files too.
+        // Start at the last corner, as in real files.
         for corner in face.uses().iter().rev() {
             let Some(normal) = corner.normal else { return false };
             let cosine: f64 = (0..3).map(|axis| f64::from(self.normals[normal][axis]) * face_normal[axis]).sum();
@@ -148,7 +150,8 @@ impl Mesh {
     fn split(&self, face: &Face) -> [[Use; 3]; 2] {
         let normal = self.area_vector(face);
         let [a, b, c, d] = face.uses;
-        // Seen along its main axis the outline may run clockwise; the triangulation begins at the other end then.
+        // If the outline is clockwise along its main axis, the triangulation starts at the other
+        // end.
         if normal[main_axis(normal)] < 0.0 { [[c, d, a], [a, b, c]] } else { [[d, a, b], [b, c, d]] }
     }
 
@@ -181,7 +184,7 @@ impl Mesh {
         triangle.iter().try_for_each(|corner| self.write_corner(text, corner))
     }
 
-    /// Joins vertices that are equal to `tolerance` (relative), and normals there that differ by no more.
+    /// Merges vertices that are equal within a relative `tolerance`, and their normals likewise.
     pub(crate) fn join_vertices(&mut self, tolerance: f64) {
         let digits = (-(2.0 * tolerance).log10()).ceil().max(0.0) as usize;
         let mut faces_of = vec![Vec::new(); self.vertices.len()];
@@ -227,7 +230,8 @@ impl Mesh {
         faces_of[kept].extend(moved);
     }
 
-    /// Makes a face use one of the listed normals if its own is close to it; otherwise lists its own, if asked to.
+    /// Makes a face use one of the listed normals if its own is close to it. Otherwise adds its own
+    /// to the list, if requested.
     fn share_normal(&mut self, face: usize, vertex: usize, listed: &mut Vec<usize>, tolerance: f64, list_new: bool) {
         let Some(corner) = self.faces[face].uses().iter().rposition(|corner| corner.vertex == vertex) else { return };
         let Some(own) = self.faces[face].uses[corner].normal else { return };
@@ -295,23 +299,25 @@ fn used<T: Copy>(all: &[T], uses: impl Fn(&Face) -> Vec<Option<usize>>, faces: &
     (kept, new_index)
 }
 
-/// Barycentric coordinates of a triangle seen along its main axis, as linear functions of the two other coordinates.
+/// Barycentric coordinates of a triangle projected along its main axis, as linear functions of the
+/// two other coordinates.
 pub(crate) struct Barycentric {
-    /// 0, 1, 2 for x, y, z: the axis along which the triangle is seen.
+    /// 0, 1, 2 for x, y, z: the projection axis.
     axis: usize,
-    /// The coefficients of the first two barycentric coordinates: of the axis after `axis`, of the one after that, and one.
+    /// The coefficients of the first two barycentric coordinates: of the axis after `axis`, of the
+    /// next one, and the constant.
     functions: [[f64; 3]; 2],
 }
 
 impl Barycentric {
-    /// `None` when the triangle is too thin.
+    /// `None` if the triangle is too thin.
     pub(crate) fn new(corners: &[[f64; 3]; 3]) -> Option<Barycentric> {
         let normal = cross(subtract(corners[0], corners[1]), subtract(corners[2], corners[1]));
         let axis = main_axis(normal);
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let mut functions = [[0.0; 3]; 2];
         for (first, function) in functions.iter_mut().enumerate() {
-            // The function is 1 in `apex` and 0 on the line from `base` to `end`.
+            // The function is 1 at `apex` and 0 on the line from `base` to `end`.
             let [apex, base, end] = [0, 1, 2].map(|step| corners[(first + step) % 3]);
             let (to_apex, along) = ([apex[u] - base[u], apex[v] - base[v]], [end[u] - base[u], end[v] - base[v]]);
             let along_squared = along[0] * along[0] + along[1] * along[1];
@@ -345,7 +351,7 @@ impl Barycentric {
     }
 }
 
-/// The axis along which a vector is longest.
+/// The axis of the largest component.
 fn main_axis(vector: [f64; 3]) -> usize {
     let square = vector.map(|value| value * value);
     let axis = usize::from(square[1] > square[0]);
@@ -370,8 +376,9 @@ fn length(vector: [f64; 3]) -> f64 {
 
 /// The unit vector, unless the length is zero or not finite.
 ///
-/// A vector that is nearly of unit length gets one step of Newton's method for the inverse square root instead of a division,
-/// as in Radiance: where a later choice hangs on the last bit (which axis is the longest?), it falls the same way.
+/// A vector of nearly unit length gets one step of Newton's method for the inverse square root
+/// instead of a division, as in Radiance. Where a later choice depends on the last bit (which axis
+/// is the longest?), the result is the same.
 pub(crate) fn normalize(vector: [f64; 3]) -> Option<[f64; 3]> {
     let squared = dot(vector, vector);
     if squared == 0.0 || !squared.is_finite() {

@@ -1,4 +1,4 @@
-//! The function language as programs use it: definitions from `-e` and `-f`, functions from arguments.
+//! The function language in programs: definitions from `-e` and `-f`, functions from arguments.
 
 use radsight_cal::{Environment, Handle, Host, NoHost};
 use radsight_diag::{Diagnostic, SourceMap};
@@ -7,7 +7,7 @@ use radsight_loader::{FileKind, Loader};
 use crate::Error;
 use crate::arguments::Arguments;
 
-/// Mathematical faults are told of up to this number of different ones.
+/// Largest number of distinct warnings about mathematical errors.
 const MOST_WARNINGS: usize = 10;
 
 /// The definitions of one run of a program.
@@ -15,12 +15,12 @@ pub(crate) struct Functions {
     pub(crate) environment: Environment,
     sources: SourceMap,
     program: String,
-    /// What evaluations complained of, each once.
+    /// Warnings of evaluations, without duplicates.
     pub(crate) warnings: Vec<String>,
 }
 
 impl Functions {
-    /// With `PI`, `hermite`, `bezier` and `bspline`, as Radiance's generators have them.
+    /// Defines `PI`, `hermite`, `bezier` and `bspline`, as in Radiance's generators.
     pub(crate) fn for_generators(arguments: &Arguments<'_>) -> Self {
         Functions::over(Environment::for_generators(), arguments)
     }
@@ -30,14 +30,14 @@ impl Functions {
         Functions { environment, sources, program, warnings: Vec::new() }
     }
 
-    /// Takes the value of an option `-e`.
+    /// Parses the value of an option `-e`.
     pub(crate) fn take_definitions(&mut self, arguments: &mut Arguments<'_>) -> Result<(), Error> {
         let position = arguments.position();
         let text = arguments.required("definitions (-e)")?;
         self.define(text, "-e", position)
     }
 
-    /// Takes the value of an option `-f`. A file that the loader lacks may be one that comes with radsight.
+    /// Parses the file of an option `-f`. If the loader lacks it, a built-in file is used.
     pub(crate) fn take_file(&mut self, arguments: &mut Arguments<'_>, loader: &dyn Loader) -> Result<(), Error> {
         let position = arguments.position();
         let name = arguments.required("function file (-f)")?;
@@ -50,13 +50,14 @@ impl Functions {
         self.environment.define(source, &bytes).map_err(|problems| self.error(&problems, Some(position)))
     }
 
-    /// Defines what a text says. `name` stands for the text in errors.
+    /// Adds the definitions in a text. `name` denotes the text in errors.
     pub(crate) fn define(&mut self, text: &str, name: &str, argument: usize) -> Result<(), Error> {
         let source = self.sources.add(name, text.as_bytes(), None);
         self.environment.define(source, text.as_bytes()).map_err(|problems| self.error(&problems, Some(argument)))
     }
 
-    /// Defines a function whose body is the next argument. `name` is hidden from other definitions by a mark.
+    /// Defines a function whose body is the next argument. A context mark hides its name from other
+    /// definitions.
     pub(crate) fn take_function(
         &mut self,
         arguments: &mut Arguments<'_>,
@@ -70,7 +71,7 @@ impl Functions {
         Ok(self.environment.function(&format!("{name}`SYS"), arity))
     }
 
-    /// Takes the next argument as an expression for a count above zero, rounded.
+    /// Parses the next argument as an expression for a positive count, rounded.
     pub(crate) fn take_count(&mut self, arguments: &mut Arguments<'_>, name: &str) -> Result<usize, Error> {
         let position = arguments.position();
         let text = arguments.required(name)?;
@@ -79,23 +80,23 @@ impl Functions {
         if (1.0..9e15).contains(&rounded) {
             return Ok(rounded as usize);
         }
-        Err(arguments.mistake(position, format!("{name} is {value}, expected a count from 1 up")))
+        Err(arguments.mistake(position, format!("{name} is {value}, expected a count of at least 1")))
     }
 
-    /// The value of an expression with the definitions so far.
+    /// The value of an expression with the current definitions.
     pub(crate) fn number(&mut self, text: &str, name: &str, argument: usize) -> Result<f64, Error> {
         let handle = self.expression(text, name, argument)?;
         self.value(handle, &[], &NoHost)
     }
 
-    /// An expression to be evaluated later, with the definitions of then.
+    /// An expression to evaluate later, with the definitions at that time.
     pub(crate) fn expression(&mut self, text: &str, name: &str, argument: usize) -> Result<Handle, Error> {
         let source = self.sources.add(name, text.as_bytes(), None);
         let handle = self.environment.expression(source, text.as_bytes());
         handle.map_err(|problem| self.error(&[problem], Some(argument)))
     }
 
-    /// The value of something defined.
+    /// The value of a definition.
     pub(crate) fn value<H: Host + ?Sized>(&mut self, handle: Handle, values: &[f64], host: &H) -> Result<f64, Error> {
         let value = self.environment.eval(handle, values, host).map_err(|problems| self.error(&problems, None))?;
         for warning in self.environment.warnings() {
@@ -107,7 +108,7 @@ impl Functions {
         Ok(value)
     }
 
-    /// The value, which must be a number that a scene can hold. `name` and `values` say in the error what was asked for.
+    /// The value as a finite coordinate. `name` and `values` describe the request in the error.
     pub(crate) fn coordinate(&mut self, handle: Handle, name: &str, values: &[f64]) -> Result<f64, Error> {
         let value = self.value(handle, values, &NoHost)?;
         if value.is_finite() {

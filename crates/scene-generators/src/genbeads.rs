@@ -1,7 +1,7 @@
 //! `genbeads material name p0 p1 r0 r1 rad inc`: a string of beads along a Hermite curve.
 //!
-//! The curve goes from `p0` to `p1` with the tangents `r0` and `r1` there (three numbers each); spheres of radius `rad`
-//! follow each other at about `inc`, in scene units.
+//! The curve runs from `p0` to `p1` with the end tangents `r0` and `r1` (three numbers each).
+//! Spheres of radius `rad` are spaced by approximately `inc`, in scene units.
 
 use std::fmt::Write;
 
@@ -48,12 +48,12 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
 }
 
-/// Weights of the two ends and the two tangents at `t` (0 to 1) of a cubic Hermite curve.
+/// The Hermite basis functions at `t` (0 to 1): weights of the two ends and the two tangents.
 pub(crate) fn hermite(t: f64) -> [f64; 4] {
     [(2.0 * t - 3.0) * t * t + 1.0, (-2.0 * t + 3.0) * t * t, ((t - 2.0) * t + 1.0) * t, (t - 1.0) * t * t]
 }
 
-/// The derivatives of those weights.
+/// The derivatives of the basis functions.
 fn hermite_slope(t: f64) -> [f64; 4] {
     [(6.0 * t - 6.0) * t, (-6.0 * t + 6.0) * t, (3.0 * t - 4.0) * t + 1.0, (3.0 * t - 2.0) * t]
 }

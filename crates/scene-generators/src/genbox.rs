@@ -1,8 +1,9 @@
-//! `genbox material name xsize ysize zsize [-i] [-b bevel | -r round [-n nsegs] [-s]] [-o]`: a box with a corner in the origin.
+//! `genbox material name xsize ysize zsize [-i] [-b bevel | -r round [-n nsegs] [-s]] [-o]`: a box
+//! with a corner at the origin.
 //!
-//! Lengths are in scene units. Edges can be bevelled (`-b`), rounded with cylinders and spheres (`-r`), or rounded with
-//! facets (`-n` a power of two an edge; always when `-i` turns the box inside out), flat or smoothed (`-s`).
-//! `-o` gives Wavefront text instead of a scene.
+//! Lengths are in scene units. Edges can be bevelled (`-b`), rounded with cylinders and spheres
+//! (`-r`), or rounded with facets (`-n` a power of two per edge; always when `-i` turns the box
+//! inside out), flat or smoothed (`-s`). `-o` writes Wavefront text instead of a scene.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -12,15 +13,15 @@ use crate::facets::{Mesh, Use, cross, normalize, subtract};
 use crate::text::{Text, wide};
 use crate::{Error, Invocation, Output};
 
-/// What the options ask for.
+/// Parsed options.
 struct Options<'a> {
     material: &'a str,
     name: &'a str,
     size: [f64; 3],
-    /// Bevel or radius of rounding; zero for sharp edges.
+    /// Bevel or radius; zero for sharp edges.
     bevel: f64,
     rounded: bool,
-    /// Each rounded edge has 2^this facets; 1 stands for a true cylinder.
+    /// Each rounded edge has 2^`subdivisions` facets; 1 stands for a true cylinder.
     subdivisions: u32,
     reversed: bool,
     smooth: bool,
@@ -41,7 +42,8 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
 }
 
 fn write_facets(options: &Options<'_>, text: &mut Text) -> Result<(), Error> {
-    // Eight corners of 4^n triangles each dominate; their vertices and normals take more room than their text.
+    // Eight corners of 4^n triangles each dominate. Their vertices and normals take more space than
+    // their text.
     text.expect_room(8.0 * 4f64.powi(options.subdivisions as i32), 1000.0)?;
     let mut facets = Facets::new(options);
     emit(options, &mut facets)?;
@@ -85,11 +87,11 @@ fn read<'a>(arguments: &mut Arguments<'a>) -> Result<Options<'a>, Error> {
     Ok(Options { material, name, size, bevel, rounded, subdivisions, reversed, smooth, wavefront })
 }
 
-/// A corner of the box. In octal digits: the sum of 1, 2, 4 says where along x, y, z it lies (set: far side), and of 010, 020,
-/// 040 whether it is moved inwards by the bevel there.
+/// A corner of the box in octal digits: 1, 2, 4 select the far side along x, y, z, and 010, 020,
+/// 040 move it inwards by the bevel along x, y, z.
 type Corner = usize;
 
-/// Where the faces, edges and corners of a box go.
+/// Receives the faces, edges and corners of a box.
 trait Faces {
     fn polygon(&mut self, corners: &[Corner]) -> Result<(), Error>;
     fn edge(&mut self, from: Corner, to: Corner) -> Result<(), Error>;
@@ -152,7 +154,7 @@ struct Primitives<'a, 'b> {
     text: &'a mut Text,
 }
 
-/// A corner's letter in a primitive's name.
+/// The letter of a corner in a primitive's name.
 fn letter(corner: Corner) -> char {
     const LETTERS: &[u8; 64] = b"0123456789._ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
     LETTERS[corner & 63] as char
@@ -187,11 +189,11 @@ impl Faces for Primitives<'_, '_> {
     }
 }
 
-/// Collects facets where edges and corners are not true cylinders and spheres.
+/// Collects facets for edges and corners that are not true cylinders and spheres.
 struct Facets<'a, 'b> {
     options: &'a Options<'b>,
     mesh: Mesh,
-    /// The mesh's vertex of each corner that has one.
+    /// The mesh vertex of each corner, if it has one.
     vertices: [Option<usize>; 64],
 }
 
@@ -204,12 +206,12 @@ impl<'a, 'b> Facets<'a, 'b> {
         *self.vertices[corner].get_or_insert_with(|| self.mesh.vertex(self.options.position(corner)))
     }
 
-    /// 1, or −1 when the box is inside out.
+    /// 1, or −1 if the box is inside out.
     fn sign(&self) -> f64 {
         if self.options.reversed { -1.0 } else { 1.0 }
     }
 
-    /// A part of a sphere between three unit vectors from its centre, divided `levels` times into four.
+    /// A spherical triangle between three unit vectors, divided `levels` times into four.
     fn sphere_part(&mut self, centre: [f64; 3], directions: [[f64; 3]; 3], levels: u32) {
         if levels == 0 {
             let (radius, sign) = (self.options.bevel, self.sign());
@@ -248,7 +250,7 @@ impl Faces for Facets<'_, '_> {
             self.mesh.position(vertex)
         });
         let outwards = |axis: usize| if ends[1][axis] < 0.5 * size[axis] { -bevel } else { *bevel };
-        // The directions in which the quarter circle starts and ends.
+        // The start and end directions of the quarter circle.
         let (start, end) = match (from ^ to) & 7 {
             1 => (2, 1),
             2 => (0, 2),

@@ -1,6 +1,7 @@
-//! `genclock [-f face_mat] [-c case_mat] [-n name] {HH:MM | HH.hh}`: a clock on the wall x = 0, facing +x, of radius 1.1.
+//! `genclock [-f face_mat] [-c case_mat] [-n name] {HH:MM | HH.hh}`: a clock of radius 1.1 on the
+//! wall x = 0, facing +x.
 //!
-//! The face is painted with the text file `clockface.hex` in the font `hexbit4x1.fnt`.
+//! The face shows the text file `clockface.hex` in the font `hexbit4x1.fnt`.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -49,7 +50,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
 }
 
-/// Hours from midnight.
+/// Hours since midnight.
 fn read_time(time: &str) -> Option<f64> {
     let digits = time.bytes().take_while(u8::is_ascii_digit).count();
     let hour = match time.as_bytes().get(digits) {

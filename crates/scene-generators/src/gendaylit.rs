@@ -1,15 +1,19 @@
-//! `gendaylit month day hour [-y year] …` or `gendaylit -ang altitude azimuth …`: a sky after Perez, from measured light.
+//! `gendaylit month day hour [-y year] …` or `gendaylit -ang altitude azimuth …`: a Perez sky from
+//! measured light.
 //!
-//! The light is given as `-P epsilon delta` (clearness and brightness of Perez), `-W` direct normal and diffuse horizontal
-//! irradiance in W/m², `-L` the same as illuminance in lux, `-G` direct horizontal and diffuse horizontal irradiance, or `-E`
-//! global horizontal irradiance alone (after Erbs). `-O` chooses the output: 0 visible radiance in W/(sr·m²), 1 solar
-//! radiance, 2 luminance in cd/m². `-C` adds colour, `-l` or `-CIE` choose its locus. Other options are those of `gensky`;
-//! `-i` minutes is the length of a time step, `-d` °C the dew point, `-w` silences warnings.
+//! The light is given as `-P epsilon delta` (Perez clearness and brightness), `-W` direct normal
+//! and diffuse horizontal irradiance in W/m², `-L` the same as illuminance in lux, `-G` direct
+//! horizontal and diffuse horizontal irradiance, or `-E` global horizontal irradiance alone (Erbs
+//! model). `-O` selects the output: 0 visible radiance in W/(sr·m²), 1 solar radiance, 2 luminance
+//! in cd/m². `-C` adds colour; `-l` or `-CIE` select its locus. Other options are those of
+//! `gensky`; `-i` minutes is the length of a time step, `-d` °C the dew point, `-w` suppresses
+//! warnings.
 //!
-//! R. Perez, R. Seals, J. Michalsky, "All-weather model for sky luminance distribution", Solar Energy 50 (3), 1993; efficacies
-//! from R. Perez et al., "Modeling daylight availability and irradiance components", Solar Energy 44 (5), 1990; D. G. Erbs,
-//! S. A. Klein, J. A. Duffie, Solar Energy 28 (4), 1982. Where the sky cannot be computed a black one is written, with a
-//! warning, as the real program does.
+//! R. Perez, R. Seals, J. Michalsky, "All-weather model for sky luminance distribution", Solar
+//! Energy 50 (3), 1993; efficacies from R. Perez et al., "Modeling daylight availability and
+//! irradiance components", Solar Energy 44 (5), 1990; D. G. Erbs, S. A. Klein, J. A. Duffie, Solar
+//! Energy 28 (4), 1982. If the sky cannot be computed, a black one is written with a warning, as in
+//! the real program.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -24,11 +28,11 @@ use crate::{Error, Invocation, Output};
 use radsight_units::photometry::WHITE_EFFICACY;
 
 const DEGREE: f64 = PI / 180.0;
-/// Half of the sun's angle across, in radians.
+/// Half of the sun's angular diameter, radians.
 const HALF_SUN: f64 = 0.2665 * DEGREE;
 /// Extraterrestrial illuminance, lux.
 const SOLAR_CONSTANT_LUX: f64 = 127_500.0;
-/// Dew point in °C that stands for 2 cm of precipitable water, and the precision to which gendaylit has it.
+/// Dew point that corresponds to 2 cm of precipitable water, °C, with gendaylit's precision.
 const DEFAULT_DEW_POINT: f64 = 10.97353115;
 
 enum SunPosition {
@@ -63,20 +67,20 @@ struct Options {
     light: Light,
     unit: Unit,
     with_sun: bool,
-    /// `-c` keeps the sun's height above 87°.
+    /// `-c` limits the solar altitude to above 87°.
     cloudy: bool,
     ground_reflectance: f64,
-    /// Minutes; zero for a moment.
+    /// Minutes; zero for an instant.
     time_step: f64,
-    /// Centimetres.
+    /// Precipitable water, cm.
     precipitable_water: f64,
     quiet: bool,
     coloured: bool,
-    /// Eleven coefficients of the colour of a cloudy sky.
+    /// Eleven coefficients of the colour of an overcast sky.
     locus: [f32; 11],
 }
 
-/// Why a sky cannot be computed and a black one takes its place.
+/// Why a sky cannot be computed and is black.
 struct Black(String);
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
@@ -125,7 +129,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
     Ok(options)
 }
 
-/// An option with values.
+/// Parses an option with values.
 fn read_value(options: &mut Options, arguments: &mut Arguments<'_>, letter: u8) -> Result<(), Error> {
     match letter {
         b'd' => {
@@ -147,7 +151,7 @@ fn read_value(options: &mut Options, arguments: &mut Arguments<'_>, letter: u8) 
             let [a, b, c, d, e, f, g] = values;
             options.locus = [a, b, c, d, a, b, c, d, e, f, g];
         }
-        // Given for the sake of gensky's users; without effect in the real program too.
+        // Accepted for compatibility with gensky; without effect in the real program, too.
         b'R' | b't' | b'b' => drop(arguments.number("value")?),
         b'g' => options.ground_reflectance = arguments.number("ground reflectance (-g)")?,
         b'a' => options.site.latitude = arguments.number("latitude (-a)")? * DEGREE,
@@ -184,9 +188,10 @@ fn read_value(options: &mut Options, arguments: &mut Arguments<'_>, letter: u8) 
             options.time_step = f64::from(arguments.number("time interval (-i)")? as f32);
             if options.time_step < 0.0 {
                 let step = options.time_step;
-                return Err(
-                    arguments.mistake(position, format!("time interval (-i) is {step}, expected minutes from zero up"))
-                );
+                return Err(arguments.mistake(
+                    position,
+                    format!("time interval (-i) is {step}, expected a number of minutes not below zero"),
+                ));
             }
         }
         _ => return Err(arguments.unknown()),
@@ -209,7 +214,7 @@ fn read_sun(arguments: &mut Arguments<'_>) -> Result<SunPosition, Error> {
         Some((hour, _)) if (0.0..24.0).contains(&hour) => {
             Ok(SunPosition::Time(Moment { year: None, month, day, hour, by_the_sun: word.starts_with('+') }))
         }
-        _ => Err(arguments.mistake(position, format!("hour is \"{word}\", expected a number from 0 up to but not 24"))),
+        _ => Err(arguments.mistake(position, format!("hour is \"{word}\", expected a number from 0 to below 24"))),
     }
 }
 
@@ -221,7 +226,7 @@ fn warn_about_meridian(options: &Options, warnings: &mut Vec<String>) {
     }
 }
 
-/// Collects warnings unless `-w` silences them.
+/// Collects warnings unless `-w` suppresses them.
 struct Warnings {
     silent: bool,
     messages: Vec<String>,
@@ -235,13 +240,13 @@ impl Warnings {
     }
 }
 
-/// The sun as the sky model needs it; angles in radians.
+/// The sun's position; angles in radians.
 struct Sun {
-    /// Hours; zero when the sun is given by angles.
+    /// Hours; zero if the sun is given by angles.
     solar_time: f64,
     altitude: f64,
     azimuth: f64,
-    /// Day of the year; zero when the sun is given by angles.
+    /// Day of the year; zero if the sun is given by angles.
     day: f64,
     below_horizon: bool,
 }
@@ -271,7 +276,8 @@ fn write_head(sun: &Sun, text: &mut Text) -> Result<(), Error> {
     Ok(writeln!(text, "# Solar altitude and azimuth: {altitude:.1} {azimuth:.1}")?)
 }
 
-/// The sun's place; within half a time step of sunrise or sunset, that of the middle of the part of the step with sun.
+/// The sun's position. Within half a time step of sunrise or sunset, that of the middle of the
+/// sunlit part of the step.
 fn find_sun(options: &Options, warnings: &mut Warnings) -> Sun {
     let (site, moment) = match &options.sun {
         SunPosition::Angles { altitude, azimuth } => {
@@ -305,34 +311,34 @@ fn find_sun(options: &Options, warnings: &mut Warnings) -> Sun {
     Sun { solar_time: sun.solar_time, altitude, azimuth, day: moment.day_of_year() as f64, below_horizon }
 }
 
-/// Hours from sunrise to noon; not a number where the sun does not rise or set.
+/// Hours from sunrise to noon; NaN if the sun does not rise or set.
 fn half_day(day: f64, latitude: f64) -> f64 {
     let cosine = -(latitude.tan() * simple_declination(day).tan()) as f32;
     let sine = f64::from(1.0 - cosine * cosine).sqrt();
     (PI / 2.0 - f64::from(cosine).atan2(sine)) / (15.0 * DEGREE)
 }
 
-/// What the light of sun and sky comes to on the way from the given numbers to the sky model.
+/// Derives the sky model's input from the given quantities.
 struct LightOfSky<'a> {
     options: &'a Options,
     altitude: f64,
-    /// Radians, at most π/2 once the air mass was asked for.
+    /// Radians, at most π/2 after the air mass was computed.
     sun_zenith: f64,
     day: f64,
     conditions: Conditions,
-    /// W/m²; direct normal and diffuse horizontal.
+    /// Direct normal and diffuse horizontal, W/m².
     direct_irradiance: f64,
     diffuse_irradiance: f64,
-    /// Lux.
+    /// Direct normal and diffuse horizontal, lux.
     direct_illuminance: f64,
     diffuse_illuminance: f64,
 }
 
-/// What is written about a sky.
+/// The computed sky.
 struct Computed {
     conditions: Conditions,
     parameters: [f64; 5],
-    /// Radiance (or luminance) for a relative luminance of one.
+    /// Radiance (or luminance) for a relative luminance of 1.
     diffuse: f64,
     ground: f64,
     solar: f64,
@@ -360,7 +366,7 @@ impl<'a> LightOfSky<'a> {
         Ok(self.take_light(warnings).and_then(|()| self.finish()))
     }
 
-    /// Finds irradiance, illuminance and conditions from whichever of them is given.
+    /// Computes irradiance, illuminance and conditions from the given quantities.
     fn take_light(&mut self, warnings: &mut Warnings) -> Result<(), Black> {
         match self.options.light {
             Light::Perez { clearness, brightness } => {
@@ -393,7 +399,7 @@ impl<'a> LightOfSky<'a> {
         self.illuminance(warnings)
     }
 
-    /// Direct and diffuse irradiance from the global one, after Erbs.
+    /// Splits global irradiance into direct and diffuse parts (Erbs model).
     fn split_global(&mut self, global: f64, text: &mut Text, warnings: &mut Warnings) -> Result<(), Error> {
         if self.altitude <= 0.0 {
             if global > 50.0 {
@@ -408,7 +414,8 @@ impl<'a> LightOfSky<'a> {
         } else {
             global
         };
-        // The clearness index, and the diffuse part of the global irradiance as a function of it.
+        // The clearness index, and the diffuse fraction of the global irradiance as a function of
+        // it.
         let k = global / outside;
         let diffuse_part = if k <= 0.22 {
             1.0 - 0.09 * k
@@ -434,7 +441,7 @@ impl<'a> LightOfSky<'a> {
         perez::air_mass(self.sun_zenith / DEGREE)
     }
 
-    /// Clearness and brightness from the irradiance.
+    /// Computes clearness and brightness from the irradiance.
     fn find_conditions(&mut self, warnings: &mut Warnings) {
         let outside = perez::SOLAR_CONSTANT * perez::eccentricity(self.day);
         let brightness = self.diffuse_irradiance * self.air_mass(warnings) / outside;
@@ -442,7 +449,7 @@ impl<'a> LightOfSky<'a> {
         self.conditions = Conditions { clearness, brightness }.limited();
     }
 
-    /// Illuminance from irradiance, where the output needs it.
+    /// Computes illuminance from irradiance, if the output needs it.
     fn illuminance(&mut self, warnings: &mut Warnings) -> Result<(), Black> {
         if self.options.unit == Unit::SolarRadiance {
             return Ok(());
@@ -464,16 +471,16 @@ impl<'a> LightOfSky<'a> {
         self.conditions.direct_efficacy(self.sun_zenith, self.options.precipitable_water)
     }
 
-    /// Irradiance and conditions that fit the illuminance, by repetition.
+    /// Computes irradiance and conditions that match the illuminance, by iteration.
     fn irradiance_from_illuminance(&mut self, warnings: &mut Warnings) -> Result<(), Black> {
         let first_guess = perez::SOLAR_CONSTANT / SOLAR_CONSTANT_LUX;
         self.diffuse_irradiance = self.diffuse_illuminance * first_guess;
         self.direct_irradiance = self.direct_illuminance * first_guess;
         let clearness = perez::clearness(self.direct_irradiance, self.diffuse_irradiance, self.sun_zenith);
         self.find_conditions(warnings);
-        // The clearness of the first guess is found before the sun is lifted to the horizon.
+        // The clearness of the first estimate is computed before the sun is raised to the horizon.
         self.conditions = Conditions { clearness, ..self.conditions }.limited();
-        // The model's condition to stop is never met, so that the number of rounds decides.
+        // gendaylit's stopping criterion is never met, so the number of iterations is fixed.
         for _ in 0..9 {
             self.diffuse_irradiance = self.diffuse_illuminance / self.diffuse_efficacy()?;
             let efficacy = self.direct_efficacy();
@@ -522,7 +529,7 @@ impl<'a> LightOfSky<'a> {
         Ok(Computed { conditions: self.conditions, parameters, diffuse, ground, solar })
     }
 
-    /// Mean horizontal radiance over zenith radiance of the CIE sky that is nearest to the clearness.
+    /// Mean horizontal radiance divided by zenith radiance of the CIE sky nearest to the clearness.
     fn mean_over_zenith(&self) -> f64 {
         let (altitude, clearness) = (self.altitude, self.conditions.clearness);
         let (up, zenith) = (altitude.sin(), PI / 2.0 - altitude);
@@ -538,7 +545,8 @@ impl<'a> LightOfSky<'a> {
     }
 }
 
-/// Negative light is none; no light by day, and more than the sun has, cannot be.
+/// Checks measured light: negative values become zero; no light by day and more than the sun's
+/// light are errors.
 fn check(
     what: &str,
     direct: &mut f64,
@@ -588,9 +596,9 @@ fn write_computed(
     }
     let coloured = options.coloured && !(1.065 < clearness && clearness < 4.5);
     if options.coloured && !coloured {
-        warnings
-            .messages
-            .push(format!("no colour: there is no colour model for an intermediate sky (clearness {clearness:.6})"));
+        warnings.messages.push(format!(
+            "no colour is written: the colour model does not cover intermediate skies (clearness {clearness:.6})"
+        ));
     }
     let (diffuse, ground) = (Exponential(computed.diffuse, 3), Exponential(computed.ground, 3));
     let [a, b, c, d, e] = computed.parameters;

@@ -1,11 +1,15 @@
-//! `gendaymtx [-v] [-h] [-A] [-d|-s|-n] [-u] [-D file [-M file]] [-r degrees] [-m N] [-g r g b] [-c r g b] [-o{f|d|a}] [-O{0|1}] [-5 degrees]
-//! [-i minutes] [weather]`: the sky of each moment of a weather file, as a matrix of patches and moments.
+//! `gendaymtx [-v] [-h] [-A] [-d|-s|-n] [-u] [-D file [-M file]] [-r degrees] [-m N] [-g r g b] [-c
+//! r g b] [-o{f|d|a}] [-O{0|1}] [-5 degrees] [-i minutes] [weather]`: the sky at each time step of
+//! a weather file, as a matrix of patches by time steps.
 //!
-//! Patches are Reinhart's with N rows and columns for each of Tregenza's (`-m`), the ground before them. `-d` is the sun alone, `-s` the sky alone, `-u`
-//! leaves out the night, `-A` is the mean of all moments, `-D` writes each sun as a light of its own, with their modifiers' names to the file of `-M`,
-//! and `-n` no matrix. `-O1` is all of the sun's light in the place of what is visible; `-5` puts the sun into one patch, for a disk of so many degrees.
+//! Patches are Reinhart's, N by N for each Tregenza patch (`-m`); the first patch is the ground.
+//! `-d` writes the sun alone, `-s` the sky alone, `-u` omits the night, `-A` averages all time
+//! steps. `-D` writes each sun as a light source and `-M` their modifiers' names to a file; `-n`
+//! writes no matrix. `-O1` writes solar instead of visible radiation. `-5` puts the sun into one
+//! patch, as a disk of this diameter in degrees.
 //!
-//! C. F. Reinhart and O. Walkenhorst, Energy and Buildings 33 (7), 2001 (patches); the sky is that of [`crate::perez`].
+//! C. F. Reinhart and O. Walkenhorst, Energy and Buildings 33 (7), 2001 (patches). The sky model is
+//! [`crate::perez`].
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -20,18 +24,18 @@ use radsight_loader::FileKind;
 use radsight_units::color::LUMINANCE_WEIGHTS;
 use radsight_units::photometry::WHITE_EFFICACY;
 
-/// The sun's angle across, degrees.
+/// The sun's angular diameter, degrees.
 const SUN_DEGREES: f64 = 0.533;
-/// Suns are spread over so many patches.
+/// Number of patches over which the sun is distributed.
 const SUN_PATCHES: usize = 4;
-/// Dew point in °C where none is measured.
+/// Dew point if none is measured, °C.
 const DEW_POINT: f64 = 11.0;
-/// Less light, in the unit of the file, is night; a colour that is darker is black.
+/// Less light than this, in the unit of the file, is night; darker colours are black.
 const NIGHT: f64 = 1e-4;
-/// With more rows for each of Tregenza's a moment would have over a million patches.
+/// Largest subdivision; a finer one would exceed a million patches per time step.
 const FINEST: usize = 90;
 
-/// How numbers are written.
+/// Number format of the output.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Format {
     Ascii,
@@ -39,14 +43,14 @@ enum Format {
     Double,
 }
 
-/// What becomes of the moments.
+/// Content of the matrix.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Matrix {
-    /// A column each.
+    /// One column per time step.
     Moments,
-    /// Their mean.
+    /// The mean of all time steps.
     Mean,
-    /// Nothing.
+    /// No matrix.
     Nothing,
 }
 
@@ -59,15 +63,15 @@ struct Options<'a> {
     is_solar: bool,
     subdivision: usize,
     matrix: Matrix,
-    /// Files of suns and of their modifiers' names; `-` for standard output.
+    /// Files for suns and for their modifiers' names; `-` for standard output.
     suns: Option<&'a str>,
     modifiers: Option<&'a str>,
     by_day_only: bool,
     /// Radians.
     rotation: f64,
-    /// Solid angle of the sun's disk where it is put into one patch.
+    /// Solid angle of the sun's disk, if it is put into one patch.
     disk: Option<f64>,
-    /// Minutes; 0 for moments.
+    /// Minutes; 0 for instants.
     interval: f64,
     /// A file, or `-`.
     weather: &'a str,
@@ -85,7 +89,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut year = Year::new(&options, &weather)?;
     year.step_through(&weather)?;
     if year.moments == 0 {
-        return Err(arguments.impossible("no moment of the weather file is by day"));
+        return Err(arguments.impossible("the weather file has no time step by day"));
     }
     year.output(&weather, invocation.argv)
 }
@@ -165,20 +169,20 @@ impl<'a> Options<'a> {
     }
 }
 
-/// The moments, as they are stepped through.
+/// The matrix, built time step by time step.
 struct Year<'o> {
     options: &'o Options<'o>,
     patches: SkyPatches,
     site: Site,
-    /// Red, green and blue of each patch, moment by moment.
+    /// Red, green and blue of each patch, time step by time step.
     values: Vec<f32>,
     moments: usize,
     suns: Text,
     modifiers: Text,
     warnings: Vec<String>,
-    /// A leap day was met.
+    /// Number of leap days so far.
     leap_days: i64,
-    /// Of the two records before.
+    /// Dew points of the two previous records.
     dew_points: Option<[f64; 2]>,
     dew_point: f64,
 }
@@ -187,7 +191,7 @@ impl<'o> Year<'o> {
     fn new(options: &'o Options<'o>, weather: &Weather) -> Result<Year<'o>, Error> {
         let patches = SkyPatches::new(options.subdivision);
         let columns = if options.matrix == Matrix::Moments { weather.records.len() } else { 1 };
-        // Text has about as many bytes as double precision.
+        // A text number has about as many bytes as double precision.
         let number = if options.format == Format::Float { size_of::<f32>() } else { size_of::<f64>() };
         if columns.saturating_mul(patches.len() * 3 * number) > MAX_OUTPUT_BYTES {
             return Err(Error::OutputTooLarge { limit_bytes: MAX_OUTPUT_BYTES });
@@ -228,7 +232,7 @@ impl<'o> Year<'o> {
         Ok(())
     }
 
-    /// The mean of three records.
+    /// Updates the mean dew point of three records.
     fn note_dew_point(&mut self, measured: Option<f64>) {
         self.dew_points = measured.map(|now| {
             let [first, second] = self.dew_points.unwrap_or([now; 2]);
@@ -277,13 +281,13 @@ impl<'o> Year<'o> {
         Ok(())
     }
 
-    /// Where the sun is; the middle of what is left of an interval in which it rises or sets.
+    /// The sun's position; the middle of the sunlit part of an interval in which it rises or sets.
     fn sun(&self, record: &Record, day: i64) -> Sun {
         let declination = simple_declination(day as f64);
         let mut solar_time = record.hour + simple_time_adjustment(day as f64, &self.site);
         let half = self.options.interval / 120.0;
         if self.options.interval > 0.0 {
-            // Leap days move the sun by less than this is worth.
+            // The effect of leap days on the sun's position is negligible.
             let known = simple_declination(day_of_year(record.month, record.day) as f64);
             let tangent = -(self.site.latitude.tan() * known.tan());
             let half_day = (PI / 2.0 - tangent.atan2((1.0 - tangent * tangent).sqrt())) * 12.0 / PI;
@@ -297,7 +301,7 @@ impl<'o> Year<'o> {
         Sun { declination, solar_time }
     }
 
-    /// Radiances of ground and sky, and the sun's on the patches around it, W/(sr·m²).
+    /// Adds the radiances of ground and sky, and the sun's on the patches around it, W/(sr·m²).
     fn fill(&self, column: &mut [f32], sky: &Sky, sun: (f64, f64)) {
         let options = self.options;
         let [red, green, blue] = LUMINANCE_WEIGHTS;
@@ -396,7 +400,7 @@ impl<'o> Year<'o> {
     }
 }
 
-/// The command as a header has it.
+/// The command line for a header.
 fn command_line(argv: &[String]) -> String {
     let words = argv.iter().map(|word| Quoted(&word.replace(['\n', '\r'], " ")).to_string());
     words.collect::<Vec<_>>().join(" ")

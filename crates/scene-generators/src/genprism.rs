@@ -1,8 +1,9 @@
-//! `genprism material name { - | vfile | N v1 v2 … vN } [-l lvect] [-r radius] [-c] [-e]`: a prism over a polygon.
+//! `genprism material name { - | vfile | N v1 v2 … vN } [-l lvect] [-r radius] [-c] [-e]`: a prism
+//! over a polygon.
 //!
-//! The polygon's corners are given in the xy plane, in scene units, as arguments, in a file, or on standard input. It is
-//! extruded along `-l` (default 0 0 1). `-r` rounds the edges, `-e` leaves out the ends, `-c` says that the last corner is
-//! not joined to the first.
+//! The polygon's corners are given in the xy plane, in scene units, as arguments, in a file, or on
+//! standard input. It is extruded along `-l` (default 0 0 1). `-r` rounds the edges, `-e` omits the
+//! ends, `-c` leaves the last corner unconnected to the first.
 
 use std::fmt::Write;
 
@@ -20,9 +21,9 @@ struct Prism<'a> {
     material: &'a str,
     name: &'a str,
     corners: Vec<[f64; 2]>,
-    /// From the bottom to the top.
+    /// The extrusion vector, from the bottom to the top.
     extrusion: [f64; 3],
-    /// 1 when the extrusion goes up, −1 when down.
+    /// 1 if the extrusion points up, −1 if down.
     direction: f64,
     ends: bool,
     closed: bool,
@@ -89,7 +90,7 @@ fn read_corners(arguments: &mut Arguments<'_>, invocation: &Invocation<'_>) -> R
             let count = arguments.count("number of vertices")?;
             let given = arguments.rest().len() / 2;
             if given < count {
-                let mistake = format!("{count} vertices announced, coordinates for {given} given");
+                let mistake = format!("{count} vertices are declared, but coordinates are given for {given}");
                 return Err(arguments.mistake(position, mistake));
             }
             let coordinate = |axis: &str, index: usize| format!("{axis} of vertex {}", index + 1);
@@ -102,7 +103,8 @@ fn read_corners(arguments: &mut Arguments<'_>, invocation: &Invocation<'_>) -> R
     }
 }
 
-/// Pairs of numbers up to the end of the text, or to the first word that is not a number, with a warning.
+/// Parses pairs of numbers up to the end of the text, or to the first word that is not a number,
+/// with a warning.
 fn corners_of(arguments: &mut Arguments<'_>, bytes: &[u8], source: &str) -> Result<Vec<[f64; 2]>, Error> {
     let text = String::from_utf8_lossy(bytes);
     let mut rest: &str = &text;
@@ -158,11 +160,11 @@ impl Prism<'_> {
 /// A prism with rounded edges.
 struct Rounded<'a> {
     prism: &'a Prism<'a>,
-    /// Radius with the sign of the extrusion's direction.
+    /// Radius with the sign of the extrusion direction.
     radius: f64,
-    /// Unit vector along the side that ends in each corner, against the order of corners.
+    /// Unit vector along the side that ends at each corner, against the order of corners.
     along: Vec<[f64; 2]>,
-    /// How far each side is cut back at each corner, in radii; negative at a corner that turns the other way.
+    /// How far each side is cut back at each corner, in radii; negative at a reflex corner.
     trim: Vec<f64>,
 }
 
@@ -185,10 +187,10 @@ impl<'a> Rounded<'a> {
             let ([x0, y0], [x1, y1]) = (along[index], along[(index + 1) % count]);
             let cosine = x0 * x1 + y0 * y1;
             if 1.0 + cosine <= TINY {
-                return Err(arguments.impossible(format!("the sides at vertex {} lie on each other", index + 1)));
+                return Err(arguments.impossible(format!("the sides at vertex {} coincide", index + 1)));
             }
             if 1.0 - cosine > 0.0 {
-                // The tangent of half the angle by which the outline turns at the corner.
+                // The tangent of half the turning angle at the corner.
                 let tangent = ((1.0 - cosine) / (1.0 + cosine)).sqrt();
                 trim[index] = if x1 * y0 - y1 * x0 < 0.0 { -tangent } else { tangent };
             }
@@ -203,7 +205,7 @@ impl<'a> Rounded<'a> {
         self.prism.sides().try_for_each(|(from, to)| self.write_side(text, from, to))
     }
 
-    /// A corner moved inwards, so that it is one radius away from both of its sides.
+    /// A corner moved inwards to one radius from both of its sides.
     fn inner(&self, index: usize) -> [f64; 2] {
         let ([x, y], [ux, uy], trim) = (self.prism.corners[index], self.along[index], self.trim[index]);
         [x + self.radius * (trim * ux - uy), y + self.radius * (trim * uy + ux)]
@@ -222,7 +224,7 @@ impl<'a> Rounded<'a> {
         self.write_rim(text, "t", &top)
     }
 
-    /// Spheres in the corners and cylinders along the edges of one end.
+    /// Spheres at the corners and cylinders along the edges of one end.
     fn write_rim(&self, text: &mut Text, end: &str, corners: &[[f64; 3]]) -> Result<(), Error> {
         let Prism { material, name, direction, radius, .. } = self.prism;
         let mut before = corners[corners.len() - 1];
@@ -246,7 +248,8 @@ impl<'a> Rounded<'a> {
         let Prism { material, name, extrusion: [lx, ly, lz], direction, .. } = self.prism;
         let [ux, uy] = self.along[to];
         let length = (lx * lx + ly * ly + lz * lz).sqrt();
-        // A slanted extrusion touches the rounded rim not at its widest place but turned by this angle.
+        // An oblique extrusion touches the rounded rim at a point turned by this angle from its
+        // widest point.
         let sine = direction * (ly * ux - lx * uy) / length;
         let [tx, ty, tz] = if sine.abs() > TINY {
             let cosine = (1.0 - sine * sine).sqrt();

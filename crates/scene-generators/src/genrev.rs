@@ -1,7 +1,9 @@
-//! `genrev material name z(t) r(t) nseg [-e expr] [-f file] [-s]`: a surface of revolution about the z axis.
+//! `genrev material name z(t) r(t) nseg [-e expr] [-f file] [-s]`: a surface of revolution about
+//! the z axis.
 //!
-//! The functions give height and radius, in scene units, for t from 0 to 1; `nseg` is the number of rings, tubes and cones.
-//! The surface faces outwards where z grows, inwards where it falls. `-s` smooths it with a `texfunc` of `rev.cal`.
+//! The functions give height and radius, in scene units, for t from 0 to 1; `nseg` is the number of
+//! rings, tubes and cones. The surface faces outwards where z increases, inwards where it
+//! decreases. `-s` smooths it with a `texfunc` of `rev.cal`.
 
 use std::fmt::Write;
 
@@ -12,17 +14,17 @@ use crate::functions::Functions;
 use crate::text::{Text, wide};
 use crate::{Error, Invocation, Output};
 
-/// Steps of no more than this do not count, in scene units.
+/// Shorter steps are ignored, scene units.
 const TINY: f64 = 1e-9;
 
-/// A point of the outline.
+/// A point of the profile.
 #[derive(Clone, Copy)]
 struct Station {
     z: f64,
     r: f64,
 }
 
-/// A unit vector in the plane of the outline.
+/// A unit vector in the plane of the profile.
 #[derive(Clone, Copy, Default)]
 struct Normal {
     z: f64,
@@ -30,7 +32,7 @@ struct Normal {
 }
 
 impl Normal {
-    /// At right angles to the outline between two stations; zero when they coincide.
+    /// Perpendicular to the profile between two points; zero if they coincide.
     fn between(from: Station, to: Station) -> Normal {
         let (z, r) = (from.r - to.r, to.z - from.z);
         let length = (z * z + r * r).sqrt();
@@ -82,33 +84,33 @@ fn station(functions: &mut Functions, z: Handle, r: Handle, t: f64) -> Result<St
     Ok(Station { z: functions.coordinate(z, "z", &[t])?, r: functions.coordinate(r, "r", &[t])? })
 }
 
-/// A piece of the surface that has an extent.
+/// A segment of non-zero length.
 struct Step {
     from: Station,
     to: Station,
-    /// −1, 0, 1: whether z falls, stays or grows.
+    /// −1, 0, 1: whether z decreases, stays or increases.
     rise: i8,
-    /// −1, 0, 1: whether the radius falls, stays or grows.
-    spread: i8,
+    /// −1, 0, 1: whether the radius decreases, stays or increases.
+    widening: i8,
 }
 
 impl Step {
     fn new(from: Station, to: Station) -> Option<Step> {
         let sign = |from: f64, to: f64| i8::from(to > from + TINY) - i8::from(to < from - TINY);
-        let (rise, spread) = (sign(from.z, to.z), sign(from.r, to.r));
-        (rise != 0 || spread != 0).then_some(Step { from, to, rise, spread })
+        let (rise, widening) = (sign(from.z, to.z), sign(from.r, to.r));
+        (rise != 0 || widening != 0).then_some(Step { from, to, rise, widening })
     }
 
     fn write(&self, text: &mut Text, modifier: &str, name: std::fmt::Arguments<'_>) -> Result<(), Error> {
-        let Step { from, to, rise, spread } = self;
+        let Step { from, to, rise, widening } = self;
         let axis_point = |text: &mut Text, z: f64| writeln!(text, "\t0\t0\t{}", wide(z));
         if *rise == 0 {
             text.primitive(modifier, "ring", name, 8)?;
             axis_point(text, to.z)?;
-            axis_point(text, if *spread < 0 { 1.0 } else { -1.0 })?;
+            axis_point(text, if *widening < 0 { 1.0 } else { -1.0 })?;
             return Ok(writeln!(text, "\t{}\t{}", wide(from.r), wide(to.r))?);
         }
-        let (kind, numbers) = match (*spread == 0, *rise < 0) {
+        let (kind, numbers) = match (*widening == 0, *rise < 0) {
             (true, true) => ("tube", 7),
             (true, false) => ("cylinder", 7),
             (false, true) => ("cup", 8),
@@ -124,18 +126,19 @@ impl Step {
         Ok(())
     }
 
-    /// The normal's components as linear functions of z and of the radius, between those of the neighbours.
+    /// The normal's components as linear functions of z and of the radius, interpolated between
+    /// neighbours.
     fn write_texture(&self, text: &mut Text, material: &str, before: Normal, after: Normal) -> Result<(), Error> {
-        let Step { from, to, rise, spread } = self;
+        let Step { from, to, rise, widening } = self;
         write!(text, "\n{material} texfunc Phong\n4 rev_dx rev_dy rev_dz rev.cal\n0\n4\n")?;
         let line = |text: &mut Text, slope: f64, constant: f64| writeln!(text, "\t{}\t{}", wide(slope), wide(constant));
         if *rise != 0 {
             let slope = (after.z - before.z) / (to.z - from.z);
             line(text, slope, before.z - slope * from.z)?;
         } else {
-            writeln!(text, "\t0\t{}", if *spread < 0 { 1 } else { -1 })?;
+            writeln!(text, "\t0\t{}", if *widening < 0 { 1 } else { -1 })?;
         }
-        if *spread != 0 {
+        if *widening != 0 {
             let slope = (after.r - before.r) / (to.r - from.r);
             line(text, slope, before.r - slope * from.r)?;
         } else {

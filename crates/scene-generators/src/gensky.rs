@@ -1,12 +1,15 @@
-//! `gensky month day hour [options]`, `gensky -ang altitude azimuth [options]`, `gensky -defaults`: a CIE sky.
+//! `gensky month day hour [options]`, `gensky -ang altitude azimuth [options]`, `gensky -defaults`:
+//! a CIE sky.
 //!
-//! Writes the sun (`solar`, a source of 0.5°) and the function `skyfunc` that a sky dome takes as modifier. The sky is clear
-//! (`+s`, `-s` without sun), intermediate (`+i`, `-i`), overcast (`-c`) or uniform (`-u`). x points east, y north, z up.
-//! Angles are in degrees: `-a` latitude north, `-o` longitude west, `-m` the clock's meridian, unless the hour names a time
-//! zone. `-y` year, `-g` ground reflectance, `-t` turbidity; `-b` zenith radiance in W/(sr·m²) or `-B` horizontal diffuse
-//! irradiance in W/m²; `-r` the sun's radiance or `-R` its horizontal direct irradiance.
+//! Writes the sun (`solar`, a source of 0.5°) and the function `skyfunc`, the modifier of a sky
+//! dome. The sky is clear (`+s`, `-s` without sun), intermediate (`+i`, `-i`), overcast (`-c`) or
+//! uniform (`-u`). x points east, y north, z up. Angles are in degrees: `-a` latitude north, `-o`
+//! longitude west, `-m` the standard meridian, unless the hour names a time zone. `-y` year, `-g`
+//! ground reflectance, `-t` turbidity; `-b` zenith radiance in W/(sr·m²) or `-B` horizontal diffuse
+//! irradiance in W/m²; `-r` solar radiance or `-R` horizontal direct irradiance.
 //!
-//! Sky luminance after CIE S 003 (1996) and, for the intermediate sky, Matsuura (CIE 110, 1994); the constants are gensky's.
+//! Sky luminance follows CIE S 003 (1996) and, for the intermediate sky, Matsuura (CIE 110, 1994),
+//! with gensky's constants.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -18,11 +21,12 @@ use crate::text::{Exponential, Text};
 use crate::{Error, Invocation, Output};
 
 const DEGREE: f64 = PI / 180.0;
-/// Lumens per watt of skylight and of sunlight, by which Radiance turns luminance formulas into radiance.
+/// Luminous efficacy of skylight and of sunlight, lm/W, by which Radiance converts luminance to
+/// radiance.
 const SKY_EFFICACY: f64 = 203.0;
 const SUN_EFFICACY: f64 = 208.0;
 
-/// Time zones that an hour can name, with the meridian that the clock follows, in degrees west. The first match counts.
+/// Names of time zones, with their standard meridian in degrees west. The first match is used.
 #[rustfmt::skip]
 const TIME_ZONES: [(&str, f64); 31] = [
     ("YST", 135.0), ("YDT", 120.0), ("PST", 120.0), ("PDT", 105.0), ("MST", 105.0), ("MDT", 90.0), ("CST", 90.0),
@@ -32,7 +36,7 @@ const TIME_ZONES: [(&str, f64); 31] = [
     ("NZST", -180.0), ("NZDT", -195.0), ("UTC", 0.0),
 ];
 
-/// Numbered as `skybright.cal` numbers them.
+/// Numbered as in `skybright.cal`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum SkyType {
     Clear = 1,
@@ -47,7 +51,7 @@ impl SkyType {
     }
 }
 
-/// A brightness that is given or to be computed.
+/// A brightness, given or to be computed.
 #[derive(Clone, Copy)]
 enum Brightness {
     Computed,
@@ -153,7 +157,7 @@ fn warn(options: &Options, warnings: &mut Vec<String>) {
     }
 }
 
-/// The first three arguments, and the meridian of the time zone if the hour names one.
+/// Parses the first three arguments, and returns the meridian if the hour names a time zone.
 fn read_sun(arguments: &mut Arguments<'_>) -> Result<(SunPosition, Option<f64>), Error> {
     if arguments.peek() == Some("-ang") {
         arguments.word();
@@ -186,7 +190,7 @@ fn read_sun(arguments: &mut Arguments<'_>) -> Result<(SunPosition, Option<f64>),
     Ok((SunPosition::Time(Moment { year: None, month, day, hour, by_the_sun }), zone))
 }
 
-/// An integer argument with its range.
+/// Parses an integer in a range.
 pub(crate) fn read_in_range(
     arguments: &mut Arguments<'_>,
     name: &str,
@@ -200,7 +204,7 @@ pub(crate) fn read_in_range(
     Err(arguments.mistake(position, format!("{name} is {value}, expected {} to {}", range.start(), range.end())))
 }
 
-/// The hour of `H`, `H.h` or `H:M`, perhaps with a plus in front, and what follows it.
+/// Parses an hour as `H`, `H.h` or `H:M`, optionally after a plus. Also returns the rest.
 fn split_hour(word: &str) -> Option<(f64, &str)> {
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
     let unsigned = word.strip_prefix('+').unwrap_or(word);
@@ -218,14 +222,14 @@ fn split_hour(word: &str) -> Option<(f64, &str)> {
     hour.is_finite().then_some((hour, tail))
 }
 
-/// What the sky functions are given.
+/// The parameters of the sky functions.
 struct Sky {
     sun_direction: [f64; 3],
     zenith: f64,
     ground: f64,
-    /// Sky luminance at the zenith over that of the formula, for clear and intermediate skies.
+    /// Formula luminance at the zenith, the divisor for clear and intermediate skies.
     denominator: f64,
-    /// Radiance of the sun's disk, when there is one to write.
+    /// Radiance of the sun's disk, if it is written.
     solar: Option<f64>,
 }
 
@@ -264,7 +268,7 @@ fn write_sky(options: &Options, text: &mut Text, warnings: &mut Vec<String>) -> 
     Ok(())
 }
 
-/// `altitude` and `azimuth` in radians. Writes the comment about the ground.
+/// Computes the sky from `altitude` and `azimuth` in radians. Writes the comment about the ground.
 fn compute(options: &Options, altitude: f64, azimuth: f64, text: &mut Text) -> Result<Sky, Error> {
     let sun_direction = direction(altitude, azimuth);
     let up = sun_direction[2];
@@ -292,7 +296,7 @@ fn compute(options: &Options, altitude: f64, azimuth: f64, text: &mut Text) -> R
     let solar = match options.solar {
         _ if !sun_is_up => None,
         Brightness::Radiance(radiance) if radiance > 0.0 => Some(radiance),
-        // 5.98e-5 sr is the disk of 0.5° across.
+        // 5.98e-5 sr is the solid angle of a disk of 0.5°.
         Brightness::Irradiance(irradiance) if irradiance > 0.0 => Some(irradiance / (5.98e-5 * up)),
         Brightness::Computed => {
             let radiance = 1.5e9 / SUN_EFFICACY * (1.147 - 0.147 / up.max(0.16));
@@ -308,7 +312,7 @@ fn compute(options: &Options, altitude: f64, azimuth: f64, text: &mut Text) -> R
     Ok(Sky { sun_direction, zenith, ground, denominator, solar })
 }
 
-/// Zenith radiance from turbidity and the sun's height, W/(sr·m²).
+/// Zenith radiance from turbidity and solar altitude, W/(sr·m²).
 fn default_zenith(options: &Options, altitude: f64, up: f64) -> f64 {
     let cloudy = 8.6 * up + 0.123;
     let clear = || (1.376 * options.turbidity - 1.81) * altitude.tan() + 0.38;

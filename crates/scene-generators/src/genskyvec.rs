@@ -1,10 +1,13 @@
-//! `genskyvec [-m MF] [-c r g b] [-d] [-5] [-h] < sky.rad`: a sky as a vector of Reinhart's patches, for `dctimestep`.
+//! `genskyvec [-m MF] [-c r g b] [-d] [-5] [-h] < sky.rad`: a sky as a vector of Reinhart's
+//! patches, for `dctimestep`.
 //!
-//! The sky is scene text with a pattern `skyfunc`, as `gensky` and `gendaylit` write it. Each of Tregenza's patches is divided `MF` times each way (4); the
-//! radiance of a patch is the mean of 16 directions within it, times the colour of `-c`, and the first patch is the ground. The sun is shared among the three
-//! patches nearest to it, by angle, or with `-5` stands in the nearest with its own radiance; `-d` leaves the sky black. `-h` leaves out the header.
+//! The sky is scene text with a pattern `skyfunc`, as written by `gensky` and `gendaylit`. Each
+//! Tregenza patch is divided `MF` times along each axis (default 4). The radiance of a patch is the
+//! mean over 16 directions, times the colour of `-c`; the first patch is the ground. The sun is
+//! distributed over the three nearest patches by angle; with `-5` the nearest one gets all of it.
+//! `-d` leaves the sky black, `-h` omits the header.
 //!
-//! Directions need a renderer, which this crate may not know: the caller opens the sky.
+//! Sky radiances need a renderer, which this crate may not know: the caller provides it.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -16,24 +19,24 @@ use crate::arguments::Arguments;
 use crate::scene_words::SceneWords;
 use crate::sky_patches::{SkyPatches, towards};
 use crate::text::{Text, general};
-use crate::{Error, Output, StandardInput, Surrounding};
+use crate::{EnvironmentRadiance, Error, Output, StandardInput};
 
-/// Opens the surrounding that scene text describes.
-pub type OpenSky<'o, 'a> = dyn Fn(Vec<u8>) -> Result<Box<Surrounding<'a>>, Error> + 'o;
+/// Opens the environment that scene text describes.
+pub type OpenSky<'o, 'a> = dyn Fn(Vec<u8>) -> Result<Box<EnvironmentRadiance<'a>>, Error> + 'o;
 
-/// The colour of a sky of mean turbidity.
+/// The colour of a sky of average turbidity.
 const SKY_COLOR: [f64; 3] = [0.960, 1.004, 1.118];
 
-/// Directions in a patch.
+/// Sample directions per patch.
 const SAMPLES: u32 = 16;
 
-/// The sun is shared among so many patches.
+/// Number of patches over which the sun is distributed.
 const SHARERS: usize = 3;
 
-/// Added to angles before patches share by their inverse, radians.
+/// Added to angles before their inverse becomes a weight, radians.
 const SOFTENING: f64 = 0.02;
 
-/// With more a vector would have over a million patches.
+/// Largest subdivision; a finer one would exceed a million patches.
 const MOST_SUBDIVISION: usize = 64;
 
 struct Options {
@@ -44,7 +47,7 @@ struct Options {
     has_header: bool,
 }
 
-/// Runs the command. `open` is given the text of the sky without its sun.
+/// Runs the command. `open` receives the text of the sky without its sun.
 ///
 /// # Errors
 /// When the arguments or the sky are wrong, or the sky cannot be opened.
@@ -112,18 +115,18 @@ impl Options {
     }
 }
 
-/// What the scene text says.
+/// The parsed sky description.
 struct Description {
     without_sun: Vec<u8>,
     sun: Option<Sun>,
 }
 
 struct Sun {
-    /// Towards it, as written.
+    /// Direction towards the sun, as written.
     direction: [f64; 3],
-    /// Across, degrees.
+    /// Angular diameter, degrees.
     angle: f64,
-    /// W/(sr·m²).
+    /// Radiance of the sun, W/(sr·m²).
     radiance: [f64; 3],
 }
 
@@ -138,10 +141,12 @@ impl Description {
             }
             let begin = words.position();
             if first == b'!' {
-                return Err("a line is a command, expected the text that \"xform\" makes of it".to_owned());
+                return Err(
+                    "a line is a command, expected scene text without commands; expand it with \"xform\"".to_owned()
+                );
             }
             let primitive =
-                Primitive::read(&mut words).ok_or("a primitive is not whole, expected what \"gensky\" writes")?;
+                Primitive::read(&mut words).ok_or("a primitive is incomplete, expected a sky from \"gensky\"")?;
             has_sky |= primitive.name == "skyfunc";
             match (primitive.kind.as_str(), &primitive.numbers[..]) {
                 ("light", &[red, green, blue]) => light = Some((primitive.name, [red, green, blue])),
@@ -155,9 +160,7 @@ impl Description {
             }
         }
         if !has_sky {
-            return Err(
-                "there is no \"skyfunc\", the pattern of a sky that \"gensky\" and \"gendaylit\" write".to_owned()
-            );
+            return Err("\"skyfunc\" is missing, expected a sky from \"gensky\" or \"gendaylit\"".to_owned());
         }
         let mut without_sun = bytes.to_vec();
         let sun = sun.map(|(range, sun)| {
@@ -176,7 +179,7 @@ struct Primitive {
 }
 
 impl Primitive {
-    /// `None` when it is not whole.
+    /// `None` if the primitive is incomplete.
     fn read(words: &mut SceneWords<'_>) -> Option<Primitive> {
         let [modifier, kind, name] = [words.word()?, words.word()?, words.word()?];
         let mut numbers = Vec::new();
@@ -197,8 +200,8 @@ impl Primitive {
     }
 }
 
-/// The means over each patch of directions that Radiance's own script takes.
-fn sample(radiances: &mut [[f64; 3]], subdivision: usize, surrounding: &Surrounding<'_>) {
+/// Averages each patch over the directions that Radiance's script uses.
+fn sample(radiances: &mut [[f64; 3]], subdivision: usize, environment: &EnvironmentRadiance<'_>) {
     let sky = SkyDivision::new(subdivision as u32);
     let mut number = 0.0;
     for (patch, radiance) in (0..).zip(radiances) {
@@ -209,11 +212,11 @@ fn sample(radiances: &mut [[f64; 3]], subdivision: usize, surrounding: &Surround
                 [-up.asin(), 2.0 * PI * around]
             } else {
                 let (row, column) = sky.row_and_column(patch - 1);
-                // The upper half of the zenith's row is beyond the zenith.
+                // The upper half of the zenith's row lies beyond the zenith.
                 let altitude = (f64::from(row) + up) * sky.row_height();
                 [altitude, (column as f64 + around - 0.5) * 2.0 * PI / sky.columns(row) as f64]
             };
-            let found = surrounding(towards(altitude, azimuth));
+            let found = environment(towards(altitude, azimuth));
             radiance.iter_mut().zip(found).for_each(|(sum, value)| *sum += value / f64::from(SAMPLES));
         }
     }

@@ -1,9 +1,11 @@
-//! `gensurf material name x(s,t) y(s,t) z(s,t) m n [-s] [-o] [-i] [-e expr] [-f file]`: a surface over a grid.
+//! `gensurf material name x(s,t) y(s,t) z(s,t) m n [-s] [-o] [-i] [-e expr] [-f file]`: a surface
+//! over a grid.
 //!
-//! The functions give a point, in scene units, for s and t from 0 to 1, in `m` and `n` steps. In place of z a file (or `-`
-//! for standard input) can hold the values at the grid's points, or in its cells' middles; in place of all three the same file
-//! holds all coordinates. The surface faces as the right-hand rule has it for (s,t); `-i` turns it round. A function
-//! `valid(s,t)` that is not above zero leaves a point out. `-s` smooths by a `texfunc` of `surf.cal`. `-o` gives Wavefront text.
+//! The functions give a point, in scene units, for s and t from 0 to 1, in `m` and `n` steps.
+//! Instead of z, a file (or `-` for standard input) can hold the values at the grid points or at
+//! the cell centres; instead of all three, one file holds all coordinates. The surface faces by the
+//! right-hand rule for (s,t); `-i` reverses it. A function `valid(s,t)` that is not above zero
+//! omits a point. `-s` smooths by a `texfunc` of `surf.cal`. `-o` writes Wavefront text.
 
 use std::fmt::Write;
 
@@ -17,10 +19,10 @@ use crate::grid_data::GridData;
 use crate::text::{Text, general, wide};
 use crate::{Error, Invocation, Output, source_name};
 
-/// Lengths and squares of it that count as zero.
+/// Lengths and squared lengths below this are zero.
 const TINY: f64 = 1e-6;
 
-/// Where a coordinate comes from.
+/// The source of a coordinate.
 enum Coordinate {
     Function(Handle),
     /// A component of the file's points.
@@ -36,12 +38,13 @@ struct Point {
     normal: [f64; 3],
     /// s and t.
     parameters: [f64; 2],
-    /// Numbers in Wavefront output, from 1.
+    /// Number in Wavefront output, from 1.
     vertex_number: usize,
     normal_number: Option<usize>,
 }
 
-/// Points with the same s; with one more at either end for smoothing, so that `row[1]` is at t = 0.
+/// Points with the same s. An additional point at either end is used for smoothing, so `row[1]` is
+/// at t = 0.
 type Row = Vec<Point>;
 
 struct Surface<'a> {
@@ -57,7 +60,7 @@ struct Surface<'a> {
     reversed: bool,
     wavefront: bool,
     text: Text,
-    /// How many faces, vertices and normals are written.
+    /// Number of faces, vertices and normals written.
     faces: usize,
     vertices: usize,
     normals: usize,
@@ -91,7 +94,8 @@ fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Resul
     let mut sizes = arguments.again_from(6);
     let steps = [functions.take_count(&mut sizes, "m")?, functions.take_count(&mut sizes, "n")?];
     let text = Text::default();
-    // The smallest output is two short lines a point; the rows take more for few points in many steps.
+    // The smallest output is two short lines per point; the rows take more for few points in many
+    // steps.
     text.expect_room(steps[0] as f64 * steps[1] as f64, 120.0)?;
     text.expect_room(steps[0] as f64 + steps[1] as f64, 400.0)?;
 
@@ -165,7 +169,7 @@ impl Surface<'_> {
             for t in 0..n {
                 let (low, low_next, high, high_next) =
                     (&before[t + 1], &before[t + 2], &current[t + 1], &current[t + 2]);
-                // The diagonal alternates, but goes round a point that is left out.
+                // The diagonal alternates, but avoids omitted points.
                 let falling = if !(low.valid && high_next.valid) {
                     true
                 } else if !(high.valid && low_next.valid) {
@@ -180,7 +184,7 @@ impl Surface<'_> {
         Ok(())
     }
 
-    /// Fills a row. Rows and points outside of the grid are for smoothing only.
+    /// Computes a row. Rows and points outside the grid are used for smoothing only.
     fn compute(&mut self, s: f64, row: &mut Row) -> Result<(), Error> {
         let n = self.steps[1];
         let indices = if self.smooth {
@@ -244,7 +248,7 @@ impl Surface<'_> {
         }
     }
 
-    /// Writes a row's vertices, with their parameters as texture coordinates, and the normals that are new.
+    /// Writes a row's vertices with their parameters as texture coordinates, and the new normals.
     fn write_vertices(&mut self, row: &mut Row) -> Result<(), Error> {
         for point in row.iter_mut().skip(1).take(self.steps[1] + 1).filter(|point| point.valid) {
             self.vertices += 1;
@@ -307,7 +311,7 @@ impl Surface<'_> {
             let text = &mut self.text;
             write!(text, "\n{modifier} texfunc Phong\n4 surf_dx surf_dy surf_dz surf.cal\n0\n13\t{axis}\n")?;
             coefficients[..3].iter().try_for_each(|coefficient| row(text, *coefficient))?;
-            // What the texture adds to the face's own normal.
+            // The texture's perturbation of the face normal.
             row(text, subtract(coefficients[3], normal))?;
             modifier = "Phong";
         }
@@ -327,7 +331,8 @@ impl Surface<'_> {
     }
 }
 
-/// The unit normal of a triangle of valid points with an area; the first is the corner from which the sides are taken.
+/// The unit normal of a non-degenerate triangle of valid points; its sides start at the first
+/// corner.
 fn face_normal(corners: [&Point; 3]) -> Option<[f64; 3]> {
     if corners.iter().any(|corner| !corner.valid) {
         return None;
@@ -336,16 +341,17 @@ fn face_normal(corners: [&Point; 3]) -> Option<[f64; 3]> {
     normalize(cross(subtract(b, apex), subtract(c, apex)))
 }
 
-/// Normals as functions of two coordinates u and v: k₀·u·v + k₁·u + k₂·v + k₃ meets the normals at four corners.
+/// Normals as bilinear functions of two coordinates u and v: k₀·u·v + k₁·u + k₂·v + k₃ equals the
+/// normals at four corners.
 struct Bilinear {
-    /// 0, 1, 2 for x, y, z: the axis along which the corners are seen; u and v are the axes after it.
+    /// 0, 1, 2 for x, y, z: the projection axis; u and v are the axes after it.
     axis: usize,
     /// k₀ to k₃.
     coefficients: [[f64; 3]; 4],
 }
 
 impl Bilinear {
-    /// `None` when the corners do not lie so that there is a solution.
+    /// `None` if the corner positions allow no solution.
     fn new(corners: [&Point; 4]) -> Option<Bilinear> {
         let sum = |axis: usize| corners.iter().map(|corner| corner.normal[axis]).sum::<f64>().abs();
         let axis = usize::from(sum(0) <= sum(1));
@@ -362,7 +368,7 @@ impl Bilinear {
     }
 }
 
-/// The inverse by elimination with the largest pivots; `None` when a pivot is as good as zero.
+/// The inverse by Gaussian elimination with full pivoting; `None` if a pivot is nearly zero.
 fn invert(mut matrix: [[f64; 4]; 4]) -> Option<[[f64; 4]; 4]> {
     let mut inverse: [[f64; 4]; 4] = std::array::from_fn(|row| std::array::from_fn(|column| f64::from(row == column)));
     for column in 0..4 {

@@ -1,7 +1,9 @@
-//! `genworm material name x(t) y(t) z(t) r(t) nseg [-e expr] [-f file]`: a worm of spheres, cylinders and cones.
+//! `genworm material name x(t) y(t) z(t) r(t) nseg [-e expr] [-f file]`: a worm of spheres,
+//! cylinders and cones.
 //!
-//! The functions give centre line and radius, in scene units, for t from 0 to 1; `nseg` is the number of segments. A cone
-//! touches the spheres at its ends, so that the surface has no edge.
+//! The functions give centre line and radius, in scene units, for t from 0 to 1; `nseg` is the
+//! number of segments. Each cone is tangent to the spheres at its ends, so that the surface is
+//! smooth.
 
 use std::fmt::Write;
 
@@ -11,7 +13,7 @@ use crate::functions::Functions;
 use crate::text::{Text, wide};
 use crate::{Error, Invocation, Output};
 
-/// Radii that differ by no more make a cylinder.
+/// Radii that differ by less make a cylinder.
 const TINY: f64 = 1e-6;
 
 /// A point of the centre line.
@@ -75,11 +77,12 @@ fn write_segment(
     let axis = subtract(to.centre, from.centre);
     let length_squared = dot(axis, axis);
     if length_squared == 0.0 {
-        // Spheres round one point need nothing between them.
+        // Concentric spheres need no segment between them.
         return Ok(());
     }
     let narrowing = from.radius - to.radius;
-    // The circle in which a cone touches a sphere lies off the sphere's centre by this times the radius times the axis.
+    // The circle of tangency is offset from the sphere's centre along the axis by this factor times
+    // the radius.
     let shift = narrowing / length_squared;
     let moved = |joint: &Joint| std::array::from_fn(|i| joint.centre[i] + shift * joint.radius * axis[i]);
     let shrink = (1.0 - narrowing * shift).max(0.0).sqrt();

@@ -1,10 +1,10 @@
-//! Values on a grid of s and t, from a file of numbers, with linear interpolation.
+//! Values on a grid of s and t, read from a file of numbers and interpolated linearly.
 
 use crate::scene_words::SceneWords;
 
-/// The numbers of the file: for each t all s, one or three numbers a point.
+/// The numbers of the file: all s for each t, one or three numbers per point.
 pub(crate) struct GridData {
-    /// How many values along s and t.
+    /// Number of values along s and t.
     counts: [usize; 2],
     components: usize,
     numbers: Vec<f64>,
@@ -13,7 +13,8 @@ pub(crate) struct GridData {
 }
 
 impl GridData {
-    /// Reads the values of a surface of `steps` in s and t: (m+1)(n+1) points, or m·n for the middles of the cells.
+    /// Reads the values of a surface of `steps` in s and t: (m+1)(n+1) grid points, or m·n cell
+    /// centres.
     pub(crate) fn read(bytes: &[u8], steps: [usize; 2], components: usize) -> Result<GridData, String> {
         let [m, n] = steps;
         let (at_corners, in_middles) = ((m + 1) * (n + 1) * components, m * n * components);
@@ -35,7 +36,7 @@ impl GridData {
         Ok(GridData { counts, components, numbers, with_border })
     }
 
-    /// The value at s and t; goes on linearly outside of the grid.
+    /// The value at s and t; extrapolated linearly outside the grid.
     pub(crate) fn value(&self, parameters: [f64; 2], component: usize) -> f64 {
         let mut cell = [0usize; 2];
         let mut fraction = [0.0; 2];

@@ -1,5 +1,5 @@
-//! `histo [-c] [-p] min max n`, or `histo [-c] [-p] imin imax` for integers: how many numbers of each column of standard input are where; `-c` below
-//! where, `-p` in percent.
+//! `histo [-c] [-p] min max n`, or `histo [-c] [-p] imin imax` for integers: histograms of the
+//! columns of standard input; `-c` cumulative, `-p` in percent.
 
 use crate::arguments::Arguments;
 use crate::records::{is_blank, number_at_start};
@@ -9,10 +9,10 @@ use crate::{Error, Invocation, Output};
 use radsight_loader::FileKind;
 use std::fmt::Write;
 
-/// More divisions are a mistake.
+/// Largest number of bins.
 const MOST_DIVISIONS: i64 = 1024;
 
-/// More columns in a line are ignored.
+/// Further columns of a line are ignored.
 const MOST_COLUMNS: usize = 2048;
 
 struct Range {
@@ -21,7 +21,7 @@ struct Range {
     divisions: usize,
 }
 
-/// The counts of a column.
+/// The bins of a column.
 #[derive(Clone)]
 struct Column {
     below: u64,

@@ -1,10 +1,12 @@
-//! `ies2rad [options] [file …]`: turns IES luminaire files into Radiance luminaires.
+//! `ies2rad [options] [file …]`: converts IES luminaire files to Radiance luminaires.
 //!
-//! Writes for a luminaire LUM the files `LUM.rad` (a light with the shape of the luminous opening) and `LUM.dat` (candela), and
-//! `LUM%.dat` if its lamp's light depends on tilt; with `-s` the scene text goes to standard output. `-o` names the luminaire,
-//! `-l` and `-p` put folders before the name, `-d` chooses the scene's unit (`-dm/10`: tenths of a metre), `-m` multiplies,
-//! `-i` puts the light on a sphere of this radius, `-t` `-u` `-c` choose the lamp, the lamp for want of one, and its colour,
-//! `-f` the lamp table. Formats: ANSI/IES LM-63 of 1986, 1991, 1995, 2002, 2019; photometry of types B and C.
+//! Writes for a luminaire LUM the files `LUM.rad` (a light with the shape of the luminous opening),
+//! `LUM.dat` (candela), and `LUM%.dat` if the lamp's output depends on tilt. With `-s` the scene
+//! text goes to standard output. `-o` names the luminaire, `-l` and `-p` prepend folders, `-d` sets
+//! the scene's unit (`-dm/10`: tenths of a metre), `-m` multiplies the output, `-i` puts the light
+//! on a sphere of this radius, `-t` `-u` `-c` set the lamp, the default lamp and the colour, `-f`
+//! the lamp table. Formats: ANSI/IES LM-63 of 1986, 1991, 1995, 2002, 2019; photometry of types B
+//! and C.
 
 mod luminaire;
 mod opening;
@@ -31,7 +33,7 @@ struct Options {
     output_name: Option<String>,
     library_folder: Option<String>,
     prefix_folder: Option<String>,
-    /// Scene units in a metre, and the unit's name.
+    /// Scene units per metre, and the unit's name.
     units_per_metre: f64,
     units: String,
     to_standard_output: bool,
@@ -44,12 +46,12 @@ struct Options {
     default_color: [f64; 3],
 }
 
-/// How the lamp's colour is found.
+/// The source of the lamp's colour.
 struct LampChoice {
     lamps: Lamps,
     /// The colour if the file names no lamp.
     default_color: [f64; 3],
-    /// Whether the file is not asked.
+    /// Whether the file's lamp is ignored.
     is_fixed: bool,
 }
 
@@ -113,7 +115,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
             [b'-', b'm', ..] => options.multiplier = arguments.number("multiplier (-m)")?,
             [b'-', b'g', ..] => {
                 let position = arguments.position() - 1;
-                return Err(arguments.mistake(position, "-g makes an octree, which a scene's command cannot"));
+                return Err(arguments.mistake(position, "-g writes an octree, which a command in a scene cannot"));
             }
             _ => return Err(arguments.unknown()),
         }
@@ -121,7 +123,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
     Ok(options)
 }
 
-/// Reads `-dX` or `-dX/N`: units of one Nth of a metre, centimetre, foot or inch.
+/// Parses `-dX` or `-dX/N`: units of 1/N metre, centimetre, foot or inch.
 fn read_units(options: &mut Options, option: &str) -> Option<()> {
     let tail = option.get(3..)?;
     let parts = match tail.strip_prefix('/') {
@@ -176,13 +178,13 @@ fn choose_lamp(
     Ok(choice)
 }
 
-/// One luminaire on its way.
+/// The conversion of one luminaire.
 struct Conversion<'a> {
     options: &'a Options,
     choice: &'a LampChoice,
     invocation: &'a Invocation<'a>,
     source_name: &'a str,
-    /// Of the luminaire, perhaps with folders.
+    /// Name of the luminaire, with folders.
     name: String,
     output: &'a mut Output,
 }
@@ -224,7 +226,7 @@ impl Conversion<'_> {
         Error::Input { program, source_name, mistake: mistake.into() }
     }
 
-    /// Hands out a file under the name by which the scene refers to it.
+    /// Outputs a file under the name by which the scene refers to it.
     fn keep(&mut self, suffix: &str, bytes: Vec<u8>) {
         let name = self.referred(&self.name, suffix);
         self.output.files.push((name, bytes));
@@ -259,7 +261,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// Writes the dependence on tilt, if there is one; gives the modifier of what comes next.
+    /// Writes the tilt dependence, if any; returns the modifier for what follows.
     fn write_tilt(&mut self, tilt: &str, words: &mut luminaire::Words, scene: &mut Text) -> Result<String, Error> {
         let (name, tilt) = match tilt {
             "NONE" => return Ok("void".to_owned()),
@@ -346,7 +348,7 @@ impl Conversion<'_> {
         opening.write(scene, name, self.options.units_per_metre, [lower, upper, sides])
     }
 
-    /// Appends the geometry that a luminaire's file names, in Materials and Geometry Format.
+    /// Appends the geometry named in the luminaire's file, in Materials and Geometry Format.
     fn write_geometry(
         &mut self,
         file: &str,
@@ -374,7 +376,7 @@ impl Conversion<'_> {
     }
 }
 
-/// The function of `source.cal` that turns candela into radiance over the opening.
+/// The function of `source.cal` that converts candela to radiance over the opening.
 fn correction(shape: Shape, sides: bool) -> &'static str {
     match (shape, sides) {
         (Shape::Sphere, _) => "corr",
@@ -384,7 +386,7 @@ fn correction(shape: Shape, sides: bool) -> &'static str {
     }
 }
 
-/// The coordinates into the data, with the symmetry that the horizontal angles tell.
+/// The coordinates into the data, with the symmetry implied by the horizontal angles.
 fn coordinates(luminaire: &Luminaire) -> &'static str {
     let equal = |a: f64, b: f64| (a - b).abs() <= TINY;
     let (first, last) = (luminaire.horizontal[0], luminaire.last_horizontal());
@@ -401,12 +403,12 @@ fn coordinates(luminaire: &Luminaire) -> &'static str {
     }
 }
 
-/// The last part of a path.
+/// The last component of a path.
 fn file_name(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
 }
 
-/// The last part of a path without its extension.
+/// The last component of a path without its extension.
 fn stem_of(path: &str) -> &str {
     let name = file_name(path);
     let leading = name.len() - name.trim_start_matches('.').len();

@@ -1,13 +1,13 @@
-//! Lamp tables: from a lamp's description to its colour.
+//! Lamp tables: the colour of a lamp from its description.
 //!
-//! A table has a line for each kind of lamp: a pattern between two equal characters, then the chromaticity x y and the share
-//! of the light that the lamp keeps over its life, or in parentheses the description of a lamp that stands above. The first
-//! pattern that a description matches counts. Patterns are those of `grep`, and case does not matter.
+//! A table has a line for each kind of lamp: a pattern between two equal delimiters, then the
+//! chromaticity x y and the lumen depreciation, or in parentheses the description of a lamp above.
+//! The first matching pattern is used. Patterns are those of `grep` and ignore case.
 
 use crate::cie::rgb_of_chromaticity;
 use crate::number_text::leading_number;
 
-/// Our own table, for machines without Radiance's `lamp.tab`: chromaticities of common lamps.
+/// The built-in table, for machines without Radiance's `lamp.tab`: chromaticities of common lamps.
 pub(crate) const BUILT_IN: &str = "\
 # Fluorescent lamps, by the names of their whites.
 /deluxe warm white/ .440 .403 .85
@@ -59,12 +59,12 @@ pub(crate) const BUILT_IN: &str = "\
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lamp {
     pub(crate) chromaticity: [f64; 2],
-    /// Mean light over the lamp's life over that at its beginning.
+    /// Mean output over the lamp's life divided by its initial output.
     pub(crate) depreciation: f64,
 }
 
 impl Lamp {
-    /// Red, green and blue, dimmed by the depreciation.
+    /// Red, green and blue, multiplied by the depreciation.
     pub(crate) fn rgb(&self) -> [f64; 3] {
         rgb_of_chromaticity(self.chromaticity, self.depreciation)
     }
@@ -77,7 +77,7 @@ pub(crate) struct Lamps {
 }
 
 impl Lamps {
-    /// Reads a table; the error names the line.
+    /// Parses a table; the error names the line.
     pub(crate) fn read(text: &str) -> Result<Lamps, String> {
         let mut lamps = Lamps::default();
         for (index, line) in text.lines().enumerate() {
@@ -112,13 +112,13 @@ impl Lamps {
         }
     }
 
-    /// The first lamp whose pattern is somewhere in a description.
+    /// The first lamp whose pattern occurs in a description.
     pub(crate) fn find(&self, description: &str) -> Option<Lamp> {
         self.entries.iter().find(|(pattern, _)| pattern.is_in(description)).map(|(_, lamp)| *lamp)
     }
 }
 
-/// The text before a mark that no backslash protects, and the text behind it.
+/// Splits a text at the first delimiter not preceded by a backslash.
 fn split_at_mark(text: &str, mark: char) -> Option<(&str, &str)> {
     let mut before = '\0';
     for (index, character) in text.char_indices() {
@@ -130,19 +130,19 @@ fn split_at_mark(text: &str, mark: char) -> Option<(&str, &str)> {
     None
 }
 
-/// Red, green and blue of a lamp by its description, dimmed by its depreciation: the first that a table, or where none is given radsight's own,
-/// has for it. `None` if there is none.
+/// Red, green and blue of a lamp by its description, multiplied by its depreciation. Uses the first
+/// match in the given table, or in the built-in one. `None` if there is no match.
 ///
 /// # Errors
-/// What is wrong with the table, with its line.
+/// The mistake in the table, with its line.
 pub fn lamp_color(table: Option<&str>, description: &str) -> Result<Option<[f64; 3]>, String> {
     let lamps = Lamps::read(table.unwrap_or(BUILT_IN))?;
     Ok(lamps.find(description).map(|lamp| lamp.rgb()))
 }
 
-/// One step of a pattern.
+/// One element of a pattern.
 enum Step {
-    /// Any of these bytes, or any but these; perhaps repeated, perhaps not at all.
+    /// A byte in a class or outside it; repetition allows any number, including none.
     Byte {
         set: Box<[bool; 256]>,
         repeated: bool,
@@ -152,7 +152,7 @@ enum Step {
     LineEnd,
 }
 
-/// A `grep` pattern, without regard of case.
+/// A `grep` pattern that ignores case.
 struct Pattern {
     steps: Vec<Step>,
     at_line_start: bool,
@@ -197,7 +197,7 @@ impl Pattern {
         Ok(Pattern { steps, at_line_start })
     }
 
-    /// Follows all ways through the pattern at once, so that time grows as the product of the lengths.
+    /// Follows all paths through the pattern at once, so that time is the product of the lengths.
     fn is_in(&self, text: &str) -> bool {
         let text = text.as_bytes();
         let mut alive = vec![false; self.steps.len() + 1];
@@ -209,7 +209,7 @@ impl Pattern {
             let is_word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
             let after_word = position > 0 && is_word(text[position - 1]);
             let before_word = here.is_some_and(is_word);
-            // Steps that take no byte.
+            // Elements that consume no byte.
             for index in 0..self.steps.len() {
                 let passes = match &self.steps[index] {
                     Step::Byte { repeated, .. } => *repeated,
@@ -238,7 +238,7 @@ impl Pattern {
     }
 }
 
-/// A class of bytes, up to the bracket.
+/// Parses a class of bytes, up to the bracket.
 fn read_class(bytes: &mut std::iter::Peekable<std::str::Bytes<'_>>) -> Result<Step, String> {
     let negated = bytes.next_if_eq(&b'^').is_some();
     let mut listed = [false; 256];

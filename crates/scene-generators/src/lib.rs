@@ -1,15 +1,18 @@
 //! In-process replacements of the commands that Radiance scenes call.
 //!
-//! A scene line such as `!genbox wood crate 1 1 1 | xform -t 0 0 2` runs here, without a shell, a disk or a second process:
-//! [`pipeline`] splits the line as `sh` would in the plain cases ([`shell_words`]) and hands each command to [`run`].
-//! The output is the text that the real program prints; numbers are rounded as C's `printf` rounds them.
+//! A scene line such as `!genbox wood crate 1 1 1 | xform -t 0 0 2` runs here, without a shell, a
+//! disk or a second process. [`pipeline`] splits the line as `sh` does in simple cases
+//! ([`shell_words`]) and passes each command to [`run`]. The output is the text of the real
+//! program; numbers are rounded as in C's `printf`.
 //!
-//! Guarantees: no panic on any argument; time and memory are bounded ([`MAX_OUTPUT_BYTES`]); the same arguments give the
-//! same bytes. An [`Error`] knows which argument it is about, and [`PipelineError`] where that argument stands in the line.
+//! Guarantees: no argument causes a panic; time and memory are bounded ([`MAX_OUTPUT_BYTES`]); the
+//! same arguments give the same bytes. An [`Error`] refers to an argument, and a [`PipelineError`]
+//! to its range in the line.
 //!
-//! `mksource` and `genskyvec` need a renderer, so they are functions of their own, [`mksource()`] and [`genskyvec()`], for the caller to offer.
+//! `mksource` and `genskyvec` need a renderer, so they are separate functions, [`mksource()`] and
+//! [`genskyvec()`], which the caller offers.
 //!
-//! This crate may not know the scene, the disk, the clock or the environment: files come from a
+//! This crate may not know the scene, the disk, the clock or the environment. Files come from a
 //! [`Loader`], and `xform`, which needs the scene parser, comes from the caller as `extra`.
 //!
 //! ```
@@ -79,7 +82,7 @@ pub use calibration_target::{CalibrationTarget, MOST_MARKS, TargetError, TargetP
 pub use error::Error;
 pub use genskyvec::{OpenSky, genskyvec};
 pub use lamps::lamp_color;
-pub use mksource::{OpenSurrounding, Surrounding, mksource};
+pub use mksource::{EnvironmentRadiance, OpenEnvironment, mksource};
 pub use pipeline::{PipelineError, pipeline};
 pub use text::{General, MAX_OUTPUT_BYTES, Sink, padded};
 pub use wavefront_mesh::{WavefrontMesh, WavefrontTriangle};
@@ -90,29 +93,31 @@ use std::io::Read;
 use supply::Supply;
 use text::Text;
 
-/// What a command gave.
+/// The result of a command.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Output {
-    /// What the program prints; for a generator, scene text.
+    /// Standard output; scene text for a generator.
     pub standard_output: Vec<u8>,
-    /// What the program says on standard error without failing, one message each, without the program's name.
+    /// Warnings on standard error, one message each, without the program's name.
     pub warnings: Vec<String>,
-    /// Files that the program writes, by name; whoever reads the standard output must be able to load them.
+    /// Files that the program writes, by name. The reader of the standard output must be able to
+    /// load them.
     pub files: Vec<(String, Vec<u8>)>,
 }
 
-/// Runs a command that this crate lacks (`xform`); `None` when the caller lacks it too.
+/// Runs a command that this crate lacks (`xform`); `None` if the caller lacks it too.
 pub type Extra<'a> = dyn Fn(&[String], Option<&[u8]>) -> Option<Result<Output, Error>> + 'a;
 
-/// Standard input, empty when there is none. Only programs that read it ask: in a shell's loop it holds what the next turns need.
+/// Standard input, empty if there is none. Only programs that read it may access it: in a shell's
+/// loop it holds the input of later iterations.
 pub trait StandardInput {
-    /// All of it; the same whenever it is asked for.
+    /// The whole input; repeated calls return the same bytes.
     ///
     /// # Errors
     /// When it cannot be read.
     fn bytes(&self) -> Result<&[u8], LoadError>;
 
-    /// What was not read of it yet, to be read as it comes.
+    /// A stream of the unread part.
     ///
     /// # Errors
     /// When it cannot be read.
@@ -127,7 +132,7 @@ impl<T: AsRef<[u8]>> StandardInput for T {
     }
 }
 
-/// All that a program is given.
+/// The environment of a program.
 pub(crate) struct Invocation<'a> {
     pub(crate) argv: &'a [String],
     standard_input: &'a dyn StandardInput,
@@ -136,19 +141,19 @@ pub(crate) struct Invocation<'a> {
     sink: Option<Sink>,
 }
 
-/// What a word that names an input is called in messages.
+/// The name of an input in messages.
 #[must_use]
 pub fn source_name(name: &str) -> &str {
     if name == "-" { "standard input" } else { name }
 }
 
 impl<'a> Invocation<'a> {
-    /// Standard input, empty when there is none.
+    /// Standard input, empty if there is none.
     pub(crate) fn standard_input(&self) -> Result<&'a [u8], Error> {
         Ok(self.standard_input.bytes()?)
     }
 
-    /// What a word names: standard input (`-`) or a file.
+    /// The content of an input: standard input (`-`) or a file.
     pub(crate) fn input(&self, name: &str, kind: FileKind) -> Result<Cow<'a, [u8]>, Error> {
         match name {
             "-" => self.standard_input().map(Cow::Borrowed),
@@ -156,7 +161,7 @@ impl<'a> Invocation<'a> {
         }
     }
 
-    /// The same, read as it comes.
+    /// A stream of an input.
     pub(crate) fn supply(&self, name: &str, kind: FileKind) -> Result<Supply<'a>, Error> {
         let source = match name {
             "-" => self.standard_input.reader()?,
@@ -165,7 +170,7 @@ impl<'a> Invocation<'a> {
         Ok(Supply::new(name, source))
     }
 
-    /// The program's output, which is sent on while it runs if the caller wants that.
+    /// The program's output, streamed while it runs if the caller requests that.
     pub(crate) fn text(&self) -> Text {
         Text::to(self.sink.clone())
     }
@@ -173,7 +178,7 @@ impl<'a> Invocation<'a> {
 
 type Program = fn(&Invocation<'_>) -> Result<Output, Error>;
 
-/// Sorted by name.
+/// All programs, sorted by name.
 const PROGRAMS: &[(&str, Program)] = &[
     ("cat", cat::run),
     ("cnt", cnt::run),
@@ -205,7 +210,7 @@ const PROGRAMS: &[(&str, Program)] = &[
     ("zcat", zcat::run),
 ];
 
-/// The names of all programs that [`run`] has, sorted.
+/// The names of all programs of [`run`], sorted.
 #[must_use]
 pub fn names() -> &'static [&'static str] {
     const NAMES: [&str; PROGRAMS.len()] = {
@@ -220,7 +225,8 @@ pub fn names() -> &'static [&'static str] {
     &NAMES
 }
 
-/// Whether [`run`] has the program; a leading directory is ignored, as in `/usr/local/bin/genbox`.
+/// Whether [`run`] provides the program; a leading directory is ignored, as in
+/// `/usr/local/bin/genbox`.
 #[must_use]
 pub fn knows(program: &str) -> bool {
     find(program).is_some()
@@ -234,14 +240,14 @@ pub fn run(argv: &[String], standard_input: &dyn StandardInput, loader: &dyn Loa
     run_with(argv, standard_input, loader, &|_, _| None)
 }
 
-/// Runs one command and sends on its output while it runs, for the programs that answer line by
-/// line (`cnt`, `rcalc`, `rcollate`, `rlam`, `total`): they take memory for one record. What was
-/// answered before an error is sent on before it is returned.
+/// Runs one command and streams its output while it runs. Line-by-line programs (`cnt`, `rcalc`,
+/// `rcollate`, `rlam`, `total`) need memory for one record only. Output before an error is sent
+/// before the error is returned.
 ///
-/// [`Output::standard_output`] is what was not sent on: all of it from other programs.
+/// [`Output::standard_output`] is the part that was not streamed: all of it for other programs.
 ///
 /// # Errors
-/// As [`run`], and [`Error::OutputTooLarge`] when the sink fails, which knows why.
+/// As [`run`], and [`Error::OutputTooLarge`] when the sink fails; the sink keeps the reason.
 pub fn run_to(
     sink: Sink,
     argv: &[String],

@@ -1,4 +1,4 @@
-//! Finding records of a format in text, for `rcalc -i`.
+//! Matches records of a format in text, for `rcalc -i`.
 
 use std::collections::HashMap;
 
@@ -9,7 +9,7 @@ use crate::records::{is_blank, number_at_start};
 use crate::supply::Supply;
 use crate::text::Text;
 
-/// A field of the input has no more bytes than this.
+/// Longest field of the input, bytes.
 const LONGEST_FIELD: usize = 1023;
 
 /// The string variables.
@@ -20,7 +20,7 @@ pub(crate) struct Strings {
 }
 
 impl Strings {
-    /// Takes `name=value` of the option `-s`; anything without an equals sign is ignored.
+    /// Parses `name=value` of the option `-s`; words without an equals sign are ignored.
     pub(crate) fn preset(&mut self, equation: &str) {
         if let Some((name, value)) = equation.split_once('=') {
             self.presets.insert(name.to_owned(), value.to_owned());
@@ -32,14 +32,14 @@ impl Strings {
     }
 }
 
-/// Walks over an input in search of records.
+/// Searches an input for records.
 pub(crate) struct Matcher<'a> {
     fields: Vec<&'a Field>,
-    /// The first literal without its leading blanks, which no record begins with.
+    /// The first literal without its leading blanks, with which no record begins.
     first_literal: Option<Vec<u8>>,
-    /// Its window begins where the present record does.
+    /// The input; its window begins at the current record.
     input: Supply<'a>,
-    /// How far the present record is matched.
+    /// Offset up to which the current record is matched.
     position: usize,
     blanks_join: bool,
     across_lines: bool,
@@ -77,12 +77,12 @@ impl<'a> Matcher<'a> {
         }
     }
 
-    /// The numbers of the record that was found.
+    /// The numbers of the current record.
     pub(crate) fn numbers(&self) -> &[(&'a str, f64)] {
         &self.numbers
     }
 
-    /// Whether the record that was found has no bytes, so that it would be found again.
+    /// Whether the current record is empty, so that it would match again.
     pub(crate) fn is_empty_match(&self) -> bool {
         self.position == 0
     }
@@ -116,7 +116,7 @@ impl<'a> Matcher<'a> {
         Ok(false)
     }
 
-    /// Goes on behind the record that was found.
+    /// Advances past the current record.
     pub(crate) fn advance(&mut self, accepted: bool, text: &mut Text) -> Result<(), Error> {
         let record = self.input.take(self.position);
         if !accepted && self.passing == Passing::UnmatchedAndRefused {
@@ -135,7 +135,7 @@ impl<'a> Matcher<'a> {
         Ok(Some(self.input.window()[self.position]))
     }
 
-    /// Gives up the byte with which the record was to begin, and starts again behind it.
+    /// Skips one byte and tries to match a record after it.
     fn skip(&mut self, text: &mut Text) -> Result<(), Error> {
         let byte = self.input.take(1);
         if self.passing != Passing::Nothing {
@@ -195,7 +195,7 @@ impl<'a> Matcher<'a> {
         Ok(true)
     }
 
-    /// The first byte of the literal behind a field.
+    /// The first byte of the literal after a field.
     fn delimiter(&self, index: usize) -> Option<u8> {
         match self.fields.get(index + 1) {
             Some(Field::Literal(bytes)) => bytes.first().copied(),
@@ -203,7 +203,8 @@ impl<'a> Matcher<'a> {
         }
     }
 
-    /// Whether a byte belongs to the field: up to the delimiter if there is one, else up to the field's width.
+    /// Whether a byte belongs to the field: up to the delimiter if there is one, otherwise up to
+    /// the field's width.
     fn belongs(&self, byte: u8, delimiter: Option<u8>, length: usize, width: usize) -> bool {
         match delimiter {
             Some(delimiter) if self.blanks_join => match blank(delimiter, self.across_lines) {
@@ -268,7 +269,7 @@ impl<'a> Matcher<'a> {
     }
 }
 
-/// Blanks of a format: line ends are among them if records go across lines.
+/// Blanks of a format, including line ends if records extend over lines.
 fn blank(byte: u8, across_lines: bool) -> bool {
     if across_lines { is_blank(byte) } else { byte == b' ' || byte == b'\t' }
 }

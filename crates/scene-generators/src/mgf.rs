@@ -1,8 +1,8 @@
-//! The Materials and Geometry Format (MGF), version 2, turned into Radiance text.
+//! Converts the Materials and Geometry Format (MGF), version 2, to Radiance text.
 //!
-//! Greg Ward, "The Materials and Geometry Format", Lawrence Berkeley Laboratory, 1995. A text of statements, one a line:
-//! contexts (`c` colour, `m` material, `v` vertex) that others fill in, surfaces that use them, `o` names, `xf` transforms with
-//! arrays, `i` included files.
+//! Greg Ward, "The Materials and Geometry Format", Lawrence Berkeley Laboratory, 1995. A text of
+//! statements, one per line: contexts (`c` colour, `m` material, `v` vertex) and statements that
+//! modify them, surfaces that use them, `o` names, `xf` transforms with arrays, `i` included files.
 
 mod color;
 mod material;
@@ -21,23 +21,23 @@ pub(crate) use material::MaterialWriter;
 use material::{Material, Part};
 use transform::Transform;
 
-/// Includes nest no deeper than this.
+/// Largest nesting depth of included files.
 const MAX_INCLUDE_DEPTH: usize = 32;
-/// Transforms nest no deeper than this.
+/// Largest nesting depth of transforms.
 const MAX_TRANSFORM_DEPTH: usize = 1000;
-/// Arrays in one transform.
+/// Largest number of arrays in one transform.
 const MAX_ARRAY_DIMENSIONS: usize = 8;
-/// Statements, counting those in arrays again for each copy.
+/// Largest number of statements; those in arrays count once per copy.
 const MOST_STATEMENTS: usize = 2_000_000;
 
-/// A point with a normal, which is zero when there is none.
+/// A point with a normal, which is zero if undefined.
 #[derive(Clone, Copy, Debug, Default)]
 struct Vertex {
     point: [f64; 3],
     normal: [f64; 3],
 }
 
-/// Named things of one kind, and the one that statements change.
+/// Named entities of one kind, and the current one.
 struct Context<T> {
     named: HashMap<String, T>,
     unnamed: T,
@@ -51,7 +51,7 @@ impl<T: Clone + Default> Default for Context<T> {
 }
 
 impl<T: Clone + Default> Context<T> {
-    /// Carries out `c`, `c name`, `c name =` or `c name = template`.
+    /// Executes `c`, `c name`, `c name =` or `c name = template`.
     fn select(&mut self, words: &[String]) -> Result<(), String> {
         let lookup = |named: &HashMap<String, T>, name: &str| {
             named.get(name).cloned().ok_or_else(|| format!("\"{name}\" is not defined"))
@@ -92,25 +92,25 @@ impl<T: Clone + Default> Context<T> {
     }
 }
 
-/// One open transform.
+/// An open transform.
 struct Placement {
-    /// With everything outside of it.
+    /// This transform combined with all outer ones.
     total: Transform,
     outer: Transform,
     arguments: Vec<String>,
-    /// Index in `arguments`, present and final count of each array.
+    /// Index in `arguments`, current and total count of each array.
     arrays: Vec<(usize, i64, i64)>,
-    /// Where the statements begin that an array repeats: the file's number, and the line's.
+    /// Start of the statements that an array repeats: file number and line number.
     start: (usize, usize),
 }
 
-/// One open file.
+/// An open file.
 struct Source {
     number: usize,
     name: String,
     lines: Vec<String>,
     next: usize,
-    /// How many transforms were open before the one of the `i` statement; `None` without one.
+    /// Number of open transforms before that of the `i` statement; `None` without one.
     outer_transforms: Option<usize>,
 }
 
@@ -120,7 +120,7 @@ pub(crate) struct Converter<'a> {
     pub(crate) text: Text,
     pub(crate) materials: MaterialWriter,
     pub(crate) warnings: Vec<String>,
-    /// Statements of unknown kind.
+    /// Number of unknown statements.
     pub(crate) unknown: usize,
     colors: Context<Color>,
     material: Context<Material>,
@@ -166,7 +166,7 @@ impl<'a> Converter<'a> {
             let words: Vec<String> = source.lines[at].split_ascii_whitespace().map(str::to_owned).collect();
             self.statements += 1;
             let outcome = match self.statements > MOST_STATEMENTS {
-                true => Ok(Err(format!("more than {MOST_STATEMENTS} statements, counting copies"))),
+                true => Ok(Err(format!("more than {MOST_STATEMENTS} statements, including copies"))),
                 false => self.statement(&words),
             };
             if let Err(mistake) = outcome? {
@@ -176,7 +176,7 @@ impl<'a> Converter<'a> {
         Ok(())
     }
 
-    /// An error at the line that was read last.
+    /// An error at the current line.
     fn error(&self, mistake: &str) -> Error {
         let (name, line) = self.sources.last().map_or(("", 0), |source| (source.name.as_str(), source.next));
         let mistake = format!("line {line}: {mistake}");
@@ -190,7 +190,7 @@ impl<'a> Converter<'a> {
         self.sources.push(Source { number: self.opened, name: name.to_owned(), lines, next: 0, outer_transforms });
     }
 
-    /// At the end of a file: its transform is closed, or goes round once more.
+    /// At the end of a file: closes its transform, or starts the next copy of an array.
     fn close(&mut self) -> Result<(), Error> {
         if let Some(outer) = self.sources.last().and_then(|source| source.outer_transforms)
             && self.placements.len() > outer
@@ -204,7 +204,7 @@ impl<'a> Converter<'a> {
         Ok(())
     }
 
-    /// Carries out a statement. The inner error is one of the input.
+    /// Executes a statement. The inner error is a mistake of the input.
     fn statement(&mut self, words: &[String]) -> Result<Result<(), String>, Error> {
         use std::fmt::Write;
         let Some(keyword) = words.first() else { return Ok(Ok(())) };
@@ -292,7 +292,7 @@ impl<'a> Converter<'a> {
         }
         match mixture {
             Some((sum, color)) if sum > 0.0 => Ok(color),
-            _ => Err("the weights add up to nothing".to_owned()),
+            _ => Err("the weights add up to zero".to_owned()),
         }
     }
 
@@ -302,7 +302,7 @@ impl<'a> Converter<'a> {
         material.is_new = true;
         let share = |level: f64| match (0.0..=1.0).contains(&level) {
             true => Ok(level as f32),
-            false => Err(format!("{level} is not a share between 0 and 1")),
+            false => Err(format!("{level} is not a number from 0 to 1")),
         };
         let above_zero = |value: f64| match value >= 0.0 {
             true => Ok(value as f32),
@@ -391,7 +391,7 @@ impl<'a> Converter<'a> {
         Ok(())
     }
 
-    /// Closes the innermost transform, or goes back to its beginning for the next copy of an array.
+    /// Closes the innermost transform, or starts the next copy of an array.
     fn end_transform(&mut self) -> Result<(), String> {
         let Some(placement) = self.placements.last_mut() else { return Err("no transform is open".to_owned()) };
         let Some(source) = self.sources.last_mut() else { return Ok(()) };
@@ -419,7 +419,7 @@ impl<'a> Converter<'a> {
     fn include(&mut self, words: &[String]) -> Result<Result<(), String>, Error> {
         let [_, name, transform @ ..] = words else { return Ok(Err("an included file needs a name".to_owned())) };
         if self.sources.len() == MAX_INCLUDE_DEPTH {
-            return Ok(Err(format!("files include files more than {MAX_INCLUDE_DEPTH} deep")));
+            return Ok(Err(format!("included files are nested more than {MAX_INCLUDE_DEPTH} deep")));
         }
         let folder = self.sources.last().and_then(|source| source.name.rsplit_once('/')).map(|(folder, _)| folder);
         let path = match folder {
@@ -432,7 +432,7 @@ impl<'a> Converter<'a> {
         Ok(if transform.is_empty() { Ok(()) } else { self.begin_transform(transform) })
     }
 
-    /// The open objects' names, each followed by a dot; at most four, and 62 bytes.
+    /// The names of open objects, each followed by a dot; at most four, and 62 bytes.
     fn object_prefix(&self) -> String {
         let mut prefix = String::new();
         for name in &self.objects[self.objects.len().saturating_sub(4)..] {

@@ -1,6 +1,8 @@
-//! `mgf2rad [-s] [-g dist] [-e mult] [file …]`: turns Materials and Geometry Format into Radiance text.
+//! `mgf2rad [-s] [-g dist] [-e mult] [file …]`: converts Materials and Geometry Format to Radiance
+//! text.
 //!
-//! `-s` writes spectra as spectra, `-g` makes emitters glow to a distance in metres, `-e` multiplies them.
+//! `-s` writes spectra, `-g` makes emitters `glow` with a radius of influence in metres, `-e`
+//! multiplies their radiance.
 
 use std::fmt::Write;
 

@@ -1,11 +1,15 @@
-//! `mksource [-d nsamps] [-t thresh] [-a maxang] [octree]`: distant sources for the bright parts of a surrounding.
+//! `mksource [-d nsamps] [-t thresh] [-a maxang] [octree]`: distant sources for the bright parts of
+//! an environment.
 //!
-//! The sphere of directions is divided into triangles from a tetrahedron down, each with one sample (`-d` of them, 262144).
-//! From the brightest sample on, round sources grow over neighbours above the threshold (`-t`, in W/(sr·m²); else so that 2 % of the
-//! samples are above) to at most `-a` degrees across. Each is written as an `illum` source with the mean radiance of what it covers.
+//! The sphere of directions is subdivided into triangles, starting from a tetrahedron, each with
+//! one sample (`-d`, default 262144). Starting at the brightest sample, round sources grow over
+//! neighbours above the threshold (`-t`, in W/(sr·m²); by default exceeded by 2 % of the samples)
+//! to a diameter of at most `-a` degrees. Each becomes an `illum` source with the mean radiance of
+//! its area.
 //!
-//! Samples need a renderer, which this crate may not know: the caller opens the octree and gives the radiance of a direction.
-//! Where the real program throws dice, a fixed sequence stands, so that the same scene gives the same sources.
+//! Samples need a renderer, which this crate may not know: the caller opens the octree and returns
+//! the radiance of a direction. A fixed sequence replaces the real program's random numbers, so
+//! that the same scene gives the same sources.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -17,20 +21,21 @@ use crate::{Error, Output};
 
 /// Subdivisions of the tetrahedron's faces; 4 · 4^10 samples.
 const DEEPEST: u32 = 10;
-/// A source is looked for this many times after the last one.
+/// Number of failed attempts to find a source before the search ends.
 const MOST_ATTEMPTS: usize = 100;
 
-/// The radiance in W/(sr·m²), red, green and blue, that comes from a direction (a unit vector that points away from the scene).
-pub type Surrounding<'a> = dyn Fn([f64; 3]) -> [f64; 3] + 'a;
+/// The radiance, W/(sr·m²), red, green and blue, from a direction (a unit vector pointing away from
+/// the scene).
+pub type EnvironmentRadiance<'a> = dyn Fn([f64; 3]) -> [f64; 3] + 'a;
 
-/// Opens the octree of a name, or the one on standard input.
-pub type OpenSurrounding<'o, 'a> = dyn Fn(Option<&str>) -> Result<Box<Surrounding<'a>>, Error> + 'o;
+/// Opens the named octree, or the one on standard input.
+pub type OpenEnvironment<'o, 'a> = dyn Fn(Option<&str>) -> Result<Box<EnvironmentRadiance<'a>>, Error> + 'o;
 
-/// Runs the command. `open` is given the octree's name, if there is one, and gives its surrounding.
+/// Runs the command. `open` receives the octree's name, if any, and returns its environment.
 ///
 /// # Errors
 /// When the arguments are wrong, or the octree cannot be opened.
-pub fn mksource(argv: &[String], open: &OpenSurrounding<'_, '_>) -> Result<Output, Error> {
+pub fn mksource(argv: &[String], open: &OpenEnvironment<'_, '_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(argv);
     let (mut samples, mut threshold, mut largest) = (262_144i64, 0.0, 15.0f64);
     while let Some(option) = arguments.option()? {
@@ -51,8 +56,8 @@ pub fn mksource(argv: &[String], open: &OpenSurrounding<'_, '_>) -> Result<Outpu
     if arguments.word().is_some() {
         return Err(arguments.unknown());
     }
-    let surrounding = open(octree)?;
-    let mut map = SampleMap::new(samples, &*surrounding);
+    let environment = open(octree)?;
+    let mut map = SampleMap::new(samples, &*environment);
     let threshold = if threshold > 1e-6 { threshold } else { map.threshold() };
     let mut text = Text::default();
     text.command_comment(argv)?;
@@ -60,13 +65,13 @@ pub fn mksource(argv: &[String], open: &OpenSurrounding<'_, '_>) -> Result<Outpu
     Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
 }
 
-/// One small triangle of the sphere.
+/// One triangle of the sphere.
 struct Sample {
     direction: [f64; 3],
     /// Steradians.
     solid_angle: f64,
     radiance: [f64; 3],
-    /// The power of two above the largest component; `None` for black, and for what is claimed.
+    /// Binary exponent of the largest component; `None` for black and for claimed samples.
     level: Option<i32>,
 }
 
@@ -74,12 +79,12 @@ struct SampleMap {
     samples: Vec<Sample>,
 }
 
-/// A round source that grows.
+/// A growing round source.
 struct Spot {
     centre: [f64; 3],
     /// Radians.
     radius: f64,
-    /// Radiance times solid angle, summed.
+    /// Sum of radiance times solid angle.
     light: [f64; 3],
 }
 
@@ -90,7 +95,7 @@ impl Spot {
 }
 
 impl SampleMap {
-    fn new(wanted: i64, surrounding: &Surrounding<'_>) -> SampleMap {
+    fn new(wanted: i64, environment: &EnvironmentRadiance<'_>) -> SampleMap {
         let mut depth = 0;
         let mut rest = (wanted - 4) * 3 / 4;
         while rest > 1 && depth < DEEPEST {
@@ -103,37 +108,38 @@ impl SampleMap {
         let mut map = SampleMap { samples: Vec::with_capacity(4 << (2 * depth)) };
         for face in 0..4 {
             let triangle = std::array::from_fn(|index| corners[(face + index) % 4]);
-            map.divide(triangle, depth, surrounding);
+            map.divide(triangle, depth, environment);
         }
         map
     }
 
-    fn divide(&mut self, triangle: [[f64; 3]; 3], depth: u32, surrounding: &Surrounding<'_>) {
+    fn divide(&mut self, triangle: [[f64; 3]; 3], depth: u32, environment: &EnvironmentRadiance<'_>) {
         let [a, b, c] = triangle;
         if depth == 0 {
-            return self.sample(triangle, surrounding);
+            return self.sample(triangle, environment);
         }
         let middle = |p: [f64; 3], q: [f64; 3]| normalize(std::array::from_fn(|axis| p[axis] + q[axis])).unwrap_or(p);
         let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
         for part in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
-            self.divide(part, depth - 1, surrounding);
+            self.divide(part, depth - 1, environment);
         }
     }
 
-    fn sample(&mut self, [a, b, c]: [[f64; 3]; 3], surrounding: &Surrounding<'_>) {
-        // The golden ratio's plane cousin spreads points evenly (M. Roberts, 2018).
+    fn sample(&mut self, [a, b, c]: [[f64; 3]; 3], environment: &EnvironmentRadiance<'_>) {
+        // The R₂ sequence, a two-dimensional analogue of the golden ratio, distributes points
+        // uniformly (M. Roberts, 2018).
         let index = self.samples.len() as f64;
         let (u, v) = ((0.5 + index * 0.754_877_666_246_693).fract(), (0.5 + index * 0.569_840_290_998_053).fract());
         let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
         let point = std::array::from_fn(|axis| (1.0 - u - v) * a[axis] + u * b[axis] + v * c[axis]);
         let direction = normalize(point).unwrap_or(a);
         let area = cross(subtract(b, a), subtract(c, b));
-        let radiance = surrounding(direction).map(|value| if value.is_finite() { value.max(0.0) } else { 0.0 });
+        let radiance = environment(direction).map(|value| if value.is_finite() { value.max(0.0) } else { 0.0 });
         let solid_angle = 0.5 * dot(area, area).sqrt();
         self.samples.push(Sample { direction, solid_angle, radiance, level: level(radiance) });
     }
 
-    /// The level that 2 % of the samples pass.
+    /// The level that 2 % of the samples exceed.
     fn threshold(&self) -> f64 {
         let mut levels: Vec<i32> = self.samples.iter().filter_map(|sample| sample.level).collect();
         levels.sort_unstable_by(|a, b| b.cmp(a));
@@ -163,7 +169,7 @@ impl SampleMap {
                 lost.push(spot);
                 continue;
             }
-            // What was too dim for a source of its own goes to the one that covers it.
+            // Samples too dim for a source of their own are added to the source that covers them.
             let reach = (spot.solid_angle() / PI).sqrt();
             lost.retain(|dim| {
                 let is_covered = angle(dim.centre, spot.centre) <= reach;
@@ -182,7 +188,7 @@ impl SampleMap {
         Ok(())
     }
 
-    /// Grows a spot from a sample over bright neighbours, and claims what it covers.
+    /// Grows a source from a sample over bright neighbours, and claims the samples that it covers.
     fn grow(&mut self, start: usize, threshold: f64, largest_solid_angle: f64) -> Spot {
         let first = &mut self.samples[start];
         first.level = None;
@@ -205,7 +211,7 @@ impl SampleMap {
         spot
     }
 
-    /// The middle of what is bright within a step of the spot; `None` when nothing is.
+    /// The centre of the bright samples within a step of the source; `None` if there are none.
     fn weighted_direction(&self, spot: &Spot, step: f64, lowest_level: i32) -> Option<[f64; 3]> {
         let reach = (spot.radius + step).min(PI).cos();
         let mut sum = [0.0; 3];

@@ -1,10 +1,12 @@
-//! Numbers at the start of a word, as C's `atof` and `atoi` find them.
+//! Numbers at the start of a word, parsed as in C's `atof` and `atoi`.
 
 use radsight_units::number::decimal_length;
 
-/// The number that starts `word`, after white space, and how many bytes it takes with that white space.
+/// The number at the start of `word` after white space, and its length in bytes including the white
+/// space.
 ///
-/// Takes what `strtod` takes in decimal: a sign, digits with at most one point, an exponent. Not `inf`, `nan` or hexadecimal.
+/// Accepts the decimal syntax of `strtod`: a sign, digits with at most one point, an exponent. Not
+/// `inf`, `nan` or hexadecimal.
 pub(crate) fn leading_number(word: &str) -> Option<(f64, usize)> {
     let bytes = word.as_bytes();
     let start = skip(bytes, 0, |byte| crate::text::is_space(byte as char));
@@ -13,16 +15,16 @@ pub(crate) fn leading_number(word: &str) -> Option<(f64, usize)> {
     Some((word[start..end].parse().ok()?, end))
 }
 
-/// More digits may not fit into the 53 bits of a number.
+/// Largest number of digits that always fit into 53 bits.
 const SHORT_DIGITS: usize = 15;
 
-/// Powers of ten, each of which a number holds exactly.
+/// Powers of ten, exact in double precision.
 const POWERS_OF_TEN: [f64; SHORT_DIGITS + 1] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 
-/// The number that starts `word`, if it has at most 15 digits and no exponent: the commonest ones,
-/// read faster than by [`leading_number`] and to the same bits, since the quotient of two exact
-/// numbers is rounded once.
+/// The number at the start of `word`, if it has at most 15 digits and no exponent. Faster than
+/// [`leading_number`] for the most common numbers, with the same bits, since the quotient of two
+/// exact numbers is rounded once.
 pub(crate) fn short_decimal(word: &[u8]) -> Option<f64> {
     let is_negative = word.first() == Some(&b'-');
     let digits = if is_negative || word.first() == Some(&b'+') { &word[1..] } else { word };
@@ -46,7 +48,8 @@ pub(crate) fn short_decimal(word: &[u8]) -> Option<f64> {
     Some(if is_negative { -value } else { value })
 }
 
-/// The decimal integer that starts `word`, after white space, and how many bytes it takes with that white space.
+/// The decimal integer at the start of `word` after white space, and its length in bytes including
+/// the white space.
 pub(crate) fn leading_integer(word: &str) -> Option<(i64, usize)> {
     let bytes = word.as_bytes();
     let start = skip(bytes, 0, |byte| crate::text::is_space(byte as char));
@@ -58,7 +61,7 @@ pub(crate) fn leading_integer(word: &str) -> Option<(i64, usize)> {
     Some((word[start..end].parse().ok()?, end))
 }
 
-/// Whether the whole word is a number, as Radiance's own readers demand.
+/// Whether the whole word is a number, as Radiance's own readers require.
 pub(crate) fn whole_number(word: &str) -> Option<f64> {
     leading_number(word).filter(|(_, end)| *end == word.len()).map(|(value, _)| value)
 }

@@ -1,8 +1,10 @@
-//! `obj2rad [-o obj] [-m mapping] [-n] [-f] [file.obj]`: turns Wavefront text into Radiance polygons.
+//! `obj2rad [-o obj] [-m mapping] [-n] [-f] [file.obj]`: converts Wavefront text to Radiance
+//! polygons.
 //!
-//! Faces with normals become smoothed triangles unless `-f`; others stay polygons if they are flat. Materials come from
-//! `usemtl`, else from the group, else `white`; a mapping file (`-m`) can choose them by material, map, group, object and face.
-//! `-o` names faces without a group. `-n` lists the names that a mapping can use instead of converting.
+//! Faces with normals become smoothed triangles unless `-f` is given; flat faces stay polygons.
+//! Materials come from `usemtl`, else from the group, else `white`; a mapping file (`-m`) can
+//! select them by material, map, group, object and face. `-o` names faces without a group. `-n`
+//! lists the names that a mapping can use instead of converting.
 
 mod mapping;
 pub(crate) mod wavefront;
@@ -20,9 +22,9 @@ use mapping::{Mapping, Situation};
 use wavefront::{Corner, Statements, Vertices};
 
 const TINY: f64 = 1e-6;
-/// Normals whose cosine is above this are taken for one direction.
+/// Normals whose cosine exceeds this are equal.
 const SAME_DIRECTION: f64 = 0.999_995;
-/// A name that is made of groups ends within so many bytes.
+/// Longest name made of groups, bytes.
 const LONGEST_GROUP_NAME: usize = 62;
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
@@ -73,13 +75,13 @@ fn read_mapping(arguments: &mut Arguments<'_>, invocation: &Invocation<'_>) -> R
     })
 }
 
-/// Words of a comment, quoted where needed.
+/// Words of a comment, quoted where necessary.
 fn write_words<'a>(text: &mut Text, words: impl Iterator<Item = &'a str>) -> Result<(), Error> {
     let words: Vec<String> = words.map(|word| Quoted(&word.replace(['\n', '\r'], " ")).to_string()).collect();
     Ok(writeln!(text, "{}", words.join(" "))?)
 }
 
-/// An error of the input, or of something else.
+/// A mistake of the input, or another error.
 enum Mistake {
     Text(String),
     Other(Error),
@@ -111,13 +113,13 @@ struct Converter<'a> {
     degenerate: usize,
 }
 
-/// How the normals at a triangle's corners lie to the triangle.
+/// The relation of the corner normals to the triangle.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Bend {
+pub(crate) enum CornerNormals {
     Flat,
     FlatReversed,
-    Bent,
-    BentReversed,
+    Smooth,
+    SmoothReversed,
 }
 
 impl<'a> Converter<'a> {
@@ -160,7 +162,8 @@ impl<'a> Converter<'a> {
         Ok(())
     }
 
-    /// Carries out a statement; the value says whether its kind is known, the inner error is one of the input.
+    /// Executes a statement. The value reports whether its kind is known; the inner error is a
+    /// mistake of the input.
     fn statement(&mut self, words: &[String]) -> Result<Result<bool, String>, Mistake> {
         let name = |words: &[String]| words.get(1).cloned();
         match words[0].as_str() {
@@ -195,7 +198,7 @@ impl<'a> Converter<'a> {
             let mut rest = VecDeque::from(corners);
             while rest.len() > 2 {
                 self.write_triangle(&material, [rest[0], rest[1], rest[2]])?;
-                // The second corner goes, and the first comes last.
+                // The second corner is removed, and the first becomes the last.
                 rest.rotate_left(1);
                 rest.pop_front();
             }
@@ -207,7 +210,7 @@ impl<'a> Converter<'a> {
         Ok(Ok(true))
     }
 
-    /// The material of the present face; `None` when the mapping leaves the face out.
+    /// The material of the current face; `None` if the mapping omits the face.
     fn material(&self) -> Option<String> {
         match &self.mapping {
             Some(mapping) => mapping.material(&Situation {
@@ -235,7 +238,7 @@ impl<'a> Converter<'a> {
         name
     }
 
-    /// Whether a polygon has normals to interpolate, or is not flat.
+    /// Whether a polygon has normals to interpolate, or is not planar.
     fn needs_triangles(&self, corners: &[Corner]) -> bool {
         if !self.flat && corners[0].normal.is_some() {
             return true;
@@ -265,18 +268,19 @@ impl<'a> Converter<'a> {
     fn write_triangle(&mut self, material: &str, corners: [Corner; 3]) -> Result<(), Error> {
         let points = corners.map(|corner| self.vertices.point(&corner));
         let normals = corners.map(|corner| corner.normal.map(|normal| self.vertices.normal(normal)));
-        let bend = match normals {
-            [Some(a), Some(b), Some(c)] => match bend(points, [a, b, c]) {
-                Some(bend) => bend,
+        let normals_kind = match normals {
+            [Some(a), Some(b), Some(c)] => match classify_normals(points, [a, b, c]) {
+                Some(normals_kind) => normals_kind,
                 None => {
                     self.degenerate += 1;
                     return Ok(());
                 }
             },
-            _ => Bend::Flat,
+            _ => CornerNormals::Flat,
         };
         let mut modifier = material;
-        if let (Bend::Bent | Bend::BentReversed, false, [Some(a), Some(b), Some(c)]) = (bend, self.flat, normals)
+        if let (CornerNormals::Smooth | CornerNormals::SmoothReversed, false, [Some(a), Some(b), Some(c)]) =
+            (normals_kind, self.flat, normals)
             && let Some(barycentric) = Barycentric::new(&points)
         {
             write!(self.text, "\n{material} texfunc Phong\n4 dx dy dz tmesh.cal\n0\n")?;
@@ -286,7 +290,7 @@ impl<'a> Converter<'a> {
         let name = format!("{}.{}", self.object_name(), self.face);
         self.text.primitive(modifier, "polygon", name, 9)?;
         let [a, b, c] = corners;
-        let reversed = matches!(bend, Bend::FlatReversed | Bend::BentReversed);
+        let reversed = matches!(normals_kind, CornerNormals::FlatReversed | CornerNormals::SmoothReversed);
         let corners = if reversed { [c, b, a] } else { [a, b, c] };
         corners.iter().try_for_each(|corner| self.write_point(corner))
     }
@@ -297,17 +301,17 @@ impl<'a> Converter<'a> {
     }
 }
 
-/// `None` for a triangle without area.
-pub(crate) fn bend(points: [[f64; 3]; 3], normals: [[f64; 3]; 3]) -> Option<Bend> {
+/// `None` for a degenerate triangle.
+pub(crate) fn classify_normals(points: [[f64; 3]; 3], normals: [[f64; 3]; 3]) -> Option<CornerNormals> {
     let [a, b, c] = points;
     let normal = normalize(cross(subtract(b, a), subtract(c, b)))?;
     let cosines = normals.map(|corner| dot(normal, corner));
     Some(if cosines.iter().all(|cosine| *cosine < 0.0) {
-        let is_bent = cosines.iter().any(|cosine| *cosine > -SAME_DIRECTION);
-        if is_bent { Bend::BentReversed } else { Bend::FlatReversed }
+        let is_smooth = cosines.iter().any(|cosine| *cosine > -SAME_DIRECTION);
+        if is_smooth { CornerNormals::SmoothReversed } else { CornerNormals::FlatReversed }
     } else {
-        let is_bent = cosines.iter().any(|cosine| *cosine < SAME_DIRECTION);
-        if is_bent { Bend::Bent } else { Bend::Flat }
+        let is_smooth = cosines.iter().any(|cosine| *cosine < SAME_DIRECTION);
+        if is_smooth { CornerNormals::Smooth } else { CornerNormals::Flat }
     })
 }
 

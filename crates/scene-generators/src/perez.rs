@@ -1,15 +1,17 @@
-//! The sky model of Perez: clearness and brightness, luminous efficacies, relative luminance.
+//! The Perez sky model: clearness and brightness, luminous efficacies, relative luminance.
 //!
-//! R. Perez, P. Ineichen, R. Seals, J. Michalsky, R. Stewart, "Modeling daylight availability and irradiance components from
-//! direct and global irradiance", Solar Energy 44 (5), 1990, table 4 (efficacies); R. Perez, R. Seals, J. Michalsky, "All-weather
-//! model for sky luminance distribution", Solar Energy 50 (3), 1993, table 1 (luminance). In the formulas, Z is the sun's
-//! zenith angle, ε the sky's clearness, Δ its brightness, ζ the zenith angle of a point and γ its angle from the sun; radians.
+//! R. Perez, P. Ineichen, R. Seals, J. Michalsky, R. Stewart, "Modeling daylight availability and
+//! irradiance components from direct and global irradiance", Solar Energy 44 (5), 1990, table 4
+//! (efficacies); R. Perez, R. Seals, J. Michalsky, "All-weather model for sky luminance
+//! distribution", Solar Energy 50 (3), 1993, table 1 (luminance). In the formulas, Z is the sun's
+//! zenith angle, ε the sky's clearness, Δ its brightness, ζ the zenith angle of a point and γ its
+//! angle from the sun; radians.
 
 use std::f64::consts::PI;
 
 /// Extraterrestrial irradiance, W/m².
 pub(crate) const SOLAR_CONSTANT: f64 = 1367.0;
-/// The range of ε, and that of Δ, for which the model is made.
+/// The ranges of ε and Δ for which the model is valid.
 const CLEARNESS: (f64, f64) = (1.0, 12.01);
 const BRIGHTNESS: (f64, f64) = (0.01, 0.6);
 
@@ -23,7 +25,7 @@ pub(crate) const LOCUS_CIE: [f32; 11] = [
     -4.607e9, 2.9678e6, 0.09911e3, 0.244063, -2.0064e9, 1.9018e6, 0.24748e3, 0.23704, -3.0, 2.87, -0.275,
 ];
 
-/// Lower ends of the eight classes of clearness.
+/// Lower bounds of the eight classes of clearness.
 const CLASSES: [f64; 8] = [1.0, 1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200];
 
 /// For each class: a + b·W + c·cos Z + d·ln Δ, the luminous efficacy of diffuse light in lm/W; W is precipitable water in cm.
@@ -39,7 +41,7 @@ const DIRECT_EFFICACY: [[f64; 4]; 8] = [
     [106.36, -3.97, -1.75, -6.16], [107.19, -1.25, -1.51, -26.73], [105.75, 0.77, -1.26, -34.44], [101.18, 1.58, -1.10, -8.29],
 ];
 
-/// For each class, the five parameters a to e of the luminance, each from four numbers.
+/// For each class, the five luminance parameters a to e, each from four numbers.
 #[rustfmt::skip]
 const LUMINANCE: [[[f32; 4]; 5]; 8] = [
     [[1.3525, -0.2576, -0.2690, -1.4366], [-0.7670, 0.0007, 1.2734, -0.1233], [2.8000, 0.6004, 1.2375, 1.000], [1.8734, 0.6297, 0.9738, 0.2809], [0.0356, -0.1246, -0.5718, 0.9938]],
@@ -52,7 +54,8 @@ const LUMINANCE: [[[f32; 4]; 5]; 8] = [
     [[-1.0500, 0.0289, 0.4260, 0.3590], [-0.3250, 0.1156, 0.7781, 0.0025], [31.0625, -14.5000, -46.1148, 55.3750], [-7.2312, 0.4050, 13.3500, 0.6234], [1.5000, -0.6426, 1.8564, 0.5636]],
 ];
 
-/// Rings of sky points that stand for the whole sky: zenith angle in degrees, and the number of points.
+/// Rings of sky points for the integration over the sky: zenith angle in degrees, and number of
+/// points.
 const SKY_POINTS: [(f64, usize); 8] =
     [(84.0, 30), (72.0, 30), (60.0, 24), (48.0, 24), (36.0, 18), (24.0, 12), (12.0, 6), (0.0, 1)];
 
@@ -64,14 +67,14 @@ pub(crate) struct Conditions {
 }
 
 impl Conditions {
-    /// Both brought into the range of the model.
+    /// Both clamped to the range of the model.
     pub(crate) fn limited(self) -> Conditions {
         let Conditions { clearness, brightness } = self;
         let clearness = if clearness > CLEARNESS.1 { CLEARNESS.1 - 0.001 } else { clearness.max(CLEARNESS.0) };
         Conditions { clearness, brightness: brightness.clamp(BRIGHTNESS.0, BRIGHTNESS.1) }
     }
 
-    /// Whether the model has numbers for the clearness.
+    /// Whether the clearness is within the range of the model.
     pub(crate) fn in_range(self) -> bool {
         self.clearness >= CLEARNESS.0 && self.clearness < CLEARNESS.1
     }
@@ -94,7 +97,8 @@ impl Conditions {
 
     /// The parameters a to e for a sun at the zenith angle `sun_zenith`, radians.
     pub(crate) fn parameters(self, sun_zenith: f64) -> [f64; 5] {
-        // gendaylit compares the clearness in single precision here, which matters at the lower end of a class.
+        // gendaylit compares the clearness in single precision, which matters at the lower bound of
+        // a class.
         let class = Conditions { clearness: f64::from(self.clearness as f32), ..self }.class();
         let delta =
             if self.clearness > 1.065 && self.clearness < 2.8 { self.brightness.max(0.2) } else { self.brightness };
@@ -117,7 +121,7 @@ pub(crate) fn relative_luminance([a, b, c, d, e]: [f64; 5], point_zenith: f64, s
     (1.0 + a * (b / point_zenith.cos()).exp()) * (1.0 + c * (d * sun_angle).exp() + e * cosine * cosine)
 }
 
-/// The horizontal illuminance that the relative luminance gives, by the 145 points.
+/// The horizontal illuminance of the relative luminance, integrated over the 145 points.
 pub(crate) fn horizontal_integral(parameters: [f64; 5], sun_zenith: f64) -> f64 {
     let mut sum = 0.0;
     for (zenith, count) in SKY_POINTS {
@@ -148,7 +152,8 @@ pub(crate) fn direct_irradiance(clearness: f64, diffuse: f64, sun_zenith: f64) -
     diffuse * (clearness - 1.0) * zenith_term(sun_zenith)
 }
 
-/// How much the sun's light exceeds its yearly mean, by the earth's distance (J. W. Spencer, 1971); `day` counts from 1.
+/// Ratio of the sun's irradiance to its yearly mean, by the earth's distance (J. W. Spencer, 1971);
+/// `day` counts from 1.
 pub(crate) fn eccentricity(day: f64) -> f64 {
     let angle = 2.0 * PI * (day - 1.0) / 365.0;
     1.00011

@@ -7,25 +7,27 @@ use radsight_loader::{FileKind, LoadError, Loader};
 use crate::shell_words::{self, Command, Pipeline, Script, Stage, Word};
 use crate::{Error, Extra, Output, run_with};
 
-/// An error with the bytes of the command line that it is about.
+/// An error with its byte range in the command line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{error}")]
 pub struct PipelineError {
-    /// Into the line given to [`pipeline`].
+    /// Range in the line passed to [`pipeline`].
     pub range: Range<usize>,
-    /// What is wrong.
+    /// The error.
     #[source]
     pub error: Error,
 }
 
-/// Runs a command line (without the leading `!`) and gives what it prints.
+/// Runs a command line (without the leading `!`) and returns its output.
 ///
-/// Programs of this crate run here; for others `extra` is asked, then [`Loader::run_program`], then [`Loader::run_command`],
-/// which refuses unless the user allowed external commands. So is the whole line when it needs a real shell. Files that a program writes
-/// ([`Output::files`]) can be read by the programs after it, and are handed to the caller with the output.
+/// Programs of this crate run in process. Others are passed to `extra`, then to
+/// [`Loader::run_program`], then to [`Loader::run_command`], which refuses unless the user allowed
+/// external commands; the latter also runs a whole line that needs a real shell. Later programs can
+/// read the files that earlier ones write ([`Output::files`]), and the caller receives them with
+/// the output.
 ///
 /// # Errors
-/// When the line cannot be split, or as soon as one command fails.
+/// When the line cannot be split, or when a command fails.
 pub fn pipeline(line: &str, loader: &dyn Loader, extra: &Extra<'_>) -> Result<Output, PipelineError> {
     let script = match shell_words::split(line) {
         Ok(script) => script,
@@ -120,7 +122,7 @@ impl Runner<'_> {
     }
 }
 
-/// Runs a program that only the loader may have in process, or that it runs through a shell if it allows that.
+/// Runs a program that only the loader may provide in process, or by a shell if it allows that.
 fn external(argv: &[String], standard_input: Option<&[u8]>, loader: &dyn Loader) -> Result<Output, Error> {
     let bytes = match loader.run_program(argv, standard_input) {
         Some(result) => result?,
@@ -129,7 +131,7 @@ fn external(argv: &[String], standard_input: Option<&[u8]>, loader: &dyn Loader)
     Ok(Output { standard_output: bytes, ..Output::default() })
 }
 
-/// The range of a word, or the place after the last one.
+/// The range of a word, or the end of the last one.
 fn word_range(words: &[Word], index: usize) -> Range<usize> {
     match (words.get(index), words.last()) {
         (Some(word), _) => word.range.clone(),
@@ -139,7 +141,7 @@ fn word_range(words: &[Word], index: usize) -> Range<usize> {
 }
 
 impl Pipeline {
-    /// From the first word to the last.
+    /// The range from the first word to the last.
     fn range(&self) -> Range<usize> {
         let start = self.stages.first().map_or(0, |stage| stage.range().start);
         let end = self.stages.last().map_or(0, |stage| stage.range().end);
@@ -162,7 +164,7 @@ impl Stage {
     }
 }
 
-/// Serves what earlier commands of the line wrote, then what the loader has.
+/// Serves files that earlier commands of the line wrote, then the loader's.
 struct WrittenFiles<'a> {
     loader: &'a dyn Loader,
     files: &'a [(String, Vec<u8>)],

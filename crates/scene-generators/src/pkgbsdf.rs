@@ -1,8 +1,8 @@
-//! `pkgBSDF -s input.xml`: the surfaces that stand for a BSDF file in a scene.
+//! `pkgBSDF -s input.xml`: the surfaces that represent a BSDF file in a scene.
 //!
-//! Writes a polygon as large as the measured sample, with a `BSDF` material that passes through its thickness, and the
-//! sample's own geometry if the file has one. `-s` (standard output) is demanded; the real program's other ways of output write
-//! files beside the scene.
+//! Writes a polygon of the size of the measured sample, with a `BSDF` material of its thickness,
+//! and the sample's geometry if the file has one. `-s` (standard output) is required; the real
+//! program's other modes write files beside the scene.
 
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ use crate::text::{Exponential, Text, general};
 use crate::{Error, Invocation, Output};
 
 const TINY: f64 = 1e-6;
-/// Reflection of less than this, beyond what all directions share, is left out (in 1/sr).
+/// Reflection below this, in excess of the part common to all directions, is omitted (1/sr).
 const LEAST_REFLECTION: f64 = 0.001;
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
@@ -28,9 +28,10 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
     }
     if !to_standard_output {
-        return Err(
-            arguments.mistake(arguments.position(), "-s is missing: a scene's command writes to its standard output")
-        );
+        return Err(arguments.mistake(
+            arguments.position(),
+            "-s is missing, expected it since a command in a scene writes to standard output",
+        ));
     }
     let name = arguments.required("BSDF file")?;
     if arguments.word().is_some() {
@@ -40,7 +41,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mistake =
         |mistake: String| Error::Input { program: "pkgBSDF".to_owned(), source_name: name.to_owned(), mistake };
     let xml = std::str::from_utf8(&loaded.bytes).map_err(|error| mistake(error.to_string()))?;
-    // A document type is the way to bombs of entities; BSDF files have none.
+    // Document types allow entity expansion attacks; BSDF files have none.
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
     let document = Document::parse_with_options(xml, options).map_err(|error| mistake(error.to_string()))?;
     let sample = Sample::read(&document).map_err(mistake)?;
@@ -69,16 +70,16 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     Ok(Output { standard_output: converter.text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
 }
 
-/// What the file says about the measured sample; lengths in metres.
+/// The measured sample as described in the file; lengths in metres.
 struct Sample {
     material: String,
     maker: String,
     width: f64,
     height: f64,
     thickness: f64,
-    /// In Materials and Geometry Format.
+    /// Geometry in Materials and Geometry Format.
     geometry: Option<String>,
-    /// Whether there is reflection towards the front (in the file's terms) that depends on direction.
+    /// Whether reflection at the front (in the file's terms) depends on direction.
     reflects_in_front: bool,
 }
 
@@ -132,7 +133,7 @@ fn geometry(layer: Node<'_, '_>) -> Result<Option<String>, String> {
     Ok(Some(if (0.99..=1.01).contains(&scale) { text.to_owned() } else { format!("xf -s {scale:.5}\n{text}\nxf\n") }))
 }
 
-/// Whether the numbers differ by more than what is left out.
+/// Whether the numbers differ by more than the omitted reflection.
 fn depends_on_direction(data: &str) -> bool {
     let separators =
         |character: char| character == ',' || character.is_whitespace() || character == '{' || character == '}';
@@ -154,7 +155,7 @@ fn metres(unit: Option<&str>) -> Result<f64, String> {
     }
 }
 
-/// A child by its name, in whatever name space.
+/// A child by its local name.
 fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
     node.children().find(|child| child.has_tag_name_locally(name))
 }

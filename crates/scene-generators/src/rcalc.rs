@@ -1,12 +1,14 @@
-//! `rcalc [-b] [-l] [-n] [-p|-P] [-w] [-u] [-tS] [-s svar=sval] [-e expr] [-f source] [-i infmt] [-o outfmt] [file …]`: computes
-//! records from records.
+//! `rcalc [-b] [-l] [-n] [-p|-P] [-w] [-u] [-tS] [-s svar=sval] [-e expr] [-f source] [-i infmt]
+//! [-o outfmt] [file …]`: computes records from records.
 //!
-//! Columns of the input are `$1`, `$2`, …, those of the output are what the definitions give to `$1`, `$2`, …; `cond` above zero
-//! lets a record pass; `recno` and `outno` count. `-i` and `-o` give formats instead of columns, `-id3` `-if` `-od` `-of` (and
-//! `D`, `F` with swapped bytes) binary numbers, `-in` and `-on` the most records. `-b` takes blanks literally, `-l` line ends as
-//! blanks, `-t` sets the separator, `-s` a string variable; `-p` passes on what the input format does not match, `-P` also
-//! what `cond` refuses. `-n` reads nothing and writes one record. `-w` changes nothing here, nor
-//! does `-u`: what is answered always goes out before more is waited for.
+//! Columns of the input are `$1`, `$2`, …; columns of the output are the definitions of `$1`, `$2`,
+//! …. A record passes if `cond` is above zero; `recno` and `outno` count records. `-i` and `-o`
+//! give formats instead of columns, `-id3` `-if` `-od` `-of` (and `D`, `F` with swapped bytes)
+//! binary numbers, `-in` and `-on` the largest number of records. `-b` matches blanks literally,
+//! `-l` treats line ends as blanks, `-t` sets the separator, `-s` a string variable. `-p` copies
+//! input that does not match the format, `-P` also records that `cond` rejects. `-n` reads nothing
+//! and writes one record. `-w` and `-u` have no effect: output is always flushed before input is
+//! awaited.
 
 use std::cell::Cell;
 
@@ -23,7 +25,7 @@ use crate::supply::Supply;
 use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 
-/// What happens to input that makes no record.
+/// Which input without records is copied to the output.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Passing {
     Nothing,
@@ -46,7 +48,7 @@ struct Options {
 }
 
 impl Options {
-    /// Whether no further record is wanted.
+    /// Whether enough records were read or written.
     fn is_enough(&self, records: usize, written: usize) -> bool {
         records == self.most_input || written > 0 && written == self.most_output
     }
@@ -87,7 +89,7 @@ struct Calculator {
     text: Text,
     outputs: Vec<(u32, Handle)>,
     condition: Option<Handle>,
-    /// Whether `recno` and `outno` are mentioned.
+    /// Whether `recno` and `outno` are used.
     counts: [bool; 2],
     program: String,
 }
@@ -157,7 +159,7 @@ impl Calculator {
         Ok(converted)
     }
 
-    /// What the options must fulfil together.
+    /// Checks the combination of options.
     fn check(&mut self, options: &Options, arguments: &Arguments<'_>) -> Result<(), Error> {
         if options.no_input && !arguments.rest().is_empty() {
             return Err(arguments.mistake(arguments.position(), "a file cannot be read with -n"));
@@ -176,8 +178,7 @@ impl Calculator {
         Ok(())
     }
 
-    /// Reads all records of one input. A mistake is told with the place of the record that it is
-    /// in.
+    /// Processes all records of one input. A mistake is reported with the position of its record.
     fn execute(&mut self, options: &Options, mut input: Supply<'_>) -> Result<(), Error> {
         let mut records = 0;
         let name = input.name().to_owned();
@@ -233,7 +234,7 @@ impl Calculator {
         let mut written = 0;
         while matcher.next_record(&mut self.strings, &mut self.text)? {
             if matcher.is_empty_match() {
-                let mistake = "the input format matches nothing, for ever".to_owned();
+                let mistake = "the input format matches the empty text, so it would match forever".to_owned();
                 return Err(Error::Impossible { program: self.program.clone(), mistake });
             }
             for (name, value) in matcher.numbers() {
@@ -253,7 +254,7 @@ impl Calculator {
         Ok(())
     }
 
-    /// Counts a record, and says whether it passes.
+    /// Counts a record and returns whether it passes.
     fn accepts(&mut self, records: &mut usize, written: usize, channels: &Channels<'_>) -> Result<bool, Error> {
         *records += 1;
         let [counts_records, counts_written] = self.counts;
@@ -280,7 +281,7 @@ impl Calculator {
         if let Some(fields) = &options.output_format {
             return self.put_fields(fields, options.input.blanks_join, channels);
         }
-        // The column that is being written, from 1.
+        // The current column, from 1.
         let mut column = 1;
         let mut wrote = false;
         for index in 0..self.outputs.len() {
@@ -352,9 +353,9 @@ fn read_format(
 /// The columns of a record.
 struct Channels<'a> {
     record: Option<Record<'a>>,
-    /// Set when a value is asked for that there cannot be.
+    /// The error of an access to a column without a value.
     illegal: Cell<Option<&'static str>>,
-    /// Columns that were read before.
+    /// Cached columns.
     known: [Cell<Option<f64>>; 32],
 }
 

@@ -1,7 +1,10 @@
-//! `rcollate [-h[io]] [-w] [-c] [-f[afdb][N]] [-t] [-ic COLUMNS] [-ir ROWS] [-oc COLUMNS] [-or ROWS] [-o RxC[xR1xC1..]] [MATRIX]`: the records of a
-//! matrix in other rows and columns, transposed (`-t`) or in blocks (`-o`), as they stand: numbers are not read, but for `-c`, which checks them.
+//! `rcollate [-h[io]] [-w] [-c] [-f[afdb][N]] [-t] [-ic COLUMNS] [-ir ROWS] [-oc COLUMNS] [-or
+//! ROWS] [-o RxC[xR1xC1..]] [MATRIX]`: rearranges the records of a matrix into other rows and
+//! columns, transposed (`-t`) or in blocks (`-o`). Numbers are copied without parsing, except that
+//! `-c` checks them.
 //!
-//! A record has `N` components of text (`-fa`), 4 bytes (`-ff`), 8 (`-fd`) or 1 (`-fb`); a header says so otherwise.
+//! A record has `N` components of text (`-fa`), 4 bytes (`-ff`), 8 (`-fd`) or 1 (`-fb`), unless a
+//! header declares another format.
 
 mod pass_on;
 
@@ -16,13 +19,13 @@ use radsight_loader::FileKind;
 use std::fmt::Write;
 use std::ops::Range;
 
-/// Components of a record where nothing says how many.
+/// Default number of components of a record.
 const COMPONENTS: usize = 3;
 
-/// Blocks in blocks are no deeper.
+/// Largest nesting depth of blocks.
 const DEEPEST: usize = 16;
 
-/// Rows and columns; 0 for what is not known.
+/// Rows and columns; 0 for unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Shape {
     rows: usize,
@@ -38,13 +41,13 @@ impl Shape {
         Shape { rows: self.columns, columns: self.rows }
     }
 
-    /// What is not known, as another shape has it.
+    /// Unknown values replaced by those of another shape.
     fn or(self, other: Shape) -> Shape {
         let either = |own: usize, other: usize| if own > 0 { own } else { other };
         Shape { rows: either(self.rows, other.rows), columns: either(self.columns, other.columns) }
     }
 
-    /// What is not known, by the count of records.
+    /// Unknown values derived from the number of records.
     fn filled(self, records: usize) -> Shape {
         match self {
             Shape { rows: 0, columns } if columns > 0 => Shape { rows: records / columns, columns },
@@ -54,12 +57,12 @@ impl Shape {
     }
 }
 
-/// What the records are made of.
+/// The format of records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Format {
-    /// As a header names it.
+    /// The format's name in a header.
     name: &'static str,
-    /// Bytes of a component; `None` for text.
+    /// Bytes per component; `None` for text.
     size: Option<usize>,
 }
 
@@ -80,7 +83,7 @@ struct Options {
     components: Option<usize>,
     input: Shape,
     output: Shape,
-    /// Of `-o`, from the whole down: each level's rows and columns.
+    /// The levels of `-o`, from the whole down: rows and columns of each.
     blocks: Vec<Shape>,
 }
 
@@ -149,25 +152,26 @@ impl Options {
         Ok(options)
     }
 
-    /// Whether records go elsewhere than one after the other.
+    /// Whether records change their order.
     fn reorders(&self) -> bool {
         self.transposes || self.blocks.len() > 1
     }
 
-    /// Nothing would be other than it is.
+    /// Whether the output equals the input.
     fn changes_nothing(&self) -> bool {
         let is_same = self.reads_header == self.writes_header && self.input == self.output;
         is_same && !self.reorders() && !self.checks
     }
 
-    /// Lines stay as they are: the output has the input's shape, which is known if the header is to tell it.
+    /// Whether lines stay as they are: the output has the input's shape, which is known if a header
+    /// needs it.
     fn keeps_order(&self) -> bool {
         let is_same = self.output.or(self.input) == self.input && (self.input.records() > 0 || !self.writes_header);
         is_same && !self.reorders() && !self.checks
     }
 }
 
-/// The levels of `RxCxR1xC1…`: blocks of blocks, the whole first.
+/// Parses the levels of `RxCxR1xC1…`: blocks of blocks, the whole first.
 fn read_blocks(arguments: &mut Arguments<'_>) -> Result<Vec<Shape>, Error> {
     let position = arguments.position();
     let word = arguments.required("blocks (-o)")?;
@@ -191,7 +195,7 @@ fn whole_count(word: &str) -> Option<usize> {
     usize::try_from(count).ok().filter(|count| *count > 0 && end == word.len())
 }
 
-/// What is wrong with the input, and the rest.
+/// A mistake of the input, or another error.
 enum Mistake {
     Text(String),
     Other(Error),
@@ -217,7 +221,7 @@ impl From<String> for Mistake {
 
 struct Collation {
     options: Options,
-    /// What goes before the records.
+    /// Text before the records.
     header: Vec<u8>,
     warnings: Vec<String>,
 }
@@ -225,7 +229,7 @@ struct Collation {
 impl Collation {
     fn collate(&mut self, input: &mut Supply<'_>, command: &[String], text: &mut Text) -> Result<(), Mistake> {
         if self.options.changes_nothing() {
-            self.warnings.push("no other order is asked for: the input is copied as it is".to_owned());
+            self.warnings.push("no other order is requested: the input is copied unchanged".to_owned());
             return copy(input, text);
         }
         if self.options.reads_header {
@@ -273,7 +277,7 @@ impl Collation {
         Ok(writeln!(text, "NROWS={}\nNCOLS={}\nFORMAT={}\n", output.rows, output.columns, format.name)?)
     }
 
-    /// Takes what the header says of the records, and keeps its other lines.
+    /// Reads the description of the records from the header, and keeps its other lines.
     fn read_header(&mut self, input: &mut Supply<'_>, text: &mut Text) -> Result<(), Mistake> {
         loop {
             let line = match input.line(text)? {
@@ -281,7 +285,7 @@ impl Collation {
                 None => Vec::new(),
             };
             let Some(line) = line.strip_suffix(b"\n") else {
-                return Err("the header does not end with an empty line; option -hi says that there is none"
+                return Err("the header does not end with an empty line; use option -hi for input without a header"
                     .to_owned()
                     .into());
             };
@@ -295,11 +299,11 @@ impl Collation {
         }
     }
 
-    /// Whether a line of the header says what the records are.
+    /// Parses a line of the header; returns whether it describes the records.
     fn take_line(&mut self, line: &str) -> Result<bool, Mistake> {
         let Some((key, value)) = line.split_once('=') else { return Ok(false) };
         let value = value.trim();
-        // Pictures' bytes are taken apart as they are asked for.
+        // Components of picture bytes are split as requested.
         let is_open = |options: &Options| {
             let is_byte = options.format.is_some_and(|format| format.size == Some(1));
             is_byte && options.components.is_some_and(|count| count > 1) && !options.checks
@@ -315,7 +319,7 @@ impl Collation {
                     (None, Some(found)) => self.options.format = Some(*found),
                     (Some(wanted), _) if wanted.name != value => {
                         return Err(
-                            format!("the header says that the format is {value}, the options {}", wanted.name).into()
+                            format!("the format is {value} in the header, but {} in the options", wanted.name).into()
                         );
                     }
                     _ => {}
@@ -334,7 +338,7 @@ impl Collation {
         Ok(true)
     }
 
-    /// Sends on records as they come.
+    /// Copies records while they arrive.
     fn pass_on(
         &mut self,
         input: &mut Supply<'_>,
@@ -352,22 +356,20 @@ impl Collation {
                 return Err(format!("there are {} records, expected {rows} × {columns}", found.records).into());
             }
             Some(wanted) if found.bytes_behind > 0 || found.records > wanted => match format.size {
-                Some(_) => format!("{} bytes are left behind {rows} × {columns} records", found.bytes_behind),
-                None => format!("there are {} records, {rows} × {columns} are expected", found.records),
+                Some(_) => format!("{} bytes follow {rows} × {columns} records, expected none", found.bytes_behind),
+                None => format!("there are {} records, expected {rows} × {columns}", found.records),
             },
             None if found.records % columns.max(1) > 0 => {
                 let (count, rows) = (found.records, found.records / columns);
-                return Err(format!("there are {count} records, {rows} × {columns} are expected").into());
+                return Err(format!("there are {count} records, expected {rows} × {columns}").into());
             }
             None if found.records % plan.output.columns.max(1) > 0 => {
                 let (columns, count) = (plan.output.columns, found.records);
-                return Err(format!(
-                    "there are {count} records, which do not make {} rows of {columns}",
-                    count / columns
-                )
-                .into());
+                return Err(format!("there are {count} records, expected {} rows of {columns}", count / columns).into());
             }
-            None if found.bytes_behind > 0 => format!("{} bytes are left behind the last record", found.bytes_behind),
+            None if found.bytes_behind > 0 => {
+                format!("{} bytes follow the last record, expected none", found.bytes_behind)
+            }
             _ => return Ok(()),
         };
         if self.options.checks {
@@ -377,7 +379,7 @@ impl Collation {
         Ok(())
     }
 
-    /// Rows and columns of the input and of the output.
+    /// The shapes of the input and of the output.
     fn shapes(&mut self, bytes: &[u8], records: &Records, count: usize) -> Result<(Shape, Shape), Mistake> {
         let turn = |shape: Shape| if self.options.transposes { shape.turned() } else { shape };
         let (mut input, mut output) = (self.options.input, self.options.output);
@@ -394,10 +396,10 @@ impl Collation {
             input.columns = records.in_first_line(bytes);
         }
         if input == Shape::default() {
-            // Lines are as long as they are wanted.
+            // Input lines are as long as output lines.
             input = output;
         }
-        // Behind the last byte that is wanted others may stand.
+        // Further bytes may follow the last requested one.
         let used = if input.records() > 0 { input.records() } else { count };
         if used > count {
             return Err(format!("there are {count} records, expected {} × {}", input.rows, input.columns).into());
@@ -411,8 +413,10 @@ impl Collation {
         if rest > 0 || input.records() != used {
             let Shape { rows, columns } = input;
             let what = match records {
-                Records::Bytes { .. } if rest > 0 => format!("{rest} bytes are left behind {rows} × {columns} records"),
-                _ => format!("there are {count} records, {rows} × {columns} are expected"),
+                Records::Bytes { .. } if rest > 0 => {
+                    format!("{rest} bytes follow {rows} × {columns} records, expected none")
+                }
+                _ => format!("there are {count} records, expected {rows} × {columns}"),
             };
             let is_text = matches!(records, Records::Text(_));
             if self.options.checks || reorders && is_text || input.records() != used {
@@ -422,7 +426,7 @@ impl Collation {
         }
         if output.records() != used {
             let Shape { rows, columns } = output;
-            return Err(format!("there are {used} records, which do not make {rows} rows of {columns}").into());
+            return Err(format!("there are {used} records, expected {rows} rows of {columns}").into());
         }
         Ok((input, output))
     }
@@ -437,11 +441,11 @@ impl Collation {
     ) -> Result<(), Mistake> {
         for row in 0..output.rows {
             for column in 0..output.columns {
-                let place = self.place(row, column, input, output);
+                let index = self.source_index(row, column, input, output);
                 match records {
-                    Records::Bytes { size } => text.push_bytes(&bytes[place * size..(place + 1) * size])?,
+                    Records::Bytes { size } => text.push_bytes(&bytes[index * size..(index + 1) * size])?,
                     Records::Text(ranges) => {
-                        let record = ranges.get(place).cloned().unwrap_or_default();
+                        let record = ranges.get(index).cloned().unwrap_or_default();
                         for (index, word) in words(&bytes[record]).enumerate() {
                             text.push_bytes(if index > 0 { b" " } else { b"" })?;
                             if self.options.checks {
@@ -457,15 +461,15 @@ impl Collation {
         Ok(())
     }
 
-    /// Which record of the input comes to a place of the output.
-    fn place(&self, row: usize, column: usize, input: Shape, output: Shape) -> usize {
+    /// Index of the input record at a position of the output.
+    fn source_index(&self, row: usize, column: usize, input: Shape, output: Shape) -> usize {
         let transposed = |row: usize, column: usize| column * input.columns + row;
         match (self.options.blocks.len() > 1, self.options.transposes) {
             (false, false) => row * output.columns + column,
             (false, true) => transposed(row, column),
             (true, transposes) => {
-                let place = place_in_blocks(&self.options.blocks, row, column);
-                if transposes { transposed(place / input.rows, place % input.rows) } else { place }
+                let index = index_in_blocks(&self.options.blocks, row, column);
+                if transposes { transposed(index / input.rows, index % input.rows) } else { index }
             }
         }
     }
@@ -478,37 +482,37 @@ fn words(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
 fn check_number(word: &[u8]) -> Result<(), Mistake> {
     match std::str::from_utf8(word).ok().and_then(whole_number) {
         Some(_) => Ok(()),
-        None => Err(format!("\"{}\" is no number", String::from_utf8_lossy(word)).into()),
+        None => Err(format!("\"{}\" is not a number", String::from_utf8_lossy(word)).into()),
     }
 }
 
-/// Blocks lie one after the other in the input, side by side in the output.
-fn place_in_blocks(levels: &[Shape], mut row: usize, mut column: usize) -> usize {
-    let mut place = 0;
+/// Blocks are consecutive in the input and side by side in the output.
+fn index_in_blocks(levels: &[Shape], mut row: usize, mut column: usize) -> usize {
+    let mut index = 0;
     for two in levels.windows(2) {
         let (whole, block) = (two[0], two[1]);
-        place += row / block.rows * block.rows * whole.columns + column / block.columns * block.records();
+        index += row / block.rows * block.rows * whole.columns + column / block.columns * block.records();
         (row, column) = (row % block.rows, column % block.columns);
     }
-    place + row * levels.last().map_or(0, |block| block.columns) + column
+    index + row * levels.last().map_or(0, |block| block.columns) + column
 }
 
-/// Takes a count of a header, which an option may have said, too.
+/// Takes a count from a header; an option may have set the same value.
 fn agree(known: &mut usize, value: &str, what: &str) -> Result<(), Mistake> {
     let found =
-        whole_count(value).ok_or_else(|| format!("the header says \"{value}\" {what}, expected a count above zero"))?;
+        whole_count(value).ok_or_else(|| format!("the header has \"{value}\" {what}, expected a count above zero"))?;
     if *known > 0 && *known != found {
-        return Err(format!("the header says {found} {what}, the options {known}").into());
+        return Err(format!("the header has {found} {what}, but the options request {known}").into());
     }
     *known = found;
     Ok(())
 }
 
-/// Where the records are.
+/// The ranges of the records.
 enum Records {
     Text(Vec<Range<usize>>),
     Bytes {
-        /// Of a record.
+        /// Size of a record.
         size: usize,
     },
 }
@@ -542,7 +546,7 @@ impl Records {
         if words > 0 { Err(broken(line, words, components)) } else { Ok(Records::Text(ranges)) }
     }
 
-    /// How many begin before the first line ends.
+    /// Number of records that begin in the first line.
     fn in_first_line(&self, bytes: &[u8]) -> usize {
         let Records::Text(ranges) = self else { return 0 };
         let begin = ranges.first().map_or(0, |first| first.start);

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Field {
     Literal(Vec<u8>),
-    /// A string variable; `width` counts the characters of the field in the format.
+    /// A string variable; `width` is the length of the field in the format.
     Text {
         name: String,
         width: usize,
@@ -16,7 +16,7 @@ pub(crate) enum Field {
     },
 }
 
-/// Reads a format. A line end is added unless `across_lines`.
+/// Parses a format. A line end is added unless `across_lines`.
 pub(crate) fn read(specification: &[u8], across_lines: bool) -> Result<Vec<Field>, String> {
     let mut fields: Vec<Field> = Vec::new();
     let mut rest = specification;

@@ -1,4 +1,4 @@
-//! Writing records of a format, for `rcalc -o`.
+//! Writes records of a format, for `rcalc -o`.
 
 use std::fmt::Write;
 
@@ -14,11 +14,12 @@ pub(crate) enum OutputField {
     Number { handle: Handle, width: usize },
 }
 
-/// Keeps columns: a value fills the width of its field unless other text touches it on both sides.
+/// Preserves columns: a value is padded to the width of its field unless other text touches it on
+/// both sides.
 pub(crate) struct Writer<'a> {
     fields: &'a [OutputField],
     blanks_join: bool,
-    /// Whether something other than a blank stands before.
+    /// Whether a non-blank precedes.
     touched: bool,
 }
 
@@ -27,7 +28,7 @@ impl<'a> Writer<'a> {
         Writer { fields, blanks_join, touched: false }
     }
 
-    /// Whether something other than a blank comes behind a field.
+    /// Whether a non-blank follows a field.
     fn touches_next(&self, index: usize) -> bool {
         self.blanks_join
             && match self.fields.get(index + 1) {
@@ -61,7 +62,7 @@ impl<'a> Writer<'a> {
     }
 
     fn put(&mut self, text: &mut Text, index: usize, value: &str, width: usize) -> Result<(), Error> {
-        // Field widths come from the format's length, so that padding cannot be long.
+        // Field widths come from the format's length, so padding cannot be long.
         match (self.touched, self.touches_next(index)) {
             (true, true) => text.write_str(value)?,
             (true, false) => write!(text, "{value:<width$}")?,

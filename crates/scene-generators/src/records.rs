@@ -1,4 +1,5 @@
-//! Records of numbers as `rcalc` and `total` read and write them: lines of columns, or binary numbers in a row.
+//! Records of numbers as `rcalc` and `total` read and write them: lines of columns, or binary
+//! numbers.
 
 use crate::Error;
 use crate::arguments::Arguments;
@@ -6,20 +7,20 @@ use crate::number_text::{leading_number, short_decimal};
 use crate::supply::Supply;
 use crate::text::{Text, is_space};
 
-/// A binary record takes no more bytes.
+/// Largest binary record, bytes.
 const LARGEST_BINARY_RECORD: usize = 16_384;
 
-/// How numbers are stored.
+/// The encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
     /// As text.
     Ascii,
-    /// IEEE numbers of 4 bytes, of 8 if `double`, with the lowest byte first unless `swapped`.
+    /// IEEE numbers of 4 bytes, or 8 if `double`; little-endian unless `swapped`.
     Binary { double: bool, swapped: bool },
 }
 
 impl Encoding {
-    /// The encoding of the letter after `-i` or `-o`.
+    /// The encoding for a letter after `-i` or `-o`.
     pub(crate) fn of_letter(letter: u8) -> Option<Encoding> {
         match letter {
             b'a' => Some(Encoding::Ascii),
@@ -40,20 +41,20 @@ impl Encoding {
     }
 }
 
-/// How the numbers of a record are told apart.
+/// The format of input records.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InputForm {
     pub(crate) encoding: Encoding,
-    /// Numbers in a binary record.
+    /// Numbers per binary record.
     pub(crate) columns: usize,
-    /// Between the columns of a line.
+    /// Separator of columns.
     pub(crate) separator: u8,
-    /// Whether runs of white space separate, if the separator is white space.
+    /// Whether runs of white space form one separator, if the separator is white space.
     pub(crate) blanks_join: bool,
 }
 
 impl InputForm {
-    /// Reads the rest of an option such as `-id3`.
+    /// Parses the rest of an option such as `-id3`.
     pub(crate) fn take_encoding(&mut self, option: &str, arguments: &Arguments<'_>) -> Result<(), Error> {
         let bytes = option.as_bytes();
         self.encoding =
@@ -67,7 +68,7 @@ impl InputForm {
         Ok(())
     }
 
-    /// The next record, or `None` at the end. Before more is read, `text` goes out.
+    /// The next record, or `None` at the end. Flushes `text` before it reads more.
     pub(crate) fn next_record<'a>(
         &self,
         supply: &'a mut Supply<'_>,
@@ -92,7 +93,7 @@ pub(crate) struct Record<'a> {
 }
 
 impl Record<'_> {
-    /// The value of a column, counted from 1; zero where there is none.
+    /// The value of a column, from 1; zero if it does not exist.
     pub(crate) fn column(&self, column: usize) -> f64 {
         match self.form.encoding {
             Encoding::Ascii => number_at_start(self.field(column)),
@@ -105,7 +106,7 @@ impl Record<'_> {
         }
     }
 
-    /// How many columns there are.
+    /// Number of columns.
     pub(crate) fn columns(&self) -> usize {
         if self.form.encoding != Encoding::Ascii {
             return self.form.columns;

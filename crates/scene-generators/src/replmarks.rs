@@ -1,9 +1,11 @@
-//! `replmarks [-e] [-s size] [-m modout] {-x objfile | -i octree | -I mesh} modname … [file …]`: puts objects in place of markers.
+//! `replmarks [-e] [-s size] [-m modout] {-x objfile | -i octree | -I mesh} modname … [file …]`:
+//! replaces markers by objects.
 //!
-//! A marker is a polygon with the modifier `modname`. Its longest edge is ignored (a hypotenuse), the second longest is the
-//! new x axis, the third longest lies towards the new y axis; both start in the corner that they share. `-s` is the length of
-//! the x edge of a marker that leaves the object at its size. With `-e` commands in the file, and the `xform` commands that
-//! replace markers, are run at once. Everything else passes through.
+//! A marker is a polygon with the modifier `modname`. Its longest edge is ignored (a hypotenuse),
+//! the second longest is the new x axis, the third longest points towards the new y axis; both
+//! start at their shared corner. `-s` is the length of the x edge of a marker that leaves the
+//! object's size unchanged. With `-e`, commands in the file and the `xform` commands that replace
+//! markers are run at once. Everything else is copied.
 
 use std::fmt::Write;
 
@@ -16,9 +18,9 @@ use crate::shell_words;
 use crate::text::{Quoted, Text};
 use crate::{Error, Invocation, Output};
 
-/// A marker has no more corners than this.
+/// Largest number of corners of a marker.
 const MAX_CORNERS: usize = 6;
-/// `-e` runs commands whose output has commands, no deeper than this.
+/// Largest nesting depth of commands with `-e`.
 const MAX_COMMAND_DEPTH: usize = 32;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -29,12 +31,12 @@ enum Replacement {
 }
 
 struct Marker<'a> {
-    /// Modifier of the polygons to replace.
+    /// Modifier of the polygons to be replaced.
     modifier: &'a str,
     kind: Replacement,
     object: &'a str,
     new_modifier: Option<&'a str>,
-    /// Object sizes per marker size; zero for no scaling.
+    /// Object size divided by marker size; zero for no scaling.
     scale: f64,
 }
 
@@ -85,7 +87,7 @@ fn read_markers<'a>(arguments: &mut Arguments<'a>) -> Result<(Vec<Marker<'a>>, b
         markers.push(Marker { modifier, kind, object, new_modifier, scale });
     }
     match markers.is_empty() {
-        true => Err(arguments.mistake(arguments.position(), "no marker is named")),
+        true => Err(arguments.mistake(arguments.position(), "no modifier of markers is named")),
         false => Ok((markers, expand)),
     }
 }
@@ -163,7 +165,7 @@ impl Replacer<'_> {
         Ok(true)
     }
 
-    /// Passes the three argument lists of a primitive along; false when they are incomplete.
+    /// Copies the three argument lists of a primitive; false if they are incomplete.
     fn arguments(&mut self, words: &mut SceneWords<'_>) -> Result<bool, Error> {
         for _ in 0..3 {
             let Some(count) = words.count() else { return Ok(false) };
@@ -219,7 +221,7 @@ fn read_corners(words: &mut SceneWords<'_>) -> Option<Vec<[f64; 3]>> {
     (0..count / 3).map(|_| Some([words.number()?, words.number()?, words.number()?])).collect()
 }
 
-/// The options of `xform` that bring an object into the marker's frame.
+/// The `xform` options that transform an object into the marker's coordinate system.
 fn transform(corners: &[[f64; 3]], scale: f64) -> Option<Vec<String>> {
     let (origin, x_end, y_end) = axes(corners)?;
     let (x_axis, x_length) = unit(subtract(x_end, origin))?;
@@ -239,7 +241,8 @@ fn transform(corners: &[[f64; 3]], scale: f64) -> Option<Vec<String>> {
 /// The shared corner of the second and third longest edges, and their other ends.
 fn axes(corners: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3], [f64; 3])> {
     let count = corners.len();
-    // Squared lengths are compared in single precision, and equal edges keep their order, as in Radiance.
+    // Squared lengths are compared in single precision, and equal edges keep their order, as in
+    // Radiance.
     let mut edges: Vec<(usize, usize, f32)> = (0..count)
         .map(|end| {
             let begin = (end + count - 1) % count;
@@ -258,12 +261,12 @@ fn axes(corners: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3], [f64; 3])> {
     (x_edge.0 == y_edge.0).then(|| (corners[x_edge.0], corners[x_edge.1], corners[y_edge.1]))
 }
 
-/// Rotations about x, y and z, in degrees, that turn the coordinate axes into the given unit vectors.
+/// Rotations about x, y and z, in degrees, that map the coordinate axes to the given unit vectors.
 fn rotations(x_axis: [f64; 3], y_axis: [f64; 3], z_axis: [f64; 3], push: &mut dyn FnMut(&str, f64)) {
     const TINY: f64 = 1e-6;
     let is_zero = |angle: f64| angle.abs() <= TINY;
     if y_axis[2] * y_axis[2] + z_axis[2] * z_axis[2] < 2.0 * TINY * TINY {
-        // The new x axis is the old z axis: two rotations suffice.
+        // The new x axis is the old z axis, so two rotations suffice.
         push("-ry", if x_axis[2] < 0.0 { 90.0 } else { -90.0 });
         push("-rz", -y_axis[0].atan2(y_axis[1]).to_degrees());
         return;

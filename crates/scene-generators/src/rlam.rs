@@ -1,8 +1,10 @@
-//! `rlam [-tS] [-u] [-i{a|f|d|i|w|b}[N]] [-in M] input …`: records of several inputs side by side.
+//! `rlam [-tS] [-u] [-i{a|f|d|i|w|b}[N]] [-in M] input …`: joins records of several inputs side by
+//! side.
 //!
-//! An input is a file, `-`, or a command after `!`. Its records are N lines (`-ia`) or N binary numbers of 4 (`-if`, `-ii`), 8 (`-id`), 2 (`-iw`) or 1 byte
-//! (`-ib`). Before a line stands S (`-t`; a line break where S is empty), at first a tab, after a binary form nothing; before numbers stands nothing. Options
-//! hold for the inputs after them. `-in` is the most records.
+//! An input is a file, `-`, or a command after `!`. Its records are N lines (`-ia`) or N binary
+//! numbers of 4 (`-if`, `-ii`), 8 (`-id`), 2 (`-iw`) or 1 byte (`-ib`). The separator S (`-t`; a
+//! line break if S is empty; a tab by default, nothing after a binary format) precedes each line
+//! but no number. Options apply to the inputs after them. `-in` is the largest number of records.
 
 use crate::arguments::Arguments;
 use crate::number_text::leading_integer;
@@ -12,7 +14,7 @@ use crate::{Error, Invocation, Output, pipeline};
 use radsight_loader::{FileKind, LoadError};
 use std::io::{Cursor, Read};
 
-/// What a record is.
+/// The format of a record.
 #[derive(Clone, Copy)]
 enum Form {
     Lines(usize),
@@ -21,7 +23,7 @@ enum Form {
 
 #[derive(Clone)]
 struct Input {
-    /// Which of the streams; standard input may be named several times.
+    /// Index of the stream; standard input may be named several times.
     stream: usize,
     form: Form,
     separator: String,
@@ -68,7 +70,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
 }
 
 impl Input {
-    /// Reads an option such as `-id3`.
+    /// Parses an option such as `-id3`.
     fn take_form(&mut self, option: &str, arguments: &Arguments<'_>) -> Result<(), Error> {
         let size = match option.as_bytes().get(2) {
             Some(b'a') => None,
@@ -94,7 +96,7 @@ impl Input {
     }
 }
 
-/// The number of an input's stream, which is read if it is a new one.
+/// The index of an input's stream, which is opened if it is new.
 fn stream<'a>(name: &str, streams: &mut Vec<Stream<'a>>, invocation: &Invocation<'a>) -> Result<usize, Error> {
     let known = streams.iter().position(|stream| name == "-" && stream.name == name);
     if let Some(known) = known {
@@ -108,8 +110,8 @@ fn stream<'a>(name: &str, streams: &mut Vec<Stream<'a>>, invocation: &Invocation
     Ok(streams.len() - 1)
 }
 
-/// What a command writes: as it comes where the caller may run it, else all of it from the programs
-/// of this crate.
+/// The output of a command: streamed if the caller may run it, otherwise complete, from the
+/// programs of this crate.
 fn command_output<'a>(command: &str, invocation: &Invocation<'a>) -> Result<Box<dyn Read + 'a>, Error> {
     match invocation.loader.open_command(command) {
         Err(LoadError::CommandRefused { .. }) => {

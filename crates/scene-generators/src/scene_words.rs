@@ -2,7 +2,7 @@
 
 use crate::text::is_space;
 
-/// Walks over the bytes of a file.
+/// A cursor over the bytes of a file.
 pub(crate) struct SceneWords<'a> {
     bytes: &'a [u8],
     position: usize,
@@ -13,12 +13,12 @@ impl<'a> SceneWords<'a> {
         SceneWords { bytes, position: 0 }
     }
 
-    /// How many bytes were taken.
+    /// Number of bytes consumed.
     pub(crate) fn position(&self) -> usize {
         self.position
     }
 
-    /// The next byte that is not white space, left in place.
+    /// The next byte that is not white space, without consuming it.
     pub(crate) fn peek(&mut self) -> Option<u8> {
         while self.bytes.get(self.position).is_some_and(|byte| is_space(*byte as char)) {
             self.position += 1;
@@ -26,7 +26,7 @@ impl<'a> SceneWords<'a> {
         self.bytes.get(self.position).copied()
     }
 
-    /// The next word. A quote anywhere in it protects white space up to its twin; the quotes are taken away.
+    /// The next word. A quote protects white space up to its matching quote; quotes are removed.
     pub(crate) fn word(&mut self) -> Option<String> {
         self.peek()?;
         let mut word = Vec::new();
@@ -43,7 +43,7 @@ impl<'a> SceneWords<'a> {
         Some(String::from_utf8_lossy(&word).into_owned())
     }
 
-    /// The next word as a number; `None` at the end or when the word is not one.
+    /// The next word as a number; `None` at the end or if it is not one.
     pub(crate) fn number(&mut self) -> Option<f64> {
         crate::number_text::whole_number(&self.word()?)
     }
@@ -61,7 +61,8 @@ impl<'a> SceneWords<'a> {
         &rest[..length]
     }
 
-    /// The rest of the line, going on after a line end with a backslash before it, without the last line end.
+    /// The rest of the line, including continuation lines after a backslash, without the last line
+    /// end.
     pub(crate) fn continued_line(&mut self) -> String {
         let mut joined = Vec::new();
         loop {

@@ -1,9 +1,9 @@
-//! Splits a command line as `sh` does in the plain cases.
+//! Splits a command line as `sh` does in simple cases.
 //!
-//! Understood: words, single and double quotes, backslashes, a backslash before a line end, comments, pipes, `;` or a line
-//! end between commands, groups in parentheses, input from a file with `<`, and patterns of file names, which
-//! [`expanded`] replaces by the files there are. Anything else that `sh` would act on is an
-//! error that names the construct: a scene that relies on it needs a real shell, and guessing would change its meaning.
+//! Supports words, single and double quotes, backslashes, continuation lines, comments, pipes, `;`
+//! or a line end between commands, groups in parentheses, input from a file with `<`, and file name
+//! patterns, which [`expanded`] replaces by the matching files. Any other construct of `sh` is an
+//! error that names it: such a scene needs a real shell, and guessing would change its meaning.
 //!
 //! ```
 //! let script = radsight_scene_generators::shell_words::split("genrev brass knob 'sin(PI*t)' t 8 | xform -t 0 0 1").unwrap();
@@ -14,18 +14,18 @@
 use radsight_loader::Loader;
 use std::ops::Range;
 
-/// Groups nest no deeper than this.
+/// Largest nesting depth of groups.
 pub const MAX_GROUP_DEPTH: usize = 32;
 
-/// A word after quotes and backslashes are taken away.
+/// A word without quotes and backslashes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Word {
-    /// What the program gets.
+    /// The word that the program receives.
     pub text: String,
-    /// The word as a pattern of file names, if it has a `*`, `?` or `[` that no quote protects; those that one
-    /// protects stand in brackets.
+    /// The word as a file name pattern, if it has an unquoted `*`, `?` or `[`; quoted ones are put
+    /// in brackets.
     pub pattern: Option<String>,
-    /// The bytes of the line that it was written with, quotes included.
+    /// Byte range in the line, quotes included.
     pub range: Range<usize>,
 }
 
@@ -38,14 +38,14 @@ pub struct Command {
     pub input: Option<Word>,
 }
 
-/// One member of a pipe.
+/// One stage of a pipe.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// A program.
     Command(Command),
-    /// `( … )`: the outputs of its pipelines follow each other.
+    /// `( … )`: the concatenated outputs of its pipelines.
     Group {
-        /// What stands between the parentheses.
+        /// The script between the parentheses.
         script: Script,
         /// The file after `<`, read by every program inside that reads its standard input.
         input: Option<Word>,
@@ -66,21 +66,21 @@ pub struct Script {
     pub pipelines: Vec<Pipeline>,
 }
 
-/// Why a line cannot be split; every variant has the bytes of the line that are at fault.
+/// Why a line cannot be split; every variant has the byte range of the mistake.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SyntaxError {
-    /// A construct that only a shell can carry out.
+    /// A construct that requires a shell.
     #[error("{construct} (\"{text}\") needs a shell, and scene commands run without one{}", hint(.construct))]
     NeedsShell {
         /// Its name.
         construct: &'static str,
         /// As written.
         text: String,
-        /// Where.
+        /// Its range.
         range: Range<usize>,
     },
-    /// A quote is opened and never closed.
+    /// A quote without a closing quote.
     #[error("the quote {quote} is never closed")]
     UnclosedQuote {
         /// The quote.
@@ -88,38 +88,38 @@ pub enum SyntaxError {
         /// From the quote to the end of the line.
         range: Range<usize>,
     },
-    /// A group is opened and never closed.
+    /// A parenthesis without a closing one.
     #[error("the parenthesis is never closed")]
     UnclosedGroup {
         /// The parenthesis.
         range: Range<usize>,
     },
-    /// Something stands where a program's name should be.
+    /// A program name is missing.
     #[error("expected a command, found {found}")]
     ExpectedCommand {
-        /// In words.
+        /// What was found instead.
         found: String,
-        /// Where.
+        /// Its range.
         range: Range<usize>,
     },
-    /// Something stands after a complete command or group, or where a file name should be.
+    /// An unexpected token after a complete command or group, or in place of a file name.
     #[error("unexpected {found}")]
     Unexpected {
-        /// In words.
+        /// What was found.
         found: String,
-        /// Where.
+        /// Its range.
         range: Range<usize>,
     },
-    /// Groups nest too deep.
+    /// Groups are nested too deeply.
     #[error("more than {MAX_GROUP_DEPTH} nested parentheses")]
     TooDeep {
-        /// The parenthesis that is one too many.
+        /// The range of the parenthesis that exceeds the limit.
         range: Range<usize>,
     },
 }
 
 impl SyntaxError {
-    /// The bytes of the line that are at fault.
+    /// The byte range of the mistake.
     #[must_use]
     pub fn range(&self) -> Range<usize> {
         match self {
@@ -160,8 +160,8 @@ pub fn split(line: &str) -> Result<Script, SyntaxError> {
     }
 }
 
-/// Words with each pattern replaced by the names of the files that it matches. Where there is none the pattern is
-/// a plain word, as in `sh`: scenes have arithmetic such as `t*.9` among their arguments.
+/// Words with each pattern replaced by the names of matching files. A pattern without matches is a
+/// plain word, as in `sh`: scenes have arithmetic such as `t*.9` among their arguments.
 #[must_use]
 pub fn expanded(words: &[Word], loader: &dyn Loader) -> Vec<Word> {
     let mut all = Vec::with_capacity(words.len());
@@ -175,7 +175,7 @@ pub fn expanded(words: &[Word], loader: &dyn Loader) -> Vec<Word> {
     all
 }
 
-/// Writes words so that a shell reads the same words back.
+/// Joins words, quoted so that a shell parses them back.
 #[must_use]
 pub fn join(words: &[String]) -> String {
     let plain = |word: &str| {
@@ -382,10 +382,10 @@ fn tokens(line: &str) -> Result<Vec<Token>, SyntaxError> {
     Ok(tokens)
 }
 
-/// What makes a word a pattern of file names. The closing bracket means something only after an opening one.
+/// Characters of file name patterns. The closing bracket is special only after an opening one.
 const WILDCARDS: [char; 4] = ['*', '?', '[', ']'];
 
-/// A word as a pattern, where some of its bytes are unprotected wildcards.
+/// A word as a pattern, where some of its bytes are unquoted wildcards.
 fn pattern(text: &str, wildcards: &[usize]) -> Option<String> {
     if !wildcards.iter().any(|at| !text[*at..].starts_with(']')) {
         return None;
@@ -393,7 +393,7 @@ fn pattern(text: &str, wildcards: &[usize]) -> Option<String> {
     let mut pattern = String::with_capacity(text.len());
     for (at, character) in text.char_indices() {
         match character {
-            // In sh two stars are one; elsewhere they would go down into all folders.
+            // In sh two stars equal one; elsewhere they would match folders recursively.
             '*' if wildcards.contains(&at) && at > 0 && wildcards.contains(&(at - 1)) && pattern.ends_with('*') => {}
             _ if !WILDCARDS.contains(&character) || wildcards.contains(&at) => pattern.push(character),
             _ => pattern.extend(['[', character, ']']),
@@ -421,7 +421,7 @@ impl Scanner<'_> {
         SyntaxError::NeedsShell { construct, text: self.line[range.clone()].to_owned(), range }
     }
 
-    /// A whole word; `begins_command` says that a `name=value` here would set a variable.
+    /// A whole word. `begins_command` means that `name=value` here would set a variable.
     fn word(&mut self, begins_command: bool) -> Result<Word, SyntaxError> {
         let start = self.position;
         let mut text = String::new();
@@ -497,7 +497,7 @@ impl Scanner<'_> {
         Err(SyntaxError::UnclosedQuote { quote: '"', range: start..self.line.len() })
     }
 
-    /// A backslash and what it protects; with a line end both vanish.
+    /// A backslash and the character it protects; with a line end both are removed.
     fn escaped(&mut self, text: &mut String) {
         if self.at("\\\r\n") {
             self.position += 3;
@@ -514,7 +514,7 @@ impl Scanner<'_> {
         }
     }
 
-    /// A dollar sign is itself unless something that it expands follows.
+    /// A dollar sign is literal unless something expandable follows.
     fn dollar(&mut self, text: &mut String) -> Result<(), SyntaxError> {
         let start = self.position;
         let rest = &self.line[start + 1..];

@@ -1,6 +1,7 @@
-//! The sky in patches: what Perez' model gives each of them at one moment.
+//! The sky in patches: the Perez model evaluated for each patch at one time.
 //!
-//! Of Reinhart's patches the first is the ground, then come the rows from the horizon up, each from north to east.
+//! The first of Reinhart's patches is the ground; rows follow from the horizon up, each from north
+//! to east.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -12,46 +13,48 @@ use radsight_units::photometry::WHITE_EFFICACY;
 
 /// Extraterrestrial illuminance, lux.
 const SOLAR_CONSTANT_LUX: f64 = 127_500.0;
-/// The model's range: clearness from irradiance, from illuminance; and brightness.
+/// Upper limits of the model: clearness from irradiance, from illuminance; and brightness.
 const MOST_CLEARNESS: [f64; 2] = [11.9, 12.0];
 const BRIGHTNESS: (f64, f64) = (0.01, 0.6);
-/// The sun is never nearer to the zenith, nor lower than the horizon, as the model sees it.
+/// Smallest zenith angle of the sun in the model; the largest is that of the horizon.
 const LEAST_ZENITH_ANGLE: f64 = 3.0 * PI / 180.0;
-/// Where the irradiance of an illuminance is looked for: so exactly, W/m², and so often.
+/// Convergence criterion, W/m², and largest number of iterations for the irradiance of an
+/// illuminance.
 const SETTLED: f64 = 10.0;
 const MOST_TRIALS: usize = 5;
 
 /// A division of the sky.
 #[derive(Clone, Debug)]
 pub(crate) struct SkyPatches {
-    /// Altitude and azimuth (from north to east) of the middle, radians, and solid angle, sr; the ground first.
+    /// Altitude and azimuth (from north to east) of the centre, radians, and solid angle, sr; the
+    /// ground first.
     patches: Vec<[f64; 3]>,
 }
 
-/// Light at one moment.
+/// Measured light at one time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Light {
     pub(crate) quantity: Quantity,
-    /// On a surface that faces the sun, and on a level one.
+    /// On a surface that faces the sun, and on a horizontal one.
     pub(crate) direct: f64,
     pub(crate) diffuse: f64,
     /// Precipitable water, cm.
     pub(crate) water: f64,
-    /// Of the year, from 1.
+    /// Day of the year, from 1.
     pub(crate) day: f64,
-    /// The sun's, radians.
+    /// Solar altitude, radians.
     pub(crate) altitude: f64,
 }
 
-/// What follows from it.
+/// The derived sky.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sky {
     conditions: Conditions,
     sun_zenith: f64,
-    /// W/m².
+    /// Direct normal irradiance, W/m².
     direct_irradiance: f64,
     diffuse_irradiance: f64,
-    /// lux.
+    /// Direct normal illuminance, lux.
     pub(crate) direct_illuminance: f64,
     pub(crate) diffuse_illuminance: f64,
 }
@@ -77,12 +80,12 @@ impl SkyPatches {
         self.patches[patch][2]
     }
 
-    /// How many there are, the ground with them.
+    /// Number of patches, including the ground.
     pub(crate) fn len(&self) -> usize {
         self.patches.len()
     }
 
-    /// How bright each patch but the ground is beside the others, scaled so that all give a horizontal illuminance of 1.
+    /// Relative luminance of each patch except the ground, scaled to a horizontal illuminance of 1.
     pub(crate) fn luminances(&self, sky: &Sky, azimuth: f64) -> Vec<f64> {
         let parameters = sky.conditions.parameters(sky.sun_zenith);
         let (sin_sun, cos_sun) = sky.sun_zenith.sin_cos();
@@ -109,7 +112,8 @@ impl SkyPatches {
         luminances
     }
 
-    /// The patches of the sky nearest to a direction, with the cosines of their angles to it if it is a unit vector.
+    /// The patches of the sky nearest to a direction, with the cosines of their angles to it if it
+    /// is a unit vector.
     pub(crate) fn nearest(&self, direction: [f64; 3], count: usize) -> Vec<(f64, usize)> {
         let nearness = |(index, patch): (usize, &[f64; 3])| (dot(towards(patch[0], patch[1]), direction), index);
         let mut nearest: Vec<(f64, usize)> = self.patches.iter().enumerate().skip(1).map(nearness).collect();
@@ -118,8 +122,8 @@ impl SkyPatches {
         nearest
     }
 
-    /// The patches nearest to the sun, and by how much light of irradiance 1 raises the radiance of each: shared by nearness, over their own solid
-    /// angle or one that is given.
+    /// The patches nearest to the sun, and the radiance that an irradiance of 1 adds to each:
+    /// distributed by proximity, over their own solid angle or a given one.
     pub(crate) fn around_sun(
         &self,
         (altitude, azimuth): (f64, f64),
@@ -127,7 +131,7 @@ impl SkyPatches {
         solid_angle: Option<f64>,
     ) -> Vec<(usize, f64)> {
         let nearest = self.nearest(towards(altitude, azimuth), count);
-        // As in Radiance, so that a patch that holds the sun does not get all of it.
+        // As in Radiance, so that a patch that contains the sun does not get all of it.
         let weight = |cosine: f64| 1.0 / (1.002 - cosine);
         let total: f64 = nearest.iter().map(|(cosine, _)| weight(*cosine)).sum();
         let share = |(cosine, index): (f64, usize)| {
@@ -158,7 +162,7 @@ impl Sky {
                 ..sky
             };
         }
-        // The efficacies depend on what is looked for.
+        // The efficacies depend on the unknown.
         let scale = SOLAR_CONSTANT / SOLAR_CONSTANT_LUX;
         let mut found = sky(direct * scale, diffuse * scale, MOST_CLEARNESS[1]);
         let mut before = [0.1; 2];
@@ -181,7 +185,7 @@ impl Sky {
         [conditions.direct_efficacy(*sun_zenith, water), conditions.diffuse_efficacy(*sun_zenith, water)]
     }
 
-    /// The same with all of the sun's light in the place of what is visible.
+    /// The same sky with solar instead of visible radiation.
     pub(crate) fn solar(self) -> Sky {
         Sky {
             direct_illuminance: self.direct_irradiance * WHITE_EFFICACY,
@@ -191,7 +195,8 @@ impl Sky {
     }
 }
 
-/// The unit direction of an altitude and an azimuth from north to east: east, north and up.
+/// The unit direction of an altitude and an azimuth from north to east: components east, north and
+/// up.
 pub(crate) fn towards(altitude: f64, azimuth: f64) -> [f64; 3] {
     [altitude.cos() * azimuth.sin(), altitude.cos() * azimuth.cos(), altitude.sin()]
 }

@@ -1,35 +1,37 @@
-//! Where the sun stands, as `gensky` and `gendaylit` compute it.
+//! The sun's position, as `gensky` and `gendaylit` compute it.
 //!
-//! Two methods. The simple one (declination and equation of time as sines of the day of the year, after the IES Lighting
-//! Handbook) needs no year. The better one is the Astronomical Almanac's, good to 0.01° from 1950 to 2050: J. J. Michalsky,
-//! "The Astronomical Almanac's algorithm for approximate solar position (1950–2050)", Solar Energy 40 (3), 1988.
-//! Times are hours from local midnight, angles radians; azimuth is measured from south, towards the west.
+//! There are two methods. The simple one (declination and equation of time as sines of the day of
+//! the year, after the IES Lighting Handbook) needs no year. The more accurate one is the
+//! Astronomical Almanac's, good to 0.01° from 1950 to 2050: J. J. Michalsky, "The Astronomical
+//! Almanac's algorithm for approximate solar position (1950–2050)", Solar Energy 40 (3), 1988.
+//! Times are hours from local midnight, angles radians; azimuth is measured from south, towards the
+//! west.
 
 use std::f64::consts::PI;
 
 const DEGREE: f64 = PI / 180.0;
-/// Radians of the earth's turning in an hour.
+/// Rotation of the earth per hour, radians.
 const HOUR: f64 = PI / 12.0;
 
-/// A place on earth and its clock.
+/// A site and its clock.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Site {
     /// Radians north of the equator.
     pub(crate) latitude: f64,
     /// Radians west of Greenwich.
     pub(crate) longitude: f64,
-    /// Radians west of Greenwich of the meridian that the clock follows.
+    /// Standard meridian of the clock, radians west of Greenwich.
     pub(crate) meridian: f64,
 }
 
 impl Default for Site {
-    /// Radiance's home, Berkeley, California.
+    /// Radiance's default site, Berkeley, California.
     fn default() -> Self {
         Site { latitude: 0.66, longitude: 2.13, meridian: 120.0 * DEGREE }
     }
 }
 
-/// A moment by the local clock or by the sun.
+/// A time by the local clock or by the sun.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
     /// For the Almanac's method; `None` selects the simple one.
@@ -74,7 +76,7 @@ impl Moment {
         let since_1949 = year - 1949;
         let days = self.day_of_year() + leap_day + since_1949 * 365 + since_1949 / 4;
         let universal_hour = self.hour + site.meridian / HOUR;
-        // Days from noon UT on 1 January 2000.
+        // Days since noon UT on 1 January 2000.
         let date = days as f64 + universal_hour / 24.0 + (2_432_916.5 - 2_451_545.0);
         let mean_longitude = (280.460 * DEGREE + 0.985_647_4 * DEGREE * date).rem_euclid(2.0 * PI);
         let mean_anomaly = (357.528 * DEGREE + 0.985_600_3 * DEGREE * date).rem_euclid(2.0 * PI);
@@ -100,7 +102,7 @@ pub(crate) fn simple_declination(day: f64) -> f64 {
     0.4093 * ((2.0 * PI / 365.0) * (day - 81.0)).sin()
 }
 
-/// Hours to add to the clock for solar time: the equation of time and the way from the clock's meridian.
+/// Hours to add to the clock for solar time: the equation of time and the longitude correction.
 pub(crate) fn simple_time_adjustment(day: f64, site: &Site) -> f64 {
     0.170 * ((4.0 * PI / 373.0) * (day - 80.0)).sin() - 0.129 * ((2.0 * PI / 355.0) * (day - 8.0)).sin()
         + (12.0 / PI) * (site.meridian - site.longitude)
@@ -128,8 +130,9 @@ pub(crate) fn direction(altitude: f64, azimuth: f64) -> [f64; 3] {
     [-azimuth.sin() * altitude.cos(), -azimuth.cos() * altitude.cos(), altitude.sin()]
 }
 
-/// Mean horizontal radiance of the sky times π, over zenith radiance, as fourth-degree polynomials in the sun's altitude;
-/// for the intermediate or the clear sky. The values are those of `gensky`.
+/// Mean horizontal radiance of the sky times π, divided by zenith radiance, as fourth-degree
+/// polynomials of the solar altitude; for the intermediate or the clear sky. The coefficients are
+/// `gensky`'s.
 pub(crate) fn sky_normalization(altitude: f64, intermediate: bool) -> f64 {
     const CLEAR: [f64; 5] = [2.766521, 0.547665, -0.369832, 0.009237, 0.059229];
     const INTERMEDIATE: [f64; 5] = [3.5556, -2.7152, -1.3081, 1.0660, 0.60227];

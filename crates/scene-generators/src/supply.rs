@@ -1,5 +1,4 @@
-//! Input that is read as it comes: as much as is needed, and no byte before what was answered is on
-//! its way.
+//! Streaming input: reads only as much as needed, and flushes pending output before each read.
 
 use std::io::{ErrorKind, Read};
 use std::ops::Range;
@@ -9,14 +8,13 @@ use radsight_loader::LoadError;
 use crate::Error;
 use crate::text::Text;
 
-/// Bytes that are asked for at a time.
+/// Number of bytes per read.
 const READ_SIZE: usize = 1 << 16;
 
-/// Longer records are a mistake; all that is kept of an input is one record and what was read with
-/// it.
+/// Longest record, bytes. Only one record and the rest of the last read are kept.
 const LONGEST_RECORD: usize = 1 << 28;
 
-/// An input with a window on what was read of it and not used.
+/// An input with a window of bytes read but not consumed.
 pub(crate) struct Supply<'a> {
     source: Box<dyn Read + 'a>,
     name: String,
@@ -32,36 +30,36 @@ impl<'a> Supply<'a> {
         Supply { source, name: name.to_owned(), buffer: Vec::new(), start: 0, end: 0, ended: false }
     }
 
-    /// What the input is called in messages.
+    /// The name of the input in messages.
     pub(crate) fn name(&self) -> &str {
         crate::source_name(&self.name)
     }
 
-    /// What was read and not used.
+    /// The bytes read but not consumed.
     pub(crate) fn window(&self) -> &[u8] {
         &self.buffer[self.start..self.end]
     }
 
-    /// Some bytes of the buffer, of a range that another function of this gave; the next reading
-    /// overwrites them.
+    /// The bytes of a range returned by another method; the next read overwrites them.
     pub(crate) fn bytes(&self, range: Range<usize>) -> &[u8] {
         &self.buffer[range]
     }
 
-    /// Moves the window's start.
+    /// Consumes bytes at the start of the window.
     pub(crate) fn take(&mut self, count: usize) -> Range<usize> {
         let begin = self.start;
         self.start = self.start.saturating_add(count).min(self.end);
         begin..self.start
     }
 
-    /// Leaves the rest of the input.
+    /// Skips the rest of the input.
     pub(crate) fn stop(&mut self) {
         self.start = self.end;
         self.ended = true;
     }
 
-    /// Takes a line with its end, which the last one may lack; `None` at the end of the input.
+    /// Consumes a line with its line end, which the last one may lack; `None` at the end of the
+    /// input.
     pub(crate) fn line(&mut self, text: &mut Text) -> Result<Option<Range<usize>>, Error> {
         let mut searched = 0;
         loop {
@@ -75,7 +73,7 @@ impl<'a> Supply<'a> {
         }
     }
 
-    /// Takes so many bytes; `None` when there are fewer.
+    /// Consumes exactly `count` bytes; `None` if there are fewer.
     pub(crate) fn exactly(&mut self, count: usize, text: &mut Text) -> Result<Option<Range<usize>>, Error> {
         while self.end - self.start < count {
             if !self.more(text)? {
@@ -85,8 +83,8 @@ impl<'a> Supply<'a> {
         Ok(Some(self.take(count)))
     }
 
-    /// Reads on, behind the window; `false` at the end of the input. What was answered goes out
-    /// before: who wrote the input may wait for it.
+    /// Reads more bytes after the window; `false` at the end of the input. Flushes the output
+    /// before, since the writer of the input may wait for it.
     pub(crate) fn more(&mut self, text: &mut Text) -> Result<bool, Error> {
         if self.ended {
             return Ok(false);
@@ -117,7 +115,7 @@ impl<'a> Supply<'a> {
         }
         let room = self.buffer.len() - self.end;
         if room < READ_SIZE {
-            // A long record grows by doubling.
+            // The buffer for a long record doubles.
             self.buffer.resize((self.end + READ_SIZE).max(2 * self.end), 0);
         }
     }
@@ -131,7 +129,7 @@ impl<'a> Supply<'a> {
 mod tests {
     use super::*;
 
-    /// Gives a byte at a time.
+    /// Returns one byte at a time.
     struct Drops(&'static [u8]);
 
     impl Read for Drops {

@@ -1,7 +1,10 @@
-//! `tabfunc [-i] NAME …`: functions of one variable from the columns of a table on standard input, as text of the function language.
+//! `tabfunc [-i] NAME …`: converts a table on standard input to functions of one variable, in the
+//! function language.
 //!
-//! The first column is the variable, each further one a function; `0` for a name leaves a column out. With `-i` values are interpolated, without
-//! it they hold for the variable's own values. Names of helpers end with a number made of the table, where the real program puts that of its process.
+//! The first column is the variable, each further one a function; the name `0` skips a column. With
+//! `-i` values are interpolated; otherwise functions are defined at the tabulated values only.
+//! Names of helper functions end with a hash of the table, where the real program uses its process
+//! number.
 
 use crate::arguments::Arguments;
 use crate::number_text::leading_number;
@@ -9,7 +12,7 @@ use crate::text::{Text, general, is_space};
 use crate::{Error, Invocation, Output};
 use std::fmt::{self, Write};
 
-/// A line of the output is no longer, unless a single number is.
+/// Longest output line, unless a single number exceeds it.
 const LINE: usize = 64;
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
@@ -40,7 +43,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         PlaceError::Turns { row } => Error::Input {
             program: arguments.program().to_owned(),
             source_name: "standard input".to_owned(),
-            mistake: format!("row {row}: the variable neither rises nor falls all the way, expected it in order"),
+            mistake: format!("row {row}: the variable is not monotonic, expected values that only rise or only fall"),
         },
     })?;
     for (name, column) in
@@ -61,11 +64,11 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
 }
 
 struct Table {
-    /// The first column; it has a row at least.
+    /// The first column, with at least one row.
     variable: Vec<f64>,
-    /// The others, each with as many rows.
+    /// The other columns, of the same length.
     columns: Vec<Vec<f64>>,
-    /// Tells this table's helpers from those of others.
+    /// Distinguishes this table's helper functions from those of others.
     number: u32,
 }
 
@@ -81,7 +84,7 @@ impl From<fmt::Error> for PlaceError {
 }
 
 impl Table {
-    /// Lines that do not begin with a number are no data.
+    /// Lines that do not begin with a number are skipped.
     fn read(content: &str, count: usize) -> Result<Table, String> {
         let mut table = Table { variable: Vec::new(), columns: vec![Vec::new(); count], number: fingerprint(content) };
         for (line, number) in content.lines().zip(1..) {
@@ -98,8 +101,8 @@ impl Table {
                 }
                 let value =
                     leading_number(rest).filter(|(_, end)| rest[*end..].chars().next().is_none_or(is_delimiter));
-                let (value, end) =
-                    value.ok_or_else(|| format!("line {number}: column {found} beside the variable is no number"))?;
+                let (value, end) = value
+                    .ok_or_else(|| format!("line {number}: column {found} beside the variable is not a number"))?;
                 column.push(value);
                 rest = &rest[end..];
             }
@@ -110,7 +113,8 @@ impl Table {
         Ok(table)
     }
 
-    /// Writes what finds the row of `x`, and gives the expression of it: counted from 1, with a fraction between rows.
+    /// Writes the helper functions that find the row of `x`. Returns the expression for the row,
+    /// counted from 1, with a fraction between rows.
     fn place(&self, text: &mut Text) -> Result<String, PlaceError> {
         let [first, second, ..] = self.variable[..] else { return Ok("1".to_owned()) };
         let step = second - first;
@@ -159,12 +163,13 @@ fn is_delimiter(character: char) -> bool {
     is_space(character) || character == ','
 }
 
-/// FNV-1a, a hash of 32 bits: G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, "The FNV Non-Cryptographic Hash Algorithm", IETF draft.
+/// FNV-1a, a 32-bit hash: G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, "The FNV Non-Cryptographic
+/// Hash Algorithm", IETF draft.
 fn fingerprint(content: &str) -> u32 {
     content.bytes().fold(0x811c_9dc5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
-/// Numbers after commas, in lines; `column` is where on its line the list begins.
+/// Writes numbers after commas, in lines; `column` is the start column of the list.
 fn put_list(text: &mut Text, values: &[f64], mut column: usize) -> fmt::Result {
     for (place, value) in values.iter().enumerate() {
         let digits = general(*value, 7).to_string();

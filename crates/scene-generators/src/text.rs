@@ -1,4 +1,4 @@
-//! Text output with a size limit, and the forms of numbers that C's `printf` writes.
+//! Text output with a size limit, and C's `printf` formats of numbers.
 
 use radsight_units::number;
 use std::cell::RefCell;
@@ -6,16 +6,16 @@ use std::fmt::{self, Display, Formatter, Write};
 use std::io;
 use std::rc::Rc;
 
-/// No command gives more than this; a wish for more is an error instead of an exhausted machine.
+/// Largest output of a command; more is an error instead of exhausted memory.
 pub const MAX_OUTPUT_BYTES: usize = 1 << 30;
 
-/// Bytes that are sent on at a time.
+/// Number of bytes per write to the sink.
 const SENT_AT_A_TIME: usize = 1 << 16;
 
-/// Where a program's output goes while it runs. Who gives it keeps the error of a failed write.
+/// The destination of a program's streamed output. The caller keeps the error of a failed write.
 pub type Sink = Rc<RefCell<dyn io::Write>>;
 
-/// A program's output, collected or sent on. Writing fails when more than [`MAX_OUTPUT_BYTES`] are
+/// A program's output, collected or streamed. Writing fails when more than [`MAX_OUTPUT_BYTES`] are
 /// collected, or when the sink fails.
 #[derive(Default)]
 pub(crate) struct Text {
@@ -25,13 +25,13 @@ pub(crate) struct Text {
 
 impl Drop for Text {
     fn drop(&mut self) {
-        // What was answered before a mistake goes out. Nobody is left to hear of a failure.
+        // Flush output that precedes a mistake. A failure cannot be reported here.
         let _ = self.flush();
     }
 }
 
 impl Text {
-    /// Output that is sent on as it comes, or collected when there is no sink.
+    /// Output streamed to a sink, or collected if there is none.
     pub(crate) fn to(sink: Option<Sink>) -> Text {
         Text { bytes: Vec::new(), sink }
     }
@@ -40,13 +40,13 @@ impl Text {
         std::mem::take(&mut self.bytes)
     }
 
-    /// Ends the output, and gives what was not sent on.
+    /// Ends the output and returns the part that was not streamed.
     pub(crate) fn finish(mut self) -> Result<Vec<u8>, fmt::Error> {
         self.flush()?;
         Ok(self.into_bytes())
     }
 
-    /// Sends on what there is. Collected output stays.
+    /// Writes buffered output to the sink. Collected output stays.
     pub(crate) fn flush(&mut self) -> fmt::Result {
         let Some(sink) = &self.sink else { return Ok(()) };
         if self.bytes.is_empty() {
@@ -75,7 +75,7 @@ impl Text {
         Ok(())
     }
 
-    /// Fails at once when `count` more items of at least `bytes_each` cannot fit.
+    /// Fails at once if `count` more items of at least `bytes_each` cannot fit.
     pub(crate) fn expect_room(&self, count: f64, bytes_each: f64) -> fmt::Result {
         if self.sink.is_some() {
             return Ok(());
@@ -89,12 +89,13 @@ impl Text {
         writeln!(self, "\t{}\t{}\t{}", wide(x), wide(y), wide(z))
     }
 
-    /// The head of a primitive without string and integer arguments, up to the count of its numbers.
+    /// The head of a primitive without string and integer arguments, up to the count of real
+    /// arguments.
     pub(crate) fn primitive(&mut self, modifier: &str, kind: &str, name: impl Display, numbers: usize) -> fmt::Result {
         write!(self, "\n{modifier} {kind} {name}\n0\n0\n{numbers}\n")
     }
 
-    /// The command as a comment line, words quoted where Radiance quotes them.
+    /// The command as a comment line, with words quoted as in Radiance.
     pub(crate) fn command_comment(&mut self, argv: &[String]) -> fmt::Result {
         self.write_str("#")?;
         for (index, word) in argv.iter().enumerate() {
@@ -104,7 +105,7 @@ impl Text {
         self.write_str("\n")
     }
 
-    /// The command as a comment line, words as they are.
+    /// The command as a comment line, with words unquoted.
     pub(crate) fn plain_command_comment(&mut self, argv: &[String]) -> fmt::Result {
         writeln!(self, "# {}", argv.join(" ").replace(['\n', '\r'], " "))
     }
@@ -122,7 +123,7 @@ pub(crate) struct Quoted<'a>(pub(crate) &'a str);
 impl Display for Quoted<'_> {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let word = self.0;
-        // Of the quotes inside, the last one decides, as in Radiance; one at either end does not count.
+        // Of the quotes inside, the last one decides, as in Radiance; one at either end is ignored.
         let inside = word.as_bytes().get(1..word.len().saturating_sub(1)).unwrap_or_default();
         let quote = match inside.iter().rev().find(|byte| matches!(byte, b'"' | b'\'')) {
             Some(b'"') => Some('\''),
@@ -137,7 +138,7 @@ impl Display for Quoted<'_> {
     }
 }
 
-/// White space as C's `isspace` has it.
+/// White space as in C's `isspace`.
 pub(crate) fn is_space(character: char) -> bool {
     matches!(character, ' ' | '\t' | '\n' | '\r' | '\x0b' | '\x0c')
 }
@@ -179,13 +180,14 @@ impl Display for General {
     }
 }
 
-/// Room for the digits of [`write_fast`] and blanks before them.
+/// Buffer size of [`write_fast`].
 const FAST_WIDTH: usize = 32;
 
-/// Writes the commonest numbers at the end of the buffer: those of middling size, with up to 15 digits. Gives the place of the
-/// first character; `None` for numbers that need more care.
+/// Formats common numbers (moderate magnitude, up to 15 digits) at the end of the buffer. Returns
+/// the index of the first character; `None` for other numbers.
 ///
-/// The digits are those of the number m·2^q times a power of ten, in whole numbers, and so are rounded exactly as C rounds.
+/// The digits are computed in integer arithmetic from m·2^q times a power of ten, so they are
+/// rounded exactly as in C.
 fn write_fast(buffer: &mut [u8; FAST_WIDTH], value: f64, precision: usize) -> Option<usize> {
     let size = value.abs();
     if !(1e-4..1e15).contains(&size) || !(6..=15).contains(&precision) {
@@ -195,7 +197,7 @@ fn write_fast(buffer: &mut [u8; FAST_WIDTH], value: f64, precision: usize) -> Op
     if exponent < -4 || exponent >= precision as i32 {
         return None;
     }
-    // The digit before the point is the first one, or a zero in front of them.
+    // The digit before the point is the first one, or a zero in front of it.
     let mut decimals = precision as i32 - 1 - exponent;
     while decimals > 0 && digits.is_multiple_of(10) {
         digits /= 10;
@@ -226,12 +228,13 @@ fn write_fast(buffer: &mut [u8; FAST_WIDTH], value: f64, precision: usize) -> Op
     Some(place)
 }
 
-/// The first `precision` digits of a number as a whole number, and the power of ten of the first of them.
+/// The first `precision` digits of a number as an integer, and the decimal exponent of the first
+/// digit.
 fn rounded_digits(size: f64, precision: usize) -> Option<(u64, i32)> {
     let bits = size.to_bits();
     let (mantissa, power) = ((bits & ((1 << 52) - 1)) | 1 << 52, ((bits >> 52) & 0x7ff) as i32 - 1075);
     let mut exponent = size.log10().floor() as i32;
-    // The logarithm may be off by one next to a power of ten.
+    // The logarithm may be off by one near a power of ten.
     for _ in 0..2 {
         let scale = precision as i32 - 1 - exponent;
         let product = u128::from(mantissa).checked_mul(10u128.checked_pow(u32::try_from(scale).ok()?)?)?;
@@ -257,7 +260,7 @@ fn rounded_digits(size: f64, precision: usize) -> Option<(u64, i32)> {
     None
 }
 
-/// A number as C's `%.{digits}e` prints it: at least two digits of exponent, with its sign.
+/// A number as C's `%.{digits}e` prints it: a sign and at least two digits of exponent.
 #[derive(Clone, Copy)]
 pub(crate) struct Exponential(pub(crate) f64, pub(crate) usize);
 

@@ -1,8 +1,8 @@
-//! `total [-m] [-sE|-p|-u|-l] [-tC] [-i{f|d}[N]] [-o{f|d}] [-count [-r]] [file …]`: sums up columns.
+//! `total [-m] [-sE|-p|-u|-l] [-tC] [-i{f|d}[N]] [-o{f|d}] [-count [-r]] [file …]`: sums columns.
 //!
-//! Gives sums, with `-p` products, with `-u` and `-l` the largest and smallest, with `-m` means, with `-sE` sums of the
-//! values' sizes to the power E; for each `count` records, or for all; `-r` goes on summing. `-in` and `-on` are the most
-//! records read and written.
+//! Prints sums, with `-p` products, with `-u` and `-l` the largest and smallest value, with `-m`
+//! means, with `-sE` sums of absolute values to the power E; for each `count` records, or for all.
+//! `-r` continues the sum. `-in` and `-on` are the largest numbers of records read and written.
 
 use radsight_loader::FileKind;
 
@@ -13,7 +13,7 @@ use crate::supply::Supply;
 use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 
-/// More columns in a line are ignored.
+/// Further columns of a line are ignored.
 const MOST_COLUMNS: usize = 81_920;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -25,7 +25,7 @@ enum Reduction {
 }
 
 impl Reduction {
-    /// Where the tally begins, and what an empty column counts for.
+    /// The initial value, which is also that of an empty column.
     fn start(self) -> f64 {
         match self {
             Reduction::Sum => 0.0,
@@ -40,7 +40,7 @@ struct Options {
     reduction: Reduction,
     power: f64,
     mean: bool,
-    /// Records a total; zero for all.
+    /// Records per total; zero for all.
     count: usize,
     running: bool,
     input: InputForm,
@@ -49,7 +49,7 @@ struct Options {
     most_output: usize,
 }
 
-/// A column's tally; of a product, the logarithm of its size and its sign.
+/// The accumulator of a column; for a product, the logarithm of its magnitude and its sign.
 #[derive(Clone, Copy)]
 struct Tally {
     value: f64,

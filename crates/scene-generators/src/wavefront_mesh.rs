@@ -1,36 +1,36 @@
-//! Wavefront text as triangles: what `obj2mesh` compiles.
+//! Wavefront text as triangles, for `obj2mesh`.
 
 use crate::facets::{cross, dot, subtract};
 use crate::obj2rad::wavefront::{Corner, Statements, Vertices};
-use crate::obj2rad::{Bend, bend};
+use crate::obj2rad::{CornerNormals, classify_normals};
 use earcut::Earcut;
 use std::collections::HashMap;
 
 /// Squared lengths below the square of this count as zero, in scene units.
 const TINY: f64 = 1e-6;
 
-/// The most corners of a face, as in Radiance: cutting takes the square of their number.
+/// Largest number of corners of a face, as in Radiance; triangulation takes quadratic time.
 const MOST_CORNERS: usize = 511;
 
 /// The triangles of a Wavefront file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WavefrontMesh {
-    /// In the order of the text; faces with more corners are cut.
+    /// In text order; larger faces are triangulated.
     pub triangles: Vec<WavefrontTriangle>,
     /// Names of materials: those of `usemtl`, else of groups.
     pub materials: Vec<String>,
-    /// Statements of kinds that are not known.
+    /// Number of unknown statements.
     pub unknown_statements: usize,
-    /// Triangles without area, which are left out.
+    /// Number of degenerate triangles, which are omitted.
     pub degenerate: usize,
 }
 
-/// A triangle, counter-clockwise seen from the side that its normals show.
+/// A triangle, counter-clockwise seen from the side of its normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WavefrontTriangle {
     /// Its corners.
     pub points: [[f64; 3]; 3],
-    /// Unit normals at the corners, if they differ from the triangle's own.
+    /// Unit normals at the corners, if they differ from the geometric normal.
     pub normals: Option<[[f64; 3]; 3]>,
     /// Texture coordinates at the corners.
     pub textures: Option<[[f64; 2]; 3]>,
@@ -39,7 +39,7 @@ pub struct WavefrontTriangle {
 }
 
 impl WavefrontMesh {
-    /// Reads a text.
+    /// Parses a text.
     ///
     /// # Errors
     /// The first mistake, with its line.
@@ -99,7 +99,8 @@ impl Reader {
         Ok(())
     }
 
-    /// The triangles of a face, as it is seen along the axis on which its first corners that make a plane are largest.
+    /// Triangulates a face by ear clipping in its projection along the largest component of its
+    /// normal.
     fn cut(&mut self, corners: &[Corner]) -> Vec<[Corner; 3]> {
         let points: Vec<[f64; 3]> = corners.iter().map(|corner| self.vertices.point(corner)).collect();
         let normal = points.windows(3).map(|p| cross(subtract(p[1], p[0]), subtract(p[2], p[1])));
@@ -129,26 +130,26 @@ impl Reader {
         let mut textures = all(corners.map(|corner| corner.texture.map(|texture| self.vertices.texture(texture))));
         let mut normals = all(corners.map(|corner| corner.normal.map(|normal| self.vertices.normal(normal))));
         let flat = cross(subtract(points[1], points[0]), subtract(points[2], points[1]));
-        let bent = match normals {
-            None if dot(flat, flat) > 0.0 => Some(Bend::Flat),
+        let kind = match normals {
+            None if dot(flat, flat) > 0.0 => Some(CornerNormals::Flat),
             None => None,
-            Some(normals) => bend(points, normals),
+            Some(normals) => classify_normals(points, normals),
         };
-        let Some(bent) = bent else {
+        let Some(kind) = kind else {
             self.mesh.degenerate += 1;
             return;
         };
-        if matches!(bent, Bend::FlatReversed | Bend::BentReversed) {
+        if matches!(kind, CornerNormals::FlatReversed | CornerNormals::SmoothReversed) {
             points.reverse();
             textures.iter_mut().for_each(|textures| textures.reverse());
             normals.iter_mut().for_each(|normals| normals.reverse());
         }
-        let normals = normals.filter(|_| matches!(bent, Bend::Bent | Bend::BentReversed));
+        let normals = normals.filter(|_| matches!(kind, CornerNormals::Smooth | CornerNormals::SmoothReversed));
         let material = self.material();
         self.mesh.triangles.push(WavefrontTriangle { points, normals, textures, material });
     }
 
-    /// The index of the present material.
+    /// The index of the current material.
     fn material(&mut self) -> Option<usize> {
         let name = if self.material.is_empty() { &self.group } else { &self.material };
         if name.is_empty() || name == "void" {
@@ -185,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_that_look_away_turn_a_triangle_around() {
+    fn backward_normals_reverse_a_triangle() {
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nvn .6 0 -.8\nvt .25 .5\nf 1/1/1 2/1/1 3/1/2\n";
         let mesh = WavefrontMesh::read(text).unwrap();
         let [triangle] = mesh.triangles[..] else { panic!("one triangle") };

@@ -1,61 +1,63 @@
-//! Weather files: what light the sky sent, hour by hour. The plain text of `epw2wea` (WEA), and EnergyPlus' format (EPW).
+//! Weather files: hourly sunlight and skylight. Reads the text of `epw2wea` (WEA) and EnergyPlus'
+//! format (EPW).
 
 use crate::number_text::leading_number;
 
 /// A weather file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Weather {
-    /// Degrees: north, and east of Greenwich.
+    /// Degrees north, and degrees east of Greenwich.
     pub(crate) latitude: f64,
     pub(crate) longitude: f64,
-    /// Hours that the clock is ahead of Greenwich.
+    /// Hours by which the clock is ahead of Greenwich.
     pub(crate) time_zone: f64,
     pub(crate) quantity: Quantity,
     pub(crate) records: Vec<Record>,
 }
 
-/// What the light is measured in.
+/// The measured quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quantity {
     /// W/m², direct light on a surface that faces the sun.
     NormalIrradiance,
-    /// W/m², direct light on a level surface.
+    /// W/m², direct light on a horizontal surface.
     HorizontalIrradiance,
     /// lux, direct light on a surface that faces the sun.
     NormalIlluminance,
 }
 
-/// One moment.
+/// One time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Record {
-    /// 1 to 12, and 1 to 31.
+    /// Month 1 to 12, and day 1 to 31.
     pub(crate) month: usize,
     pub(crate) day: i64,
     pub(crate) hour: f64,
     pub(crate) direct: f64,
-    /// On a level surface.
+    /// On a horizontal surface.
     pub(crate) diffuse: f64,
-    /// °C.
+    /// Dew point, °C.
     pub(crate) dew_point: Option<f64>,
 }
 
-/// Lines of headers.
+/// Header lines.
 const WEA_HEADER: [&str; 5] = ["latitude", "longitude", "time_zone", "site_elevation", "weather_data_file_units"];
 const EPW_HEADER_LINES: usize = 8;
 
-/// Columns of an EPW record, and what stands where nothing was measured.
+/// Columns of an EPW record, and their values for missing data.
 const DEW_POINT: (usize, f64) = (7, 99.9);
 const DIRECT: (usize, f64) = (14, 9999.0);
 const DIFFUSE: (usize, f64) = (15, 9999.0);
 
-/// More light than the surface of the sun sends out, W/m² or lux. Skies are single precision, which would not hold some more orders.
+/// Largest light, W/m² or lux: more than the sun's surface emits. The limit keeps skies within
+/// single precision.
 const MOST_LIGHT: f64 = 1e12;
 
-/// Days of each month, with that of a leap year.
+/// Days of each month in a leap year.
 const DAYS: [i64; 12] = [31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
 
 impl Weather {
-    /// Reads a file; a mistake comes with its line.
+    /// Parses a file; the error contains the line.
     pub(crate) fn read(text: &str) -> Result<Weather, String> {
         let first = text.lines().next().unwrap_or_default().to_ascii_lowercase();
         let weather = if first.starts_with("place ") {
@@ -69,7 +71,7 @@ impl Weather {
             weather.latitude.abs() <= 90.0 && weather.longitude.abs() <= 180.0 && weather.time_zone.abs() <= 14.0;
         if !sane {
             return Err(
-                "the place is not on earth: expected a latitude within 90, a longitude within 180 degrees".to_owned()
+                "the site is not on earth, expected a latitude within 90 and a longitude within 180 degrees".to_owned()
             );
         }
         if weather.records.is_empty() { Err("no record follows the header".to_owned()) } else { Ok(weather) }
@@ -126,7 +128,7 @@ fn read_epw(text: &str) -> Result<Weather, String> {
             }
             7 if fields[0].eq_ignore_ascii_case("DATA PERIODS") => {
                 let found = field(2).filter(|records| *records >= 1.0);
-                an_hour = found.ok_or_else(|| wrong("how many records there are in an hour"))?;
+                an_hour = found.ok_or_else(|| wrong("the number of records per hour"))?;
             }
             7 => return Err(wrong("\"DATA PERIODS\"")),
             _ => {}

@@ -1,6 +1,7 @@
-//! `zcat [file …]`: decompresses files of `gzip` and of the older `compress`; `-` and no file at all mean standard input.
+//! `zcat [file …]`: decompresses files of `gzip` and of the older `compress`; `-` or no file means
+//! standard input.
 //!
-//! A file can be named without its suffix `.gz` or `.Z`.
+//! The suffix `.gz` or `.Z` of a file may be omitted.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -49,12 +50,13 @@ fn decompress(bytes: &[u8], room: usize) -> Result<Vec<u8>, Problem> {
             if content.len() > room { Err(Problem::TooLarge) } else { Ok(content) }
         }
         [0x1f, 0x9d, flags, codes @ ..] => expand(*flags, codes, room),
-        _ => Err(Problem::Damaged("neither in the format of gzip nor in that of compress".to_owned())),
+        _ => Err(Problem::Damaged("the format is neither that of gzip nor that of compress".to_owned())),
     }
 }
 
-/// Undoes `compress`: adaptive Lempel-Ziv-Welch codes of 9 to 16 bits, lowest bit first. Codes of one width come in groups of
-/// eight, and the rest of a group is left out when the width changes.
+/// Decompresses `compress` data: adaptive Lempel-Ziv-Welch codes of 9 to 16 bits, lowest bit first.
+/// Codes of one width come in groups of eight; the rest of a group is omitted when the width
+/// changes.
 fn expand(flags: u8, codes: &[u8], room: usize) -> Result<Vec<u8>, Problem> {
     const CLEAR: usize = 256;
     let (widest, can_clear) = (u32::from(flags & 31), flags & 128 != 0);
@@ -81,9 +83,9 @@ fn expand(flags: u8, codes: &[u8], room: usize) -> Result<Vec<u8>, Problem> {
         }
         let known = code < strings.len();
         if !known && (previous.is_none() || code > strings.len()) {
-            return Err(Problem::Damaged(format!("code {code} at bit {bit} stands for nothing")));
+            return Err(Problem::Damaged(format!("code {code} at bit {bit} is undefined")));
         }
-        // A code that is just being made is the previous string and its own first byte.
+        // A code being defined is the previous string followed by its own first byte.
         let mut at = match previous {
             Some((last, first)) if !known => {
                 reversed.push(first);

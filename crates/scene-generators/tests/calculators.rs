@@ -1,4 +1,4 @@
-//! cnt, rcalc, total, histo, rlam, ev, cat, zcat and pipes against the real programs.
+//! Compares cnt, rcalc, total, histo, rlam, ev, cat, zcat and pipes with the real programs.
 
 mod oracle;
 
@@ -192,7 +192,7 @@ fn laminated_records_equal_real_ones() {
         let real = radiance.run(&argv, input, Some(&loader.folders[0]));
         let ours = String::from_utf8(ours(&argv, input, &loader).unwrap().standard_output).unwrap();
         let real = real.standard_output;
-        // Where one input ends, real rlam ends in the middle of the record.
+        // At the end of one input, real rlam stops in the middle of the record.
         assert!(ours.starts_with(&real) && (ours == real) == end_together, "{line}: {ours:?}, real {real:?}");
     }
     let text = |line: &str| String::from_utf8(ours(&words(line), b"x\n", &loader).unwrap().standard_output).unwrap();
@@ -238,7 +238,7 @@ fn mistakes_are_named() {
     let message = |argv: &[&str]| ours(&list(argv), b"1 2 3\n", &TestLoader::default()).unwrap_err().to_string();
     assert_eq!(message(&["cnt", "1"]), "cnt: count is 1, expected at least 2\nusage: cnt [-s] N0 [N1 ..]");
     assert_eq!(message(&["cnt", "-s"]), "cnt: missing count\nusage: cnt [-s] N0 [N1 ..]");
-    assert_eq!(message(&["cnt", "100000", "100000"]), "the output would be larger than 1073741824 bytes");
+    assert_eq!(message(&["cnt", "100000", "100000"]), "the output exceeds 1073741824 bytes");
     assert_eq!(message(&["rcalc", "-e", "cond:1;$1=1"]), "rcalc: cond is defined as a constant");
     assert!(message(&["rcalc", "-e", "$1=nosuch"]).contains("nosuch"));
     assert!(message(&["rcalc", "-n", "-e", "$1=$2"]).contains("no column input"));
@@ -248,7 +248,7 @@ fn mistakes_are_named() {
 
 #[test]
 fn compressed_files_come_back() {
-    // "aaaaaaaaaabcabcabcabc\n" repeated 40 times, by the programs gzip and compress.
+    // "aaaaaaaaaabcabcabcabc\n" repeated 40 times, compressed by gzip and compress.
     let expected = "aaaaaaaaaabcabcabcabc\n".repeat(40).into_bytes();
     let mut loader = TestLoader::default();
     loader.files.insert("a.gz".into(), gzip(&expected));
@@ -260,7 +260,7 @@ fn compressed_files_come_back() {
     let piped = ours(&list(&["zcat"]), &gzip(&expected), &loader).unwrap();
     assert_eq!(piped.standard_output, expected);
     let message = ours(&list(&["zcat"]), b"plain", &loader).unwrap_err().to_string();
-    assert_eq!(message, "zcat: standard input: neither in the format of gzip nor in that of compress");
+    assert_eq!(message, "zcat: standard input: the format is neither that of gzip nor that of compress");
     for length in 0..45 {
         let _ = ours(&list(&["zcat"]), &compress(&expected, 12)[..length], &loader);
         let _ = ours(&list(&["zcat"]), &gzip(&expected)[..length], &loader);
@@ -274,7 +274,7 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-/// What `compress` writes, without its clearing of the table.
+/// The output of `compress` without resets of the table.
 fn compress(bytes: &[u8], widest: u32) -> Vec<u8> {
     let (mut bits, mut width, mut group) = (Vec::<bool>::new(), 9u32, 0usize);
     let mut codes = std::collections::HashMap::<(usize, u8), usize>::new();

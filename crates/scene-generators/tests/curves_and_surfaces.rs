@@ -1,10 +1,10 @@
-//! genworm, genrev and gensurf against the real programs.
+//! Compares genworm, genrev and gensurf with the real programs.
 
 mod oracle;
 
 use oracle::{Numbers, Radiance, TestLoader, expect_same, ours, words};
 
-/// A function of the given parameters that is smooth and finite.
+/// A smooth and finite function of the given parameters.
 fn function(numbers: &mut Numbers, parameters: &[&str]) -> String {
     let p = parameters[numbers.below(parameters.len())];
     let q = parameters[numbers.below(parameters.len())];
@@ -62,7 +62,8 @@ fn surfaces_of_revolution_equal_real_ones() {
         argv.push(["2", "1+t", "2+cos(2*PI*t)", "if(t-.5,t,.5)", "t"][numbers.below(5)].to_owned());
         argv.push((1 + numbers.below(20)).to_string());
         argv.extend(["-e".to_owned(), TWIST.to_owned()]);
-        // Where the outline stands still the real program divides by zero, and prints what no program reads.
+        // If consecutive profile points coincide, the real program divides by zero and prints text
+        // that no program can read.
         let real = radiance.run(&argv, b"", None);
         if numbers.chance(2) && !real.standard_output.is_empty() {
             argv.push("-s".to_owned());
@@ -87,7 +88,8 @@ fn surfaces_equal_real_ones() {
             definitions += "; valid(a,b)=if(a-.61,1,b-.31)";
         } else if numbers.chance(3) {
             argv.push("-s".to_owned());
-            // Over a surface in general position; on others the last bit decides whether normals can be interpolated.
+            // A surface in general position; on others the last bit decides whether normals can be
+            // interpolated.
             argv[3] = format!("4*s+.2*({})", argv[3]);
             argv[4] = format!("3*t+.2*({})", argv[4]);
         }
@@ -157,6 +159,6 @@ fn a_wish_for_too_many_segments_is_refused_at_once() {
         "genbeads m b 0 0 0 1 1 1 1 1 1 1 1 1 .1 1e-9",
     ] {
         let error = ours(&words(line), b"", &TestLoader::default()).unwrap_err().to_string();
-        assert!(error.starts_with("the output would be larger"), "{line}: {error}");
+        assert!(error.starts_with("the output exceeds"), "{line}: {error}");
     }
 }

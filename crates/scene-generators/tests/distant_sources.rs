@@ -1,17 +1,17 @@
-//! mksource on surroundings with known light, and beside the real program.
+//! Tests mksource on environments with known light, and against the real program.
 
 mod oracle;
 
 use std::process::{Command, Stdio};
 
 use oracle::{Radiance, words};
-use radsight_scene_generators::{Error, Surrounding, mksource};
+use radsight_scene_generators::{EnvironmentRadiance, Error, mksource};
 
 /// Two round lights on a dim background: direction, radius in degrees, radiance.
 const LIGHTS: [([f64; 3], f64, [f64; 3]); 2] =
     [([0.48, 0.6, 0.64], 3.0, [900.0, 1000.0, 1100.0]), ([-0.8, 0.0, 0.6], 5.0, [300.0, 200.0, 100.0])];
 
-fn surrounding(direction: [f64; 3]) -> [f64; 3] {
+fn environment(direction: [f64; 3]) -> [f64; 3] {
     for (centre, degrees, radiance) in LIGHTS {
         let cosine: f64 = (0..3).map(|axis| centre[axis] * direction[axis]).sum();
         if cosine >= degrees.to_radians().cos() {
@@ -21,7 +21,7 @@ fn surrounding(direction: [f64; 3]) -> [f64; 3] {
     [0.5; 3]
 }
 
-/// Direction, angle across in degrees, and radiance of each source.
+/// Direction, angular diameter in degrees, and radiance of each source.
 fn sources(text: &str) -> Vec<([f64; 3], f64, [f64; 3])> {
     let numbers: Vec<Vec<f64>> = text
         .lines()
@@ -34,11 +34,11 @@ fn sources(text: &str) -> Vec<([f64; 3], f64, [f64; 3])> {
         .collect()
 }
 
-fn open(_: Option<&str>) -> Result<Box<Surrounding<'static>>, Error> {
-    Ok(Box::new(surrounding))
+fn open(_: Option<&str>) -> Result<Box<EnvironmentRadiance<'static>>, Error> {
+    Ok(Box::new(environment))
 }
 
-/// Light of a source or a disk: radiance times solid angle, of the green band.
+/// Light of a source or a disk: radiance times solid angle, in the green band.
 fn light(degrees_across: f64, radiance: [f64; 3]) -> f64 {
     2.0 * std::f64::consts::PI * (1.0 - (degrees_across / 2.0).to_radians().cos()) * radiance[1]
 }
@@ -62,7 +62,7 @@ fn lights_are_found_with_their_whole_light() {
 #[test]
 fn the_real_program_finds_the_same_lights() {
     let Some(radiance) = Radiance::find() else { return };
-    // One glow all round, since the real program does not see sources that light the scene.
+    // One glow over the sphere, since the real program does not see sources that light the scene.
     let mut functions = String::new();
     for (band, name) in ["red", "green", "blue"].iter().enumerate() {
         let mut value = "0.5".to_owned();
@@ -93,7 +93,7 @@ fn the_real_program_finds_the_same_lights() {
 
 #[test]
 fn a_dark_surrounding_has_no_sources() {
-    let dark = |_: Option<&str>| -> Result<Box<Surrounding<'static>>, Error> { Ok(Box::new(|_| [0.0; 3])) };
+    let dark = |_: Option<&str>| -> Result<Box<EnvironmentRadiance<'static>>, Error> { Ok(Box::new(|_| [0.0; 3])) };
     let output = mksource(&words("mksource -d 1000"), &dark).unwrap();
     assert_eq!(String::from_utf8(output.standard_output).unwrap(), "# mksource -d 1000\n");
     let message = mksource(&words("mksource -d 2"), &dark).unwrap_err().to_string();

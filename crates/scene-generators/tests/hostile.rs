@@ -1,4 +1,5 @@
-//! No arguments and no input make a program panic or go on for ever, and mistakes are told clearly.
+//! No arguments and no input make a program panic or loop forever, and mistakes are reported
+//! clearly.
 
 mod oracle;
 
@@ -181,7 +182,7 @@ fn mistakes_name_the_argument_and_the_usage() {
     }
     let first_line = |line: &str| message(line).lines().next().unwrap_or_default().to_owned();
     for (line, mistake) in [
-        ("genprism m p 4 0 0 1 1 2", "genprism: 4 vertices announced, coordinates for 2 given"),
+        ("genprism m p 4 0 0 1 1 2", "genprism: 4 vertices are declared, but coordinates are given for 2"),
         ("genprism m p 2 0 0 1 1", "genprism: 2 vertices, expected at least 3"),
         ("genprism m p 3 0 0 1 0 0 1 -l 1 1 0", "genprism: the extrusion's z is 0, expected it to leave the xy plane"),
         ("genprism m p 3 0 0 1 0 0 1 -r 2", "genprism: rounding by 2 is greater than the height 1"),
@@ -193,25 +194,25 @@ fn mistakes_name_the_argument_and_the_usage() {
             "gensky 3 1 noon",
             "gensky: hour is \"noon\", expected a time such as 14:30, 14.5 or +14.5 (solar), and perhaps a time zone",
         ),
-        ("gendaylit 3 1 24 -P 2 .1", "gendaylit: hour is \"24\", expected a number from 0 up to but not 24"),
+        ("gendaylit 3 1 24 -P 2 .1", "gendaylit: hour is \"24\", expected a number from 0 to below 24"),
         ("gendaylit 3 1 12 -O 4", "gendaylit: output (-O) is 4, expected 0, 1 or 2"),
         ("genworm m w t t t 1", "genworm: missing nseg"),
-        ("genworm m w t t t 1 0", "genworm: nseg is 0, expected a count from 1 up"),
-        ("genblinds m b 9 1 1 1 0 -r 1", "genblinds: slats 9 deep cannot be bent to a circle 2 across"),
+        ("genworm m w t t t 1 0", "genworm: nseg is 0, expected a count of at least 1"),
+        ("genblinds m b 9 1 1 1 0 -r 1", "genblinds: slats of depth 9 cannot be curved to a circle of diameter 2"),
         ("genclock soon", "genclock: time is \"soon\", expected HH:MM or HH.hh"),
         ("genbeads m b 0 0 0 1 1 1 0 0 0 0 0 0 .1 0", "genbeads: inc is 0, expected a number above zero"),
-        ("replmarks mark", "replmarks: no marker is named"),
+        ("replmarks mark", "replmarks: no modifier of markers is named"),
         ("replmarks -m x mark", "replmarks: nothing to replace the markers \"mark\" with: -x, -i or -I is missing"),
         ("nosuch", "unknown program \"nosuch\""),
         ("ies2rad", "ies2rad: neither an input file nor an output name (-o) is given"),
-        ("pkgBSDF file", "pkgBSDF: -s is missing: a scene's command writes to its standard output"),
+        ("pkgBSDF file", "pkgBSDF: -s is missing, expected it since a command in a scene writes to standard output"),
     ] {
         assert!(first_line(line).starts_with(mistake), "{line}: {}", first_line(line));
     }
 }
 
 #[test]
-fn a_number_with_a_tail_counts_as_in_c_but_is_told() {
+fn text_after_a_number_is_ignored_as_in_c_with_a_warning() {
     let output = ours(&words("genbox m b 1m 2, 3"), b"", &loader()).unwrap();
     assert_eq!(output.warnings, ["xsize is \"1m\"; \"m\" is ignored", "ysize is \"2,\"; \",\" is ignored"]);
 }

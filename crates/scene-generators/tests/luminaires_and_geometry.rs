@@ -1,4 +1,4 @@
-//! mgf2rad, pkgBSDF, ies2rad and obj2rad against the real programs.
+//! Compares mgf2rad, pkgBSDF, ies2rad and obj2rad with the real programs.
 
 mod oracle;
 
@@ -129,7 +129,7 @@ fn the_whole_of_mgf_equals_the_real_translation() {
             (mine.split_whitespace().collect(), real.standard_output.split_whitespace().collect());
         assert_eq!(mine.len(), real.len(), "{line}");
         for (place, (a, b)) in mine.iter().zip(&real).enumerate() {
-            // The real program names a modifier that it does not define, and rounds spectra to whole numbers by chance.
+            // The real program names an undefined modifier, and truncates spectra to integers.
             let close = |a: &f64, b: &f64| (a - b).abs() <= 5e-4 * a.abs().max(1e-2);
             let both = a.parse().ok().zip(b.parse().ok());
             let same = a == b || (*a, *b) == ("Phong", "T-nor");
@@ -166,12 +166,12 @@ fn bad_geometry_is_an_error_with_its_line() {
     assert_eq!(message("m\nf a b c"), "mgf2rad: standard input: line 2: vertex \"a\" is not defined");
     assert_eq!(message("o 1x"), "mgf2rad: standard input: line 1: \"1x\" is not a name: names begin with a letter");
     assert_eq!(message("xf"), "mgf2rad: standard input: line 1: no transform is open");
-    assert_eq!(message("rd 2"), "mgf2rad: standard input: line 1: 2 is not a share between 0 and 1");
+    assert_eq!(message("rd 2"), "mgf2rad: standard input: line 1: 2 is not a number from 0 to 1");
     assert!(message("xf -a 1000000000\nxf").contains("more than 2000000 statements"));
     let mut loader = TestLoader::default();
     loader.files.insert("loop.mgf".into(), b"i loop.mgf".to_vec());
     let message = ours(&words("mgf2rad loop.mgf"), b"", &loader).unwrap_err().to_string();
-    assert!(message.contains("more than 32 deep"), "{message}");
+    assert!(message.contains("nested more than 32 deep"), "{message}");
 }
 
 fn bsdf(geometry: &str, reflection: &str) -> String {
@@ -299,7 +299,8 @@ fn luminaires_equal_real_ones() {
     println!("ies2rad: {same} files are the same bytes, {refused} luminaires are refused by both");
 }
 
-/// Wavefront text with flat, bent, smooth, degenerate and many-cornered faces under changing names.
+/// Wavefront text with flat, curved, smooth, degenerate and many-cornered faces under changing
+/// names.
 fn wavefront(numbers: &mut oracle::Numbers) -> String {
     let mut text = String::from("# made for a test\n#tight comment\nmtllib none.mtl\n");
     let points = 24;

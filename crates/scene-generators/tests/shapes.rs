@@ -1,4 +1,4 @@
-//! genbox, genprism, replmarks and their like against the real programs.
+//! Compares genbox, genprism, replmarks and similar generators with the real programs.
 
 mod oracle;
 
@@ -108,7 +108,7 @@ fn replaced_markers_equal_real_ones() {
             points.push(std::array::from_fn(|axis| corner[axis] + x[axis]));
             points.push(std::array::from_fn(|axis| corner[axis] + y[axis]));
             if quad {
-                // The far side is drawn in, so that two long edges meet in one corner.
+                // The far side is indented, so that two long edges meet at one corner.
                 points.insert(2, std::array::from_fn(|axis| corner[axis] + 0.2 * x[axis] + 1.001 * y[axis]));
             }
             let count = points.len() * 3;

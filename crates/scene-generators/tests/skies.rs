@@ -1,4 +1,4 @@
-//! gensky, gendaylit and epw2wea against the real programs.
+//! Compares gensky, gendaylit and epw2wea with the real programs.
 
 mod oracle;
 
@@ -116,7 +116,7 @@ fn daylight_options(numbers: &mut Numbers, argv: &mut Vec<String>) {
     }
 }
 
-/// An EPW file with so many records.
+/// An EPW file with this many records.
 fn weather(records: usize) -> String {
     let mut text = "LOCATION,S\u{e3}o Paulo,SP,BRA,SWERA,837800,-23.62,-46.65,-3.0,803.0\n".to_owned();
     text +=
@@ -145,7 +145,8 @@ fn weather_files_are_those_of_the_real_program() {
     }
     let made = ours(&words("epw2wea radsight.epw made.wea"), b"", &loader).unwrap();
     assert!(made.standard_output.is_empty() && made.files[0].0 == "made.wea");
-    // What comes of it is read again; the time zone of India keeps its half hour, which the real program loses.
+    // The result can be read back; the time zone of India keeps its half hour, which the real
+    // program loses.
     let india = weather(24).replace("-3.0,803.0", "5.5,803.0");
     let made = ours(&words("epw2wea -"), india.as_bytes(), &loader).unwrap().standard_output;
     assert!(String::from_utf8(made.clone()).unwrap().contains("\ntime_zone -82.5\n"));
@@ -153,19 +154,19 @@ fn weather_files_are_those_of_the_real_program() {
 }
 
 #[test]
-fn weather_that_is_none_is_told_by_its_line() {
+fn invalid_weather_is_reported_with_its_line() {
     let text = weather(3);
     let cut = |lines: usize| text.lines().take(lines).collect::<Vec<_>>().join("\n");
     for (line, input, mistake) in [
-        ("epw2wea -", String::new(), "line 1: expected \"LOCATION\""),
-        ("epw2wea -", "place x\n".to_owned(), "line 1: expected \"LOCATION\""),
+        ("epw2wea -", String::new(), "line 1: expected"),
+        ("epw2wea -", "place x\n".to_owned(), "line 1: expected"),
         ("epw2wea -", text.replace("-46.65", "west"), "line 1: expected numbers for latitude"),
         ("epw2wea -", cut(7), "line 8: expected \"DATA PERIODS\""),
         ("epw2wea -", cut(9) + "\n1999,1,1,2\n", "line 10: expected a date, an hour,"),
         (
             "epw2wea -a -",
             text.replace(",0.000,0,88", ""),
-            "line 9: expected the sky's cover and the depth of aerosols (-a)",
+            "line 9: expected cloud cover and aerosol optical depth (-a)",
         ),
         ("epw2wea -q -", String::new(), "unknown option \"-q\""),
         ("epw2wea", String::new(), "missing file-name.epw"),

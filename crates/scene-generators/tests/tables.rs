@@ -1,4 +1,4 @@
-//! rcollate and tabfunc against the real programs, or what they made.
+//! Compares rcollate and tabfunc with the real programs or their recorded output.
 
 mod oracle;
 
@@ -54,14 +54,17 @@ fn what_real_rcollate_writes_in_part_is_whole() {
     assert_eq!(text("rcollate -h -fa1 -oc 3", "1 2 3 4 5 6\n"), "1\t2\t3\n4\t5\t6\n");
     let warned = made("rcollate -h -fa1 -ir 2 -ic 2 -oc 4 -or 1", b"1 2 3 4\n5\n");
     assert_eq!(warned.standard_output, b"1\t2\t3\t4\n");
-    assert_eq!(warned.warnings, ["there are 5 records, 2 × 2 are expected"]);
+    assert_eq!(warned.warnings, ["there are 5 records, expected 2 × 2"]);
     let left = made("rcollate -h -ff -ic 2 -ir 2 -t", &[0; 19]);
-    assert_eq!((left.standard_output.len(), &left.warnings[0][..]), (16, "3 bytes are left behind 2 × 2 records"));
+    assert_eq!(
+        (left.standard_output.len(), &left.warnings[0][..]),
+        (16, "3 bytes follow 2 × 2 records, expected none")
+    );
     assert!(made("rcollate -w -h -fa1 -ir 2 -ic 2 -oc 4 -or 1", b"1 2 3 4\n5\n").warnings.is_empty());
 }
 
 #[test]
-fn wrong_matrices_are_told() {
+fn wrong_matrices_are_reported() {
     let header = "#?RADIANCE\nNROWS=2\nNCOLS=2\nNCOMP=1\nFORMAT=ascii\n\n1 2\n3 4\n";
     let message = |line: &str, input: &str| match ours(&words(line), input.as_bytes(), &TestLoader::default()) {
         Ok(output) => panic!("{line} gives {:?}", String::from_utf8_lossy(&output.standard_output)),
@@ -71,15 +74,15 @@ fn wrong_matrices_are_told() {
         (
             "rcollate -t",
             "1 2 3\n",
-            "standard input: the header does not end with an empty line; option -hi says that there is none",
+            "standard input: the header does not end with an empty line; use option -hi for input without a header",
         ),
-        ("rcollate -ff -t", header, "the header says that the format is ascii, the options float"),
-        ("rcollate -fa2 -t", header, "the header says 1 components, the options 2"),
-        ("rcollate -ic 3 -t", header, "the header says 2 columns, the options 3"),
-        ("rcollate -oc 3", header, "there are 4 records, which do not make 1 rows of 3"),
-        ("rcollate -oc 3 -or 2", header, "there are 4 records, which do not make 2 rows of 3"),
+        ("rcollate -ff -t", header, "the format is ascii in the header, but float in the options"),
+        ("rcollate -fa2 -t", header, "the header has 1 components, but the options request 2"),
+        ("rcollate -ic 3 -t", header, "the header has 2 columns, but the options request 3"),
+        ("rcollate -oc 3", header, "there are 4 records, expected 1 rows of 3"),
+        ("rcollate -oc 3 -or 2", header, "there are 4 records, expected 2 rows of 3"),
         ("rcollate -t", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n", "the format is \"32-bit_rle_rgbe\", expected ascii"),
-        ("rcollate -t", "#?RADIANCE\nNROWS=no\n\n", "the header says \"no\" rows, expected a count above zero"),
+        ("rcollate -t", "#?RADIANCE\nNROWS=no\n\n", "the header has \"no\" rows, expected a count above zero"),
         (
             "rcollate -h -t",
             "1 2 3\n4 5\n",
@@ -87,7 +90,7 @@ fn wrong_matrices_are_told() {
         ),
         ("rcollate -h -fa1 -t -ic 2", "1 2\n3\n", "there are 3 records"),
         ("rcollate -h -fa1 -ic 3 -ir 2 -oc 6", "1 2\n3\n", "there are 3 records, expected 2 × 3"),
-        ("rcollate -h -fa1 -c -oc 1", "1\nx\n", "\"x\" is no number"),
+        ("rcollate -h -fa1 -c -oc 1", "1\nx\n", "\"x\" is not a number"),
         ("rcollate -h -fd -ir 3 -t", "1234567812345678", "there are 2 records"),
         ("rcollate -o 3x", header, "rcollate: blocks (-o) are \"3x\", expected counts as in 4x8 or 2x2x4x8"),
         ("rcollate -o 99999999999x99999999999x99999999999x99999999999", header, "there are 4 records"),
@@ -101,7 +104,7 @@ fn wrong_matrices_are_told() {
     }
 }
 
-/// Without the number that tells helpers of one run from those of another.
+/// Removes the number that distinguishes helper functions of one run from those of another.
 fn anonymous(text: &str) -> String {
     let mut parts = text.split("`p");
     let first = parts.next().unwrap_or_default().to_owned();
@@ -137,7 +140,7 @@ fn tables_are_the_functions_of_the_real_program() {
             let real = radiance.run(&words(line), table.as_bytes(), None).standard_output;
             let made = ours(&words(line), table.as_bytes(), &TestLoader::default()).unwrap();
             let made = String::from_utf8(made.standard_output).unwrap();
-            // Lines break by the length of the numbers.
+            // Line breaks depend on the length of the numbers.
             let words = |text: &str| anonymous(text).split_whitespace().collect::<String>();
             assert_eq!(words(&made), words(&real), "{line}\n{table}");
         }
@@ -159,10 +162,10 @@ fn functions_of_tables_are_computed() {
         ("tabfunc -x f", "1 2\n", "tabfunc: unknown option \"-x\""),
         ("tabfunc f", "no table\n", "standard input: no line begins with a number, expected rows of a table"),
         ("tabfunc f g", "1 2\n", "line 1: 1 columns beside the variable, expected 2, one for each function"),
-        ("tabfunc f", "# x\n1 two\n", "line 2: column 1 beside the variable is no number"),
-        ("tabfunc f", "1 2x\n", "line 1: column 1 beside the variable is no number"),
-        ("tabfunc f", "1 2\n3 4\n2 5\n", "row 3: the variable neither rises nor falls all the way"),
-        ("tabfunc f", "1 2\n1 4\n", "row 2: the variable neither rises nor falls all the way"),
+        ("tabfunc f", "# x\n1 two\n", "line 2: column 1 beside the variable is not a number"),
+        ("tabfunc f", "1 2x\n", "line 1: column 1 beside the variable is not a number"),
+        ("tabfunc f", "1 2\n3 4\n2 5\n", "row 3: the variable is not monotonic"),
+        ("tabfunc f", "1 2\n1 4\n", "row 2: the variable is not monotonic"),
     ] {
         assert!(message(line, table).contains(mistake), "{line}: {}", message(line, table));
     }

@@ -1,4 +1,4 @@
-//! BSDF files made for tests: matrices and tensor trees of values that look random.
+//! Random BSDF files for tests: matrices and tensor trees.
 
 use crate::Random;
 use std::fmt::Write;
@@ -8,10 +8,10 @@ fn value(random: &mut Random) -> f64 {
     0.02 + 0.4 * random.number().powi(3)
 }
 
-/// The four directions of scattering, as files name them.
+/// The four scattering directions, by their names in files.
 pub const DIRECTIONS: [&str; 4] = ["Reflection Front", "Reflection Back", "Transmission Front", "Transmission Back"];
 
-/// A file around its `<DataDefinition>` and `<WavelengthData>`.
+/// A file with the given `<DataDefinition>` and `<WavelengthData>`.
 #[must_use]
 pub fn file(structure: &str, bases: &str, data: &str) -> String {
     format!(
@@ -33,18 +33,18 @@ pub fn block(channel: &str, direction: &str, bases: &str, data: &str) -> String 
     )
 }
 
-/// What to make a file of.
+/// The parameters of a random file.
 #[derive(Clone, Copy, Debug)]
 pub struct Recipe<'a> {
-    /// Of [`DIRECTIONS`], those that have a block.
+    /// The members of [`DIRECTIONS`] that have a block.
     pub directions: &'a [&'a str],
-    /// Whether there are blocks of colour.
+    /// Whether there are colour blocks.
     pub is_colored: bool,
     /// The same seed gives the same file.
     pub seed: u64,
 }
 
-/// Matrices between two bases of so many patches.
+/// Matrices between two bases of `columns` and `rows` patches.
 #[must_use]
 pub fn matrix(
     structure: &str,
@@ -70,7 +70,7 @@ pub fn matrix(
     file(structure, &own_basis(), &data)
 }
 
-/// A pane that transmits a share of all light straight through, as far as Klems' quarter basis can tell, and does nothing else.
+/// A pane that only transmits, straight through within the resolution of Klems' quarter basis.
 #[must_use]
 pub fn clear(transmittance: f64) -> String {
     let rings = [(0.0_f64, 9.0_f64, 1), (9.0, 27.0, 8), (27.0, 45.0, 12), (45.0, 63.0, 12), (63.0, 90.0, 8)];
@@ -92,7 +92,7 @@ pub fn clear(transmittance: f64) -> String {
     file("Columns", "", &block("Visible", DIRECTIONS[2], bases, &data))
 }
 
-/// A basis that no program knows, which ends before the horizon: 17 patches.
+/// A custom basis of 17 patches that ends before the horizon.
 fn own_basis() -> String {
     let ring = |(lower, upper, patches): (f64, f64, usize)| {
         format!(
@@ -104,7 +104,7 @@ fn own_basis() -> String {
     format!("<AngleBasis><AngleBasisName>Own</AngleBasisName>{rings}</AngleBasis>")
 }
 
-/// Tensor trees that are halved at most so often.
+/// Tensor trees with a largest depth.
 #[must_use]
 pub fn tensor(dimensions: usize, halvings: u32, recipe: &Recipe<'_>) -> String {
     let mut random = Random(recipe.seed);
@@ -112,7 +112,8 @@ pub fn tensor(dimensions: usize, halvings: u32, recipe: &Recipe<'_>) -> String {
     let mut data = String::new();
     for direction in recipe.directions {
         if recipe.is_colored {
-            // Radiance takes the Lambertian part off well only where the three trees have one form.
+            // Radiance separates the Lambertian part correctly only if the three trees have the
+            // same form.
             let channels: [(&str, f64, f64); 3] =
                 [("Visible", 0.05, 0.4), ("CIE-u", 0.19, 0.04), ("CIE-v", 0.45, 0.04)];
             for (channel, least, range) in channels {

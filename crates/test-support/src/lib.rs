@@ -1,11 +1,12 @@
-//! What the tests of several crates need.
+//! Support for the tests of several crates.
 //!
-//! - [`Radiance`]: the real programs, which tests compare with.
-//! - [`plugins`]: reflectance models built on the spot, in Rust and in C.
+//! - [`Radiance`]: the real programs, for comparison.
+//! - [`plugins`]: reflectance models built during the tests, in Rust and in C.
 //! - [`bsdf_files`]: BSDF files of every form.
 //!
-//! Guarantees: a test that cannot run says so and passes, unless the environment says that it must run
-//! ([`REQUIRE_RADIANCE`]). Tests alone may depend on this crate, and it knows no other crate of radsight.
+//! Guarantees: a test that cannot run prints a note and passes, unless the environment requires it
+//! to run ([`REQUIRE_RADIANCE`]). Only tests may depend on this crate, and it depends on no other
+//! crate of radsight.
 #![forbid(unsafe_code)]
 
 pub mod bsdf_files;

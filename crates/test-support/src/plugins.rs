@@ -21,7 +21,7 @@ pub fn sdk_example(name: &str) -> PathBuf {
     build(&["--package", "radsight-brdf-sdk", "--example", name])
 }
 
-/// The dynamic library that cargo makes last: dependencies come before what was asked for.
+/// The last dynamic library that cargo builds; dependencies come first.
 fn build(arguments: &[&str]) -> PathBuf {
     let output = Command::new(env!("CARGO"))
         .args(["build", "--quiet", "--message-format=json"])

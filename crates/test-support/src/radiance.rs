@@ -8,20 +8,20 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::thread;
 
-/// The variable that makes tests fail where real Radiance is missing: `1` where they must compare with it.
+/// If this variable is `1`, tests fail where real Radiance is missing.
 pub const REQUIRE_RADIANCE: &str = "RADSIGHT_REQUIRE_RADIANCE";
 
-/// Where the real programs are.
+/// The location of the real programs.
 #[derive(Clone, Debug)]
 pub struct Radiance {
     home: Option<PathBuf>,
 }
 
 impl Radiance {
-    /// Finds it, or says that a test is skipped.
+    /// Finds real Radiance, or notes that a test is skipped.
     ///
     /// # Panics
-    /// Where it is missing and [`REQUIRE_RADIANCE`] is `1`.
+    /// If it is missing and [`REQUIRE_RADIANCE`] is `1`.
     #[must_use]
     pub fn find() -> Option<Radiance> {
         let radiance = Radiance { home: env::var_os("RADSIGHT_RADIANCE").map(PathBuf::from) };
@@ -41,7 +41,7 @@ impl Radiance {
         println!("skipped: real Radiance not found");
     }
 
-    /// One of its programs with these words.
+    /// A command for one of its programs with these arguments.
     #[must_use]
     pub fn command(&self, program: &str, words: &[&str]) -> Command {
         let Some(home) = &self.home else {
@@ -56,7 +56,7 @@ impl Radiance {
         command
     }
 
-    /// The search path that has its programs first: they call each other by name.
+    /// The search path with its programs first: they call each other by name.
     #[must_use]
     pub fn path(&self) -> OsString {
         let mut path = OsString::new();
@@ -68,7 +68,7 @@ impl Radiance {
         path
     }
 
-    /// What one of its programs writes that runs in a folder, with this on standard input.
+    /// Runs one of its programs in a folder with this standard input, and returns its output.
     ///
     /// # Panics
     /// When the program fails.
@@ -80,7 +80,7 @@ impl Radiance {
         let mut child = command.spawn().expect("the real program starts");
         let mut pipe = child.stdin.take().expect("standard input is a pipe");
         let input = input.to_vec();
-        // A program that stops at a mistake closes the pipe, so a failed write is none of ours.
+        // A program that stops at a mistake closes the pipe, so a failed write is not our error.
         let writer = thread::spawn(move || drop(pipe.write_all(&input)));
         let output = child.wait_with_output().expect("the real program ends");
         writer.join().expect("the writer ends");
@@ -100,13 +100,13 @@ impl Radiance {
         self.home.as_ref().map(|home| home.join("bin"))
     }
 
-    /// Where it and what should do the same look for files: the working directory, then its library.
+    /// The search path for files in comparisons: the working directory, then its library.
     #[must_use]
     pub fn raypath(&self) -> String {
         self.library().map_or_else(|| ".".to_owned(), |library| format!(".:{}", library.display()))
     }
 
-    /// Makes an octree of scene files in a folder and gives its name.
+    /// Compiles scene files in a folder to an octree and returns its name.
     ///
     /// # Panics
     /// When `oconv` fails.

@@ -1,8 +1,8 @@
-//! Numbers that look random.
+//! Pseudo-random numbers.
 
 use glam::DVec3;
 
-/// Numbers that look random and are the same on every run.
+/// Pseudo-random numbers that are the same on every run.
 ///
 /// ```
 /// use radsight_test_support::Random;

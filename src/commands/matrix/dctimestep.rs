@@ -1,8 +1,11 @@
-//! `dctimestep`: daylight coefficients times skies, one moment or many.
+//! `dctimestep`: daylight coefficients times the skies of one or many time steps.
 //!
-//! `dctimestep [-h] [-n steps] [-i[fd]] [-o[fdc]] [-o files] [-x columns] [-y rows] coefficients [sky]`, or `… view BSDF daylight [sky]`, which multiplies all four. Coefficients
-//! are a matrix, or pictures with their number in the name (`dc%03d.hdr`), one for each direction of the sky; the view may be either, too. A sky has a column for each
-//! moment, as `gendaymtx` writes it; with `-n` it is text without a header. `-o` with a number in the name (`%04d`) makes a file of each moment. `-N -m` change nothing.
+//! `dctimestep [-h] [-n steps] [-i[fd]] [-o[fdc]] [-o files] [-x columns] [-y rows] coefficients
+//! [sky]`, or `… view BSDF daylight [sky]`, which multiplies all four. Coefficients are a matrix,
+//! or pictures numbered by their name (`dc%03d.hdr`), one per sky direction; the view may be
+//! either, too. A sky has one column per time step, as written by `gendaymtx`; with `-n` it is text
+//! without a header. `-o` with a number in the name (`%04d`) makes one file per time step. `-N -m`
+//! have no effect.
 
 use super::input::{format, read_bytes, read_factor, read_matrix, wrong};
 use crate::clock::push_date;
@@ -18,24 +21,24 @@ use radsight_picture::{Encoding, Header, Image, Picture, leading_number, scienti
 
 /// The command line.
 struct Request {
-    /// Moments; 0 for as many as the header of the sky says.
+    /// Number of time steps; 0 for the number in the header of the sky.
     steps: usize,
     sky_format: Option<Stored>,
     format: Stored,
     files: Option<OutputName>,
-    /// Whether commands may run that stand in the place of a file.
+    /// Whether commands may run in place of files.
     commands: Commands,
     header: bool,
-    /// Rows and columns of what is written; 0 for what comes out.
+    /// Rows and columns of the output; 0 for its natural size.
     size: [usize; 2],
     sources: Vec<String>,
     command: Vec<String>,
 }
 
-/// Bytes that the pictures of several moments may take while they are summed.
+/// Largest memory for the pictures of several time steps that are summed at once, bytes.
 const MOST_BYTES: usize = 1 << 29;
 
-/// Digits after the point of a number in text.
+/// Decimals of a number in text.
 const DIGITS: usize = 6;
 
 const PROGRAM: &str = "dctimestep";
@@ -50,7 +53,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
         [view, sky] => (view, None, sky),
         [view, bsdf, daylight] => (view, Some([bsdf, daylight]), "-"),
         [view, bsdf, daylight, sky, ..] => (view, Some([bsdf, daylight]), sky),
-        [] => return Err(Failure::usage("dctimestep: no coefficients are named")),
+        [] => return Err(Failure::usage("dctimestep: no coefficients are given")),
     };
     let mut result = request.sky(sky_source)?;
     for source in factors.into_iter().flatten().rev() {
@@ -115,7 +118,7 @@ impl Request {
         }
     }
 
-    /// The sky: a column for each moment.
+    /// The sky: one column per time step.
     fn sky(&self, source: &str) -> Result<Matrix, Failure> {
         let bytes = read_bytes(source, self.commands)?;
         let is_text = self.sky_format.is_none_or(|format| format == Stored::Ascii);
@@ -143,7 +146,7 @@ impl Request {
             if used != word.len() {
                 let (word, number) = (String::from_utf8_lossy(word).into_owned(), values.len() + 1);
                 return Err(Failure::input(format!(
-                    "{PROGRAM}: {source}: \"{word}\" is no number, expected number {number} of the sky"
+                    "{PROGRAM}: {source}: \"{word}\" is not a number, expected number {number} of the sky"
                 )));
             }
             values.push(value as f32);
@@ -152,7 +155,7 @@ impl Request {
         if values.is_empty() || values.len() % row != 0 {
             let found = values.len();
             return Err(Failure::input(format!(
-                "{PROGRAM}: {source}: {found} numbers, expected a multiple of {row} for {} moments in color",
+                "{PROGRAM}: {source}: {found} numbers, expected a multiple of {row} for {} time steps in colour",
                 self.steps
             )));
         }
@@ -171,7 +174,7 @@ impl Request {
         header
     }
 
-    /// The name of a moment's file; `None` where all go to one.
+    /// The file of a time step; `None` if all are written to one.
     fn file(&self, step: usize) -> Option<OutputName> {
         let files = self.files.as_ref().filter(|files| holds_number(files))?;
         Some(
@@ -216,14 +219,14 @@ impl Request {
         Ok(text)
     }
 
-    /// The pictures of all directions, each as bright as the sky is there, for each moment.
+    /// The pictures of all directions, weighted by the sky, for each time step.
     fn sum_pictures(&self, pattern: &str, sky: &Matrix) -> Outcome {
         if self.format != Stored::Rgbe {
             say("dctimestep: warning - pictures are written (-oc)\n");
         }
         if sky.columns() > 1 && self.file(0).is_none() {
             return Err(Failure::usage(format!(
-                "{PROGRAM}: pictures of {} moments need names with a number, expected -o and %04d or the like in it",
+                "{PROGRAM}: pictures of {} time steps need numbered names, expected -o with %04d in the name",
                 sky.columns()
             )));
         }
@@ -258,7 +261,7 @@ impl Request {
     }
 }
 
-/// Where the data begin.
+/// Offset of the data.
 fn header_length(bytes: &[u8]) -> usize {
     Header::read(bytes).map_or(0, |(_, length)| length)
 }
@@ -273,7 +276,8 @@ fn read_picture(pattern: &str, number: usize, commands: Commands) -> Result<Pict
     }
 }
 
-/// The sums for some moments. A picture is read once for all of them, and not where the sky is dark in all.
+/// The sums for some time steps. A picture is read once for all of them, and skipped if the sky is
+/// dark in all.
 fn sums(
     (pattern, commands): (&str, Commands),
     sky: &Matrix,

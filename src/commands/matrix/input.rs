@@ -1,4 +1,4 @@
-//! Matrices from files, standard input and commands, and the options that change each of them.
+//! Reads matrices from files, standard input and commands, and parses the options that change them.
 
 use crate::commands::words::Words;
 use crate::disk::Commands;
@@ -8,7 +8,7 @@ use radsight_matrix::{Matrix, MatrixError, Stored, Transform, Wanted, bsdf_matri
 use radsight_picture::leading_number;
 use radsight_scene_generators::source_name;
 
-/// What is done with a matrix after it was read.
+/// The changes applied to a matrix after reading.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Change {
     /// `-s`
@@ -19,20 +19,20 @@ pub(super) struct Change {
     pub(super) transposes: bool,
 }
 
-/// Which components are wanted.
+/// The requested components.
 #[derive(Clone, Debug)]
 pub(super) enum Components {
     Coefficients(Vec<f64>),
-    /// Letters, or the name of a file that has such components.
+    /// Letters, or the name of a file with these components.
     Named(String),
 }
 
-/// The bytes of a file, of standard input (`-`), or of what a command after `!` writes.
+/// The bytes of a file, of standard input (`-`), or of a command's output after `!`.
 pub(super) fn read_bytes(source: &str, commands: Commands) -> Result<Vec<u8>, Failure> {
     read_source(source, commands, |path| read_file(path, "matrix"))
 }
 
-/// What is wrong with a matrix of this name.
+/// The error of a named matrix.
 pub(super) fn wrong(program: &str, source: &str, error: &MatrixError) -> Failure {
     Failure::input(format!("{program}: {}: {error}", source_name(source)))
 }
@@ -42,7 +42,7 @@ pub(super) fn read_matrix(program: &str, source: &str, commands: Commands) -> Re
     Matrix::read(&read_bytes(source, commands)?).map_err(|error| wrong(program, source, &error))
 }
 
-/// Reads a matrix, or the BSDF file that a name ending in `.xml` means.
+/// Reads a matrix, or a BSDF file if the name ends in `.xml`.
 pub(super) fn read_factor(program: &str, source: &str, wanted: Wanted, commands: Commands) -> Result<Matrix, Failure> {
     if source.starts_with('!') || !source.to_ascii_lowercase().ends_with(".xml") {
         return read_matrix(program, source, commands);
@@ -51,7 +51,7 @@ pub(super) fn read_factor(program: &str, source: &str, wanted: Wanted, commands:
 }
 
 impl Change {
-    /// What is done with the next matrix, to whose components `all` holds where nothing else is said; what follows begins anew.
+    /// Takes the changes of the next matrix and resets them. `all` are its components by default.
     pub(super) fn take_for_next(&mut self, all: Option<&String>) -> Change {
         let mut own = std::mem::take(self);
         own.components = own.components.or_else(|| all.cloned().map(Components::Named));
@@ -81,7 +81,8 @@ impl Change {
         Ok(if self.transposes { changed.transposed() } else { changed })
     }
 
-    /// Takes `-s`, `-c` or `-C`; gives whether it was one. Letters after `-C` hold for all matrices that follow, too.
+    /// Parses `-s`, `-c` or `-C`; returns whether the option was one of them. Letters after `-C`
+    /// apply to all following matrices.
     pub(super) fn take(
         &mut self,
         option: &str,
@@ -117,7 +118,7 @@ impl Change {
     }
 }
 
-/// All numbers that follow.
+/// All numbers at the start of the remaining words.
 fn numbers(words: &mut Words<'_>) -> Result<Vec<f64>, Failure> {
     let is_number = |word: &str| {
         let (value, used) = leading_number(word.as_bytes());
@@ -130,7 +131,7 @@ fn numbers(words: &mut Words<'_>) -> Result<Vec<f64>, Failure> {
     Ok(found)
 }
 
-/// The format that a letter asks for.
+/// The format of a letter.
 pub(super) fn format(letter: &str) -> Option<Stored> {
     Some(match letter {
         "a" => Stored::Ascii,
@@ -141,7 +142,7 @@ pub(super) fn format(letter: &str) -> Option<Stored> {
     })
 }
 
-/// How a result is written: as asked for, or as it is; doubles are kept in single precision.
+/// The output format: as requested, or as the result; doubles are written in single precision.
 pub(super) fn result_format(asked: Option<Stored>, result: &Matrix) -> Stored {
     asked.unwrap_or(if result.stored == Stored::Double { Stored::Float } else { result.stored })
 }

@@ -1,8 +1,10 @@
-//! `rcomb`: matrices and pictures combined by functions of their elements.
+//! `rcomb`: combines matrices and pictures by functions of their elements.
 //!
-//! `rcomb [-h] [-w] [-f[adfc]] [-n N] [-e definitions] [-f file] [-s F…] [-c …] [-C letters] matrix… [-m[t] matrix]`: `co(component)`, `co` or `ro go bo` are what
-//! comes out (sums where nothing is defined), of `ci(input,component) ri(input) gi bi`, `r c` (row and column), `wl(component)`, `nfiles nrows ncols ncomp R G B PI`.
-//! `-s` and `-c` change the matrix that follows, after the last one the result, which `-m` multiplies by a matrix, `-mt` by a transposed one.
+//! `rcomb [-h] [-w] [-f[adfc]] [-n N] [-e definitions] [-f file] [-s F…] [-c …] [-C letters]
+//! matrix… [-m[t] matrix]`: `co(component)`, `co` or `ro go bo` define the output (the sum by
+//! default), from `ci(input,component) ri(input) gi bi`, `r c` (row and column), `wl(component)`,
+//! `nfiles nrows ncols ncomp R G B PI`. `-s` and `-c` apply to the next matrix, or to the result if
+//! after the last one. `-m` multiplies the result by a matrix, `-mt` by a transposed one.
 
 use super::input::{Change, format, read_matrix, result_format, wrong};
 use crate::clock::push_date;
@@ -19,7 +21,7 @@ use radsight_picture::Header;
 /// The command line.
 #[derive(Default)]
 struct Request {
-    /// Each with what is done with it.
+    /// The inputs with their changes.
     inputs: Vec<(String, Change)>,
     trailing: Change,
     definitions: Vec<Definition>,
@@ -33,11 +35,11 @@ enum Definition {
     File(String),
 }
 
-/// The matrix that the result is multiplied by.
+/// A matrix by which the result is multiplied.
 struct Factor {
     source: String,
     transposes: bool,
-    /// Whether that is done after the components of the result were changed.
+    /// Whether this happens after the components of the result are changed.
     comes_last: bool,
 }
 
@@ -99,7 +101,7 @@ impl Request {
             return Err(Failure::usage("rcomb: standard input is named twice"));
         }
         if request.inputs.is_empty() {
-            return Err(Failure::usage("rcomb: no matrix is named"));
+            return Err(Failure::usage("rcomb: no matrix is given"));
         }
         Ok(request)
     }
@@ -124,7 +126,7 @@ fn define(combination: &mut Combination, definitions: &[Definition]) -> Outcome 
     Ok(())
 }
 
-/// What is done with the combination: its components are changed, and it is multiplied.
+/// Applies the component changes and matrix products to the combination.
 fn finish(program: &str, combined: Matrix, request: &Request, commands: Commands) -> Result<Matrix, Failure> {
     let changed = |matrix| request.trailing.apply(program, "the result", matrix, commands);
     let Some(factor) = &request.factor else { return changed(combined) };

@@ -1,8 +1,10 @@
 //! `rmtxop`: products, sums and quotients of matrices.
 //!
-//! `rmtxop [-v] [-f[adfc]] [-t] [-s F…] [-c coefficients|letters|file] [-C letters] [-rf|-rb] matrix [.+*/ matrix]…`: options change the matrix that
-//! follows, after the last one the result. `.` is the matrix product, also where nothing is said; `+ * /` go element by element. `-t` transposes, `-s` multiplies,
-//! `-c` makes other components. A BSDF file (`.xml`) is its transmission, with `-rf` and `-rb` its reflection from the front and the back.
+//! `rmtxop [-v] [-f[adfc]] [-t] [-s F…] [-c coefficients|letters|file] [-C letters] [-rf|-rb]
+//! matrix [.+*/ matrix]…`: options apply to the next matrix, or to the result if after the last
+//! one. `.` is the matrix product, the default; `+ * /` are element-wise. `-t` transposes, `-s`
+//! scales, `-c` transforms components. A BSDF file (`.xml`) stands for its transmission, with `-rf`
+//! and `-rb` for its front and back reflection.
 
 use super::input::{Change, format, read_factor, result_format, wrong};
 use crate::commands::words::Words;
@@ -14,12 +16,12 @@ use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
 use radsight_measured::Side;
 use radsight_picture::Header;
 
-/// A matrix, and what is done with it.
+/// A matrix with its changes.
 struct Operand {
     source: String,
     change: Change,
     wanted: Wanted,
-    /// How it joins what is left of it.
+    /// The operation that joins it to what precedes it.
     operation: Operation,
 }
 
@@ -90,7 +92,7 @@ impl Request {
             }
         }
         if operands.is_empty() {
-            return Err(usage("no matrix is named"));
+            return Err(usage("no matrix is given"));
         }
         if operation.is_some() {
             return Err(usage("the last operation has no matrix after it"));
@@ -133,7 +135,7 @@ impl Operand {
     }
 }
 
-/// Whether all is one product of several matrices.
+/// Whether the expression is one product of several matrices.
 fn is_chain(operands: &[Operand]) -> bool {
     operands.len() > 2 && operands[1..].iter().all(|operand| operand.operation == Operation::Product)
 }
@@ -147,10 +149,11 @@ fn from_the_left(program: &str, operands: &[Operand], commands: Commands) -> Res
             Some(left) => operand.operation.join(program, &operand.source, left, &matrix)?,
         });
     }
-    result.ok_or_else(|| Failure::usage("rmtxop: no matrix is named"))
+    result.ok_or_else(|| Failure::usage("rmtxop: no matrix is given"))
 }
 
-/// A product of several matrices, from the end with fewer values: a sky at one moment is a vector.
+/// A product of several matrices, starting at the end with fewer values: a sky of one time step is
+/// a vector.
 fn product(program: &str, operands: &[Operand], commands: Commands) -> Result<Matrix, Failure> {
     let mut chain = Vec::new();
     for operand in operands {

@@ -1,4 +1,5 @@
-//! The lights of a scene, for surfaces that become lights themselves (`l+`): what shines through those must shine from them.
+//! The lights of a scene, for surfaces that become lights themselves (`l+`): their radiance must
+//! include lights seen through them.
 
 use crate::failure::Failure;
 use crate::input::Planner;
@@ -6,15 +7,16 @@ use radsight_flux::{FluxSurface, IllumSurface, Shape as Form, Toward};
 use radsight_ir::{Material, ModifierKind, Rgb, Scene, Shape, Surface, ValidScene};
 use radsight_render::{Lights, Ray, RenderOptions, Renderer};
 
-/// Finds light that comes straight from lights, by way of panes alone.
+/// Computes light that arrives directly from lights, through panes alone.
 ///
-/// Of each ray towards a light two values are found, once with lights that are seen and once without: the difference is the light's.
+/// Each ray towards a light is traced with and without visible lights: the difference is the
+/// light's contribution.
 #[derive(Debug)]
 pub(super) struct LightFinder {
     lights: Vec<Toward>,
     seen: Renderer,
     unseen: Renderer,
-    /// As asked for, but without lights.
+    /// The same renderer without lights.
     without_lights: Renderer,
 }
 
@@ -38,7 +40,7 @@ impl LightFinder {
         })
     }
 
-    /// Finds everything but light that comes straight from lights.
+    /// The renderer for everything except direct light.
     pub(super) fn without_lights(&self) -> &Renderer {
         &self.without_lights
     }
@@ -47,7 +49,8 @@ impl LightFinder {
         [&self.seen, &self.unseen, &self.without_lights]
     }
 
-    /// Adds to the means of a surface's directions what lights bring, with so many rays to each as a direction has.
+    /// Adds direct light to the mean radiances of a surface's directions, with as many rays per
+    /// light as per direction.
     pub(super) fn add(&self, surface: &IllumSurface, means: &mut [[f64; 3]]) {
         let rays = self
             .lights
@@ -67,7 +70,7 @@ impl LightFinder {
     }
 }
 
-/// A surface towards which rays are sent.
+/// A surface as the target of rays.
 fn light(scene: &Scene, surface: &Surface) -> Option<Toward> {
     let material = scene.chain(surface.modifier).find_map(|(_, modifier)| match &modifier.kind {
         ModifierKind::Material(material) => Some(material),

@@ -1,8 +1,9 @@
-//! `mkillum`: windows as lights of their own.
+//! `mkillum`: converts windows to light sources.
 //!
-//! `mkillum [options of rtrace] OCTREE [< FILE…]`: each polygon, ring and sphere of the files (or of standard input) becomes an `illum` with the light
-//! that rays find that look through it; comments `#@mkillum` say how (`m=` its name, `f=` the data files, `c=` colours, `d=` directions, `s=` rays,
-//! `b=` from which brightness on, `l+` a `light`, `i= e= a n` which surfaces, `o=` the file for the result).
+//! `mkillum [options of rtrace] OCTREE [< FILE…]`: each polygon, ring and sphere of the files (or
+//! of standard input) becomes an `illum` with the radiance of rays through it. Comments `#@mkillum`
+//! set options (`m=` its name, `f=` the data files, `c=` colours, `d=` directions, `s=` rays, `b=`
+//! smallest brightness, `l+` a `light`, `i= e= a n` surfaces, `o=` output file).
 
 mod lights;
 mod options;
@@ -24,10 +25,10 @@ use radsight_parse::{Kind, Role};
 use radsight_render::{Ray, RayWorker, Renderer};
 use rayon::prelude::*;
 
-/// What begins a comment for this program.
+/// Prefix of comments for this program.
 const MARK: &str = "#@mkillum";
 
-/// Brighter than nothing.
+/// Smallest brightness that is not zero.
 const TINY: f64 = 1e-6;
 
 /// Runs the program; `words[0]` is its name.
@@ -56,7 +57,8 @@ struct Work<'a> {
     options: &'a Options,
     planner: &'a Planner<'a>,
     renderer: Renderer,
-    /// Once a surface becomes a `light`: then lights are not seen by chance but looked for.
+    /// Set when a surface becomes a `light`: lights are then sampled explicitly instead of being
+    /// hit by chance.
     light_finder: Option<LightFinder>,
     parameters: Parameters,
     output: Output<'a>,
@@ -97,45 +99,45 @@ impl Work<'_> {
                     self.output.alias([&modifier, &name, &target]);
                 }
                 Item::Primitive(primitive) => self.primitive(&primitive)?,
-                // Those were carried out before.
+                // Commands were expanded before.
                 Item::Command(_) => {}
             }
         }
         Ok(())
     }
 
-    /// Does what a comment says; the refusal is that of a file which it names.
+    /// Applies a comment. A refusal concerns a file that it names.
     fn comment(&mut self, comment: &str, path: &str) -> Result<Result<(), Refusal>, Failure> {
         let ours = comment.strip_prefix(MARK).filter(|rest| rest.starts_with(char::is_whitespace));
         let Some(words) = ours else {
             self.output.line(comment);
             return Ok(Ok(()));
         };
-        let said = self.parameters.read(words);
+        let result = self.parameters.read(words);
         let trust = &self.options.reading.trust;
         if self.parameters.density > 0
-            && let Some(name) = &said.names_data
+            && let Some(name) = &result.names_data
             && let Err(refusal) = output::check_data_files(trust, name)
         {
             return Ok(Err(refusal));
         }
-        if let Some(file) = said.output {
+        if let Some(file) = result.output {
             match output::scene_file(trust, &file) {
                 Ok(file) => self.output.go_to(file)?,
                 Err(refusal) => return Ok(Err(refusal)),
             }
         }
-        if said.is_processed {
-            self.warn(&format!("{path} was processed before, and is passed on as it is"));
+        if result.is_processed {
+            self.warn(&format!("{path} was processed before and is copied unchanged"));
             return Ok(Ok(()));
         }
         self.output.put_header();
-        if !said.unknown.is_empty() {
-            let unknown = said.unknown.join(" ");
+        if !result.unknown.is_empty() {
+            let unknown = result.unknown.join(" ");
             self.warn(&format!(
-                "{path}: \"{unknown}\" after {MARK} means nothing, expected m= f= c= d= s= b= i= e= o= a n l+ or l-"
+                "{path}: \"{unknown}\" after {MARK} is unknown, expected m= f= c= d= s= b= i= e= o= a n l+ or l-"
             ));
-            self.output.line(&format!("# mkillum: the following option line has {} error(s):", said.unknown.len()));
+            self.output.line(&format!("# mkillum: the following option line has {} error(s):", result.unknown.len()));
         }
         self.output.line(&format!("# {}", &comment[2..]));
         Ok(Ok(()))
@@ -166,7 +168,7 @@ impl Work<'_> {
             Kind::Sphere => IllumSurface::ball(name, numbers, detail),
             _ => {
                 self.warn(&format!(
-                    "no light is made of {} \"{name}\", expected a polygon, ring or sphere",
+                    "{} \"{name}\" cannot become a light source, expected a polygon, ring or sphere",
                     written.kind
                 ));
                 self.output.primitive(&modifier, &written);
@@ -176,7 +178,7 @@ impl Work<'_> {
         match surface {
             Ok(surface) => self.light(&modifier, &written, &surface),
             Err(error @ FluxError::Surface { what: "has no area", .. }) => {
-                self.warn(&format!("{error}, and no light is made of it"));
+                self.warn(&format!("{error}; it does not become a light source"));
                 self.output.primitive(&modifier, &written);
                 Ok(())
             }
@@ -186,7 +188,7 @@ impl Work<'_> {
 
     fn light(&mut self, modifier: &str, written: &Written, surface: &IllumSurface) -> Outcome {
         if self.parameters.density == 0 && surface.axes().is_none() {
-            self.warn(&format!("sphere \"{}\" shines evenly", written.name));
+            self.warn(&format!("sphere \"{}\" emits uniformly", written.name));
         }
         let mut means = self.means(surface)?;
         if let (Some(finder), Becomes::Light) = (&self.light_finder, self.parameters.becomes) {

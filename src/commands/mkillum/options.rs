@@ -1,4 +1,4 @@
-//! The options of `mkillum`: those of rendering, and the files.
+//! The options of `mkillum`: rendering options and files.
 
 use super::parameters::{Becomes, Colors, Parameters};
 use crate::args::Reading;
@@ -13,7 +13,7 @@ use radsight_film::SamplingBudget;
 use radsight_options::{ProgramOption, Settings};
 use radsight_render::{Gathering, PathLimit, RenderOptions};
 
-/// What is asked.
+/// The parsed options.
 #[derive(Debug)]
 pub(super) struct Options {
     pub(super) render: RenderOptions,
@@ -23,16 +23,17 @@ pub(super) struct Options {
     pub(super) scenes: Vec<String>,
     /// The files with surfaces; `-` for standard input.
     pub(super) inputs: Vec<String>,
-    /// The words up to the inputs, as the header has them.
+    /// The words up to the inputs, for the header.
     pub(super) command: Vec<String>,
-    /// What `-defaults` shows.
+    /// The options listed by `-defaults`.
     settings: Settings,
 }
 
-/// Paths of each ray, unless another number is asked for: hemisphere samples bring each direction of a window about as much noise.
+/// Default number of paths per ray: hemisphere samples cause about as much noise in each direction
+/// of a window.
 const USUAL_PATHS: u32 = 8;
 
-/// Paths that no ray exceeds for an asked error.
+/// Largest number of paths per ray for a requested error.
 const MOST_PATHS: u32 = 4096;
 
 impl TakesOptions for Options {
@@ -50,9 +51,9 @@ impl TakesOptions for Options {
 }
 
 impl Options {
-    /// Reads the words, of which the first is the program's name.
+    /// Parses the words, of which the first is the program's name.
     pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
-        // Radiance's defaults; but thousands of rays of a window are averaged, and share nothing.
+        // Radiance's defaults, but without a cache: thousands of rays of a window are averaged.
         let gathering = Gathering { accuracy: 0.0, divisions: 1024, super_samples: 512, ..Gathering::default() };
         let render = RenderOptions {
             gathering,
@@ -79,13 +80,13 @@ impl Options {
             options.inputs = options.scenes.split_off(place + 1);
             options.scenes.pop();
             if options.inputs.is_empty() {
-                return Err(Failure::usage("mkillum: no file is named after \"<\", expected files with surfaces"));
+                return Err(Failure::usage("mkillum: no file is given after \"<\", expected files with surfaces"));
             }
         } else {
             options.inputs.push("-".to_owned());
         }
         if options.scenes.is_empty() {
-            return Err(Failure::usage("mkillum: no scene is named, expected an octree or scene files"));
+            return Err(Failure::usage("mkillum: no scene is given, expected an octree or scene files"));
         }
         if options.scenes.iter().chain(&options.inputs).filter(|file| *file == "-").count() > 1 {
             return Err(Failure::usage(
@@ -97,7 +98,7 @@ impl Options {
         Ok(options)
     }
 
-    /// Takes one option; gives how many words it used.
+    /// Parses one option; returns the number of words it used.
     fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
         let mut used = take_one(words, &mut self.render)?;
         if used == 0 {
@@ -107,7 +108,7 @@ impl Options {
             used = take_definition(words, &mut self.reading)?;
         }
         if used == 0 {
-            // Irradiance of surfaces is no radiance of windows: as in Radiance it does not count.
+            // Irradiance of surfaces is not radiance of windows, so it is ignored, as in Radiance.
             used = take_irradiance(words, &mut RenderOptions::default());
         }
         if used == 0 {
@@ -129,13 +130,13 @@ impl Options {
         Ok(1)
     }
 
-    /// How many paths each ray stands for.
+    /// The number of paths per ray.
     pub(super) fn sampling_budget(&self) -> SamplingBudget {
         let paths = if self.render.ambient_bounces > 0 { USUAL_PATHS } else { 1 };
         self.sampling_budget.unwrap_or(SamplingBudget::Samples(paths))
     }
 
-    /// The options as they stand, for `-defaults`.
+    /// The listing of `-defaults`.
     fn defaults(&self) -> String {
         let parameters = Parameters::default();
         let colors = match parameters.colors {

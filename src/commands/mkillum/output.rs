@@ -1,4 +1,4 @@
-//! The scene text that is written, and its data files.
+//! The output: scene text and its data files.
 
 use super::parameters::{Becomes, Colors, Parameters};
 use crate::failure::{Failure, Outcome};
@@ -12,10 +12,10 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
 
-/// Numbers in a line of a data file.
+/// Numbers per line of a data file.
 const NUMBERS_IN_LINE: usize = 5;
 
-/// More data files of one name are a mistake.
+/// Largest number of data files with one name.
 const MOST_FILES: u32 = 1 << 20;
 
 /// A text that becomes a file.
@@ -25,12 +25,12 @@ pub(super) struct Output<'a> {
     /// `-` for standard output.
     target: OutputName,
     text: String,
-    /// The command, which stands before everything else.
+    /// The command, as the first comment.
     header: String,
     has_header: bool,
 }
 
-/// A primitive as it is written.
+/// A primitive to be written.
 #[derive(Clone, Debug)]
 pub(super) struct Written {
     pub(super) kind: &'static str,
@@ -47,7 +47,7 @@ impl<'a> Output<'a> {
         Output { trust, target: OutputName::standard_output(), text: String::new(), header, has_header: false }
     }
 
-    /// Goes on in another file.
+    /// Continues in another file.
     pub(super) fn go_to(&mut self, file: OutputName) -> Outcome {
         self.finish()?;
         self.target = file;
@@ -55,7 +55,7 @@ impl<'a> Output<'a> {
         Ok(())
     }
 
-    /// Writes what there is; where all of it went to files, standard output stays empty.
+    /// Writes the pending text; standard output stays empty if everything went to files.
     pub(super) fn finish(&mut self) -> Outcome {
         let text = std::mem::take(&mut self.text);
         if text.is_empty() && &*self.target == "-" { Ok(()) } else { write_file(&self.target, text.as_bytes()) }
@@ -77,7 +77,7 @@ impl<'a> Output<'a> {
         self.text.push_str(&format!("\n{} alias {}\t{}\n", word(modifier), word(name), word(target)));
     }
 
-    /// Surfaces of nothing are left out.
+    /// Writes a primitive; empty ones are omitted.
     pub(super) fn primitive(&mut self, modifier: &str, primitive: &Written) {
         if primitive.is_surface && modifier == "void" {
             return;
@@ -95,7 +95,8 @@ impl<'a> Output<'a> {
         self.line(&text);
     }
 
-    /// A surface as a light: its pattern with data files, its material and itself. `means` are the radiances of its directions.
+    /// Writes a surface as a light: its pattern with data files, its material and the surface.
+    /// `means` are the radiances of its directions.
     pub(super) fn light(
         &mut self,
         parameters: &mut Parameters,
@@ -140,7 +141,7 @@ impl<'a> Output<'a> {
         let mut put = |letter: &str, value: &dyn Fn([f64; 3]) -> f64| -> Outcome {
             let file = data_file(parameters, letter, trust)?;
             let values: Vec<f64> = means.iter().map(|radiance| share(value(*radiance), value(mean))).collect();
-            // A scene may have been made with the data that `f=` replaces.
+            // A scene may use the data that `f=` replaces.
             replace_file(&file, data(surface, &values).as_bytes())?;
             text.extend([" ", &word(&file)]);
             Ok(())
@@ -177,7 +178,7 @@ pub(super) fn brightness(color: [f64; 3]) -> f64 {
     of_rgb(color.map(|part| part as f32))
 }
 
-/// The next data file: one that is not there yet, unless it may be replaced.
+/// The name of the next data file: a new file, unless it may be replaced.
 fn data_file(parameters: &mut Parameters, letter: &str, trust: &Trust) -> Result<OutputName, Failure> {
     loop {
         let number = match parameters.data_number {
@@ -190,7 +191,9 @@ fn data_file(parameters: &mut Parameters, letter: &str, trust: &Trust) -> Result
         }
         parameters.data_number += 1;
         if parameters.data_number > MOST_FILES {
-            return Err(Failure::fault(format!("mkillum: \"{file}\" and all before it are there already")));
+            return Err(Failure::fault(format!(
+                "mkillum: \"{file}\" and all lower numbers exist, expected another data file name"
+            )));
         }
     }
 }
@@ -199,10 +202,10 @@ fn data_file_name(name: &str, letter: &str, number: &str) -> String {
     format!("{name}{letter}{number}.dat")
 }
 
-/// Checks the files that a comment names for data (`f=`, `m=`) before rays are traced for them.
+/// Checks the data files that a comment names (`f=`, `m=`) before rays are traced for them.
 pub(super) fn check_data_files(trust: &Trust, name: &str) -> Result<(), Refusal> {
     let files = ["", "R", "G", "B"].map(|letter| data_file_name(name, letter, ""));
-    // Whether those that are there may be replaced is known when they are written.
+    // Whether existing files may be replaced is decided when they are written.
     files.iter().try_for_each(|file| trust.output_of_file(file, Existing::Replaced).map(drop))
 }
 
@@ -226,7 +229,7 @@ fn data(surface: &IllumSurface, values: &[f64]) -> String {
     text
 }
 
-/// A word as scene text has it.
+/// A word quoted for scene text.
 fn word(text: &str) -> String {
     if !text.is_empty() && !text.contains(|sign: char| sign.is_whitespace() || sign == '"' || sign == '\'') {
         return text.to_owned();

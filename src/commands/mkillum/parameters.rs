@@ -1,13 +1,13 @@
-//! What comments `#@mkillum` say.
+//! Parses comments `#@mkillum`.
 
-/// Which surfaces become lights.
+/// The selection of surfaces that become lights.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Selected {
     All,
     Nothing,
-    /// Those of a modifier.
+    /// Those with a modifier.
     Only(String),
-    /// Those of all others.
+    /// All except those with a modifier.
     Except(String),
 }
 
@@ -22,7 +22,7 @@ impl Selected {
     }
 }
 
-/// What is kept of colours.
+/// The treatment of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Colors {
     /// Lights are grey.
@@ -33,29 +33,29 @@ pub(super) enum Colors {
     Spread,
 }
 
-/// What surfaces become.
+/// The material type of the new lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Becomes {
     Illum,
     Light,
 }
 
-/// What holds for the surfaces that follow.
+/// The options of the following surfaces.
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
     pub(super) material: String,
     pub(super) data_file: String,
     /// The number of the next data file; 0 is not written.
     pub(super) data_number: u32,
-    /// Whether the data file is named, so that one that is there may be replaced.
+    /// Whether the data file is named explicitly, so that an existing one may be replaced.
     pub(super) replaces_data: bool,
     pub(super) selected: Selected,
     pub(super) colors: Colors,
-    /// Directions for each projected steradian; 0 for lights that shine evenly.
+    /// Directions per projected steradian; 0 for uniform emission.
     pub(super) density: u32,
-    /// Rays for each direction.
+    /// Rays per direction.
     pub(super) samples: u32,
-    /// Surfaces with less radiance stay as they are, W/(sr·m²).
+    /// Surfaces with less radiance stay unchanged, W/(sr·m²).
     pub(super) least_brightness: f64,
     pub(super) becomes: Becomes,
 }
@@ -77,46 +77,46 @@ impl Default for Parameters {
     }
 }
 
-/// What else a comment says.
+/// Further results of parsing a comment.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub(super) struct Said {
-    /// A file for all that follows.
+pub(super) struct CommentResult {
+    /// The output file of all that follows.
     pub(super) output: Option<String>,
-    /// What data files are to be called, if that changes.
+    /// The new name of data files, if it changes.
     pub(super) names_data: Option<String>,
-    /// Whether the text is output of this program already; then nothing more of the comment counts.
+    /// Whether the text is output of this program; the rest of the comment is then ignored.
     pub(super) is_processed: bool,
-    /// Words that mean nothing.
+    /// Unknown words.
     pub(super) unknown: Vec<String>,
 }
 
 impl Parameters {
-    /// Reads the words of a comment.
-    pub(super) fn read(&mut self, text: &str) -> Said {
-        let mut said = Said::default();
+    /// Parses the words of a comment.
+    pub(super) fn read(&mut self, text: &str) -> CommentResult {
+        let mut result = CommentResult::default();
         let before = self.data_file.clone();
         for word in text.split_ascii_whitespace() {
             if word.starts_with('!') {
                 self.selected = Selected::Nothing;
-                said.is_processed = true;
-                return said;
+                result.is_processed = true;
+                return result;
             }
             match word.strip_prefix("o=").filter(|file| !file.is_empty()) {
-                Some(file) => said.output = Some(file.to_owned()),
+                Some(file) => result.output = Some(file.to_owned()),
                 None if self.take(word).is_some() => {}
-                None => said.unknown.push(word.to_owned()),
+                None => result.unknown.push(word.to_owned()),
             }
         }
-        said.names_data = Some(self.data_file.clone()).filter(|name| *name != before);
-        said
+        result.names_data = Some(self.data_file.clone()).filter(|name| *name != before);
+        result
     }
 
-    /// Takes one word; `None` if it means nothing.
+    /// Parses one word; `None` if it is unknown.
     fn take(&mut self, word: &str) -> Option<()> {
         match word {
             "l+" => self.becomes = Becomes::Light,
             "l-" => self.becomes = Becomes::Illum,
-            // As in Radiance, where words may go on behind their first letter.
+            // As in Radiance, only the first letter is significant.
             _ if word.starts_with('a') => self.selected = Selected::All,
             _ if word.starts_with('n') => self.selected = Selected::Nothing,
             _ => {
@@ -166,7 +166,7 @@ impl Parameters {
     }
 }
 
-/// A whole number; below zero is zero.
+/// A non-negative integer; negative numbers become zero.
 fn whole(word: &str) -> Option<u32> {
     let number: i64 = word.parse().ok()?;
     Some(u32::try_from(number.max(0)).unwrap_or(u32::MAX))
@@ -179,8 +179,8 @@ mod tests {
     #[test]
     fn comments_say_what_surfaces_become() {
         let mut parameters = Parameters::default();
-        let said = parameters.read(" m=win c=d d=20 s=8\tl+ b=.5 i=glazing o=out.rad");
-        assert_eq!((said.output.as_deref(), said.unknown.len()), (Some("out.rad"), 0));
+        let result = parameters.read(" m=win c=d d=20 s=8\tl+ b=.5 i=glazing o=out.rad");
+        assert_eq!((result.output.as_deref(), result.unknown.len()), (Some("out.rad"), 0));
         assert_eq!((parameters.material.as_str(), parameters.data_file.as_str()), ("win", "win"));
         assert_eq!((parameters.density, parameters.samples, parameters.least_brightness), (20, 8, 0.5));
         assert!(parameters.colors == Colors::Spread && parameters.becomes == Becomes::Light);
@@ -193,18 +193,18 @@ mod tests {
     }
 
     #[test]
-    fn words_that_mean_nothing_are_told() {
+    fn unknown_words_are_returned() {
         let mut parameters = Parameters::default();
         let unknown = ["x=1", "d=bsdf.xml", "s=", "s=1.5", "c=x", "b=nan", "m=", "o=", "l", "q"];
-        let said = parameters.read(&unknown.join(" "));
-        assert_eq!(said.unknown, unknown);
+        let result = parameters.read(&unknown.join(" "));
+        assert_eq!(result.unknown, unknown);
         assert_eq!((parameters.density, parameters.samples), (48, 32));
     }
 
     #[test]
     fn what_was_made_before_is_left_alone() {
         let mut parameters = Parameters::default();
-        let said = parameters.read("! d=3");
-        assert!(said.is_processed && parameters.selected == Selected::Nothing && parameters.density == 48);
+        let result = parameters.read("! d=3");
+        assert!(result.is_processed && parameters.selected == Selected::Nothing && parameters.density == 48);
     }
 }

@@ -1,9 +1,11 @@
 //! `falsecolor`: brightness as colour, contours and bands, with a legend.
 //!
-//! `-i picture` (else standard input), `-p picture` background of contours, `-ip picture` both; `-cl` lines, `-cb` bands, `-cp` steps, `-c0` no colours;
-//! `-s TOP` (or `auto`), `-log DECADES`, `-n DIVISIONS`, `-m MULTIPLIER`, `-l LABEL`, `-d DIGITS`, `-lw W -lh H` size of the legend, `-pal
-//! def|spec|pm3d|hot|eco|tbo`, `-palettes` shows them, `-r -g -b` own functions of `v`; `-e` marks the darkest and the brightest pixel; `-odim COLUMNS ROWS`
-//! writes values over the picture, or over its part `-orct LEFT LOWER RIGHT UPPER`.
+//! `-i picture` (else standard input), `-p picture` background of contours, `-ip picture` both;
+//! `-cl` lines, `-cb` bands, `-cp` steps, `-c0` no colours; `-s TOP` (or `auto`), `-log DECADES`,
+//! `-n DIVISIONS`, `-m MULTIPLIER`, `-l LABEL`, `-d DIGITS`, `-lw W -lh H` size of the legend,
+//! `-pal def|spec|pm3d|hot|eco|tbo`, `-palettes` shows them, `-r -g -b` custom functions of `v`;
+//! `-e` marks the darkest and the brightest pixel; `-odim COLUMNS ROWS` prints values on the
+//! picture, or on its part `-orct LEFT LOWER RIGHT UPPER`.
 
 mod overlay;
 
@@ -23,11 +25,11 @@ use radsight_picture_ops::sign::SignOptions;
 use std::fs::File;
 use std::io::{Cursor, Seek};
 
-/// Legends that are smaller cannot be read, and are left out.
+/// Smallest readable legend; smaller ones are omitted.
 const SMALLEST_LEGEND: [i64; 2] = [20, 40];
-/// Height of the letters at the extrema, in pixels.
+/// Height of letters at the extrema, pixels.
 const MARK_HEIGHT: usize = 32;
-/// Height over width of a letter, and letters across the legend.
+/// Height divided by width of a letter, and number of letters across the legend.
 const LETTER: f64 = 8.0 / 1.67;
 
 struct Options {
@@ -87,7 +89,7 @@ fn reader_of(source: Source, path: &str) -> Result<PictureReader<Source>, Failur
     PictureReader::new(source).map_err(|error| failed(path, error.into()))
 }
 
-/// Looks at the picture before it is coloured.
+/// Reads the statistics of the picture before it is coloured.
 fn with_file(words: &Words<'_>, options: &mut Options) -> Outcome {
     let mut file = open_twice(&options.picture)?;
     let again = |file: &mut File| -> Result<PictureReader<Source>, Failure> {
@@ -110,7 +112,7 @@ fn with_file(words: &Words<'_>, options: &mut Options) -> Outcome {
         let reader = again(&mut file)?;
         let scale = reader.header().radiance_scale().map_err(|error| failed(&options.picture, error.into()))?;
         for found in extrema(reader).map_err(|error| failed(&options.picture, error))? {
-            // With the digits that pextrem prints.
+            // With the digits of pextrem.
             let printed = |i: usize| scientific(f64::from(found.color[i] * scale[i]), 2).parse().unwrap_or(0.0);
             let value = (printed(0) * 0.27 + printed(1) * 0.67 + printed(2) * 0.06) * options.scale.multiplier;
             annotations.marks.push(([found.position as i64, found.scanline as i64], options.shown(value)));
@@ -120,7 +122,8 @@ fn with_file(words: &Words<'_>, options: &mut Options) -> Outcome {
     finish(words, options, reader, annotations)
 }
 
-/// A luminance near the largest, in cd/m², as `phisto` finds it: of the picture at 128 pixels, the last bin but one of 777.
+/// A luminance near the largest, in cd/m², as `phisto` computes it: of the picture reduced to 128
+/// pixels, the last bin but one of 777.
 fn automatic_top(reader: PictureReader<Source>, path: &str) -> Result<f64, Failure> {
     const SIZE: usize = 128;
     const BINS: f64 = 777.0;
@@ -145,17 +148,17 @@ fn automatic_top(reader: PictureReader<Source>, path: &str) -> Result<f64, Failu
     Ok(10f64.powf(exponent))
 }
 
-/// What is written over the colours.
+/// Text printed on the colours.
 #[derive(Default)]
 struct Annotations {
     overlay: Vec<Layer<Source>>,
-    /// Places and the values there.
+    /// Positions and values.
     marks: Vec<([i64; 2], String)>,
-    /// Height of the letters of marks, in pixels.
+    /// Height of the letters of marks, pixels.
     letter: usize,
 }
 
-/// Colours the picture and puts the legend beside it.
+/// Colours the picture and adds the legend.
 fn finish(words: &Words<'_>, options: &Options, reader: PictureReader<Source>, annotations: Annotations) -> Outcome {
     let path = &options.picture;
     let mut format = Header::new("RADIANCE");
@@ -196,7 +199,7 @@ fn layer(bytes: Vec<u8>, corner: [i64; 2]) -> Result<Layer<Source>, Failure> {
 }
 
 impl Options {
-    /// A value of the scale with no more decimals than asked; the rest is cut.
+    /// A value of the scale, truncated to the requested number of decimals.
     fn shown(&self, value: f64) -> String {
         let text = general(value, 15);
         let Some(point) = text.find('.') else { return text };
@@ -205,7 +208,7 @@ impl Options {
         format!("{}{}", &text[..point + kept], &text[point + 1 + decimals..])
     }
 
-    /// Zero is shown where colours cover all.
+    /// Zero is labelled if colours cover the whole picture.
     fn shows_zero(&self) -> bool {
         self.scale.coverage == Coverage::All || self.scale.coverage == Coverage::None
     }
@@ -248,7 +251,7 @@ impl Options {
         picture_bytes(self.legend[0] as usize, height, &pixels)
     }
 
-    /// The text of the legend, and the same inverted for its shadow.
+    /// The text of the legend, and its inverse for the shadow.
     fn legend_text(&self, step: i64) -> Result<(Vec<u8>, Vec<u8>), Failure> {
         let lines = self.scale.divisions as i64 + i64::from(self.shows_zero());
         let letter = step.min((self.legend[0] as f64 / LETTER) as i64).max(1) as usize;
@@ -289,7 +292,7 @@ fn legend_sign(height: usize) -> SignOptions {
     SignOptions { spacing: -0.15, foreground: [1.0; 3], background: [0.0; 3], height, ..SignOptions::default() }
 }
 
-/// A text's shadow.
+/// The shadow of a text.
 fn inverted(text: &[u8]) -> Result<Vec<u8>, Failure> {
     let read = Picture::read(text).map_err(|error| failed("legend", error.into()))?;
     let values = read.values();

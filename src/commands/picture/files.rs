@@ -14,10 +14,10 @@ use std::io::{self, BufRead, BufWriter, ErrorKind, Read, Seek, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Stdio};
 
-/// What a picture is read from.
+/// The source of a picture.
 pub(super) type Source = Box<dyn Read>;
 
-/// How much is written at a time.
+/// Size of the output buffer, bytes.
 const BUFFER: usize = 1 << 17;
 
 /// Opens a file; `-` is standard input.
@@ -28,7 +28,7 @@ pub(super) fn open(path: &str) -> Result<Source, Failure> {
     Ok(Box::new(open_file(path)?))
 }
 
-/// Opens a file that can be read again.
+/// Opens a file that can be read twice.
 pub(super) fn open_file(path: &str) -> Result<File, Failure> {
     read_once::open(Path::new(path)).map_err(|error| Failure::read(&format!("\"{path}\""), &error))
 }
@@ -38,7 +38,7 @@ pub(super) fn open_picture(path: &str) -> Result<PictureReader<Source>, Failure>
     PictureReader::new(open(path)?).map_err(|error| failed(path, error.into()))
 }
 
-/// Something that can be read again from its start: a file, or what standard input gave, in a file without a name.
+/// Opens a source that can be read twice: a file, or a temporary copy of standard input.
 pub(super) fn open_twice(path: &str) -> Result<File, Failure> {
     let mut source: Source = Box::new(io::stdin().lock());
     if path != "-" {
@@ -56,10 +56,10 @@ pub(super) fn open_twice(path: &str) -> Result<File, Failure> {
     copied.map_err(|error| Failure::fault(format!("cannot copy the input to a temporary file: {}", reason(&error))))
 }
 
-/// The longest header that is read, in bytes.
+/// Longest header, bytes.
 const LONGEST_HEADER: u64 = 1 << 24;
 
-/// Reads a header and no byte more.
+/// Reads a header and no further byte.
 pub(super) fn read_header(source: &mut impl BufRead) -> Result<Header, String> {
     let mut bytes = Vec::new();
     loop {
@@ -77,7 +77,7 @@ pub(super) fn output() -> BufWriter<StandardOutput> {
     BufWriter::with_capacity(BUFFER, standard_output())
 }
 
-/// What goes wrong with a picture of this name.
+/// The error of a picture with this name.
 pub(super) fn failed(path: &str, error: ToolError) -> Failure {
     match error {
         ToolError::Picture(PictureError::Stream { kind, reason }) => stream_failed(kind, &reason),
@@ -89,12 +89,12 @@ fn stream_failed(kind: ErrorKind, words: &str) -> Failure {
     Failure::write("standard output", &io::Error::new(kind, words))
 }
 
-/// What goes wrong with standard output.
+/// The error of standard output.
 pub(super) fn write_failed(error: &io::Error) -> Failure {
     Failure::write("standard output", error)
 }
 
-/// Writes all that was held back.
+/// Flushes the output.
 pub(super) fn finish(mut out: impl Write) -> Result<(), Failure> {
     out.flush().map_err(|error| write_failed(&error))
 }
@@ -126,7 +126,7 @@ impl History {
         }
     }
 
-    /// Adds the header of an input, without what identifies it as one.
+    /// Adds the header of an input without its identifier.
     pub(super) fn push(self, header: &mut Header, name: &str, nested: &Header) {
         if self == History::LeftOut {
             return;
@@ -154,7 +154,7 @@ pub(super) fn dated_header() -> Header {
     header
 }
 
-/// Opens a file, standard input (`-`), or what a command (`!…`) writes.
+/// Opens a file, standard input (`-`), or the output of a command (`!…`).
 pub(super) fn open_any(path: &str, commands: Commands) -> Result<Source, Failure> {
     match path.strip_prefix('!') {
         Some(command) => Ok(Box::new(CommandOutput::start(command, commands)?)),
@@ -186,7 +186,7 @@ impl Read for CommandOutput {
 
 impl Drop for CommandOutput {
     fn drop(&mut self) {
-        // What is left of its output nobody wants; it must not become a zombie.
+        // Drain the rest of the output and wait, so that the command does not become a zombie.
         let _ = io::copy(&mut self.output, &mut io::sink());
         let _ = self.child.wait();
     }

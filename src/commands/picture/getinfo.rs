@@ -1,8 +1,9 @@
 //! `getinfo`: the headers of files.
 //!
-//! `getinfo [-d|+d] [file …]` prints headers, `+d` with the size and `-d` the size alone; `-` prints all but the header of standard input; `-a line …`
-//! adds lines to the header of standard input and copies the rest, `-r line …` replaces lines (`NAME=` alone removes); `-c command …` lets a command
-//! have all but the header, and adds it there.
+//! `getinfo [-d|+d] [file …]` prints headers, `+d` with the size and `-d` only the size; `-` prints
+//! standard input without its header; `-a line …` adds lines to the header of standard input and
+//! copies the rest, `-r line …` replaces lines (`NAME=` alone removes); `-c command …` pipes the
+//! data through a command and adds the command to the header.
 
 use super::files::{finish, open_file, output, read_header, write_failed};
 use crate::commands::words::Words;
@@ -21,7 +22,7 @@ enum Sizes {
     Only,
 }
 
-/// The longest size line that is printed, in bytes.
+/// Longest size line, bytes.
 const LONGEST_LINE: u64 = 1 << 12;
 
 /// Runs the program.
@@ -186,7 +187,7 @@ fn replace(header: Header, lines: &[String]) -> Header {
     changed
 }
 
-/// Whether a new line takes the place of an old one: they have the same variable, or the same program.
+/// Whether a new line replaces an old one: both have the same variable, or the same program.
 fn takes_place(new: &[u8], old: &[u8]) -> bool {
     let is_indented = |line: &[u8]| line.first().is_some_and(u8::is_ascii_whitespace);
     if is_indented(new) && !is_indented(old) {
@@ -206,10 +207,10 @@ fn takes_place(new: &[u8], old: &[u8]) -> bool {
     false
 }
 
-/// Adds the command to the header, and lets it have the rest of standard input.
+/// Adds the command to the header and pipes the rest of standard input through it.
 fn with_command(sizes: Sizes, command: &[String], commands: Commands) -> Outcome {
     let permit = commands.permit(&command.join(" "))?;
-    // One byte at a time, since what is read is lost for the command.
+    // Read single bytes, since buffered data would be lost for the command.
     let mut input = BufReader::with_capacity(1, unbuffered_input().map_err(|error| bad_header(reason(&error)))?);
     let mut header = read_header(&mut input).map_err(bad_header)?;
     let format = header.format().map(|format| format.into_owned());

@@ -21,7 +21,7 @@ use super::words::Words;
 use crate::failure::Outcome;
 use crate::trust::Trust;
 
-/// What runs a program.
+/// The function that runs a program.
 type Program = fn(Words<'_>) -> Outcome;
 
 /// The programs by their names.
@@ -46,7 +46,7 @@ const PROGRAMS: [(&str, Program); 18] = [
     ("ra_xyze", ra_xyze::run),
 ];
 
-/// Runs a program, if it is one of these; `words[0]` is its name.
+/// Runs a program if it is one of these; `words[0]` is its name.
 pub(crate) fn run(words: &[String], trust: &Trust) -> Option<Outcome> {
     let name = words.first()?;
     let (_, program) = PROGRAMS.iter().find(|(known, _)| known == name)?;

@@ -1,9 +1,9 @@
-//! How the scanlines of a picture are written.
+//! The encoding of a picture's scanlines.
 
 use radsight_picture::{PictureError, PictureWriter};
 use std::io::Write;
 
-/// Whether repeated bytes are counted.
+/// Whether scanlines are run-length encoded.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Packing {
     Flat,

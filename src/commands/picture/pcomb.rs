@@ -1,9 +1,10 @@
-//! `pcomb`: pictures combined by functions of their pixels.
+//! `pcomb`: combines pictures by functions of their pixels.
 //!
-//! `pcomb [-h] [-w] [-ff] [-x N] [-y N] [-f file] [-e definitions] [ [-o] [-s F] [-c R G B] picture …]`: `ro go bo` or `lo` are what comes out (the sums
-//! where nothing is defined); `ri(n) gi(n) bi(n) li(n)` are the inputs, with offsets as second and third argument; `x y xmax ymax xres yres
-//! nfiles WE PI re ge be le pa Ox Oy Oz Dx Dy Dz T S` as in Radiance. `-o` undoes exposures, `-s` and `-c` multiply, `-ff` writes floats. A
-//! picture that begins with `!` is a command.
+//! `pcomb [-h] [-w] [-ff] [-x N] [-y N] [-f file] [-e definitions] [ [-o] [-s F] [-c R G B] picture
+//! …]`: `ro go bo` or `lo` define the output (the sum by default); `ri(n) gi(n) bi(n) li(n)` are
+//! the inputs, with pixel offsets as second and third argument; `x y xmax ymax xres yres nfiles WE
+//! PI re ge be le pa Ox Oy Oz Dx Dy Dz T S` as in Radiance. `-o` undoes exposures, `-s` and `-c`
+//! multiply, `-ff` writes floats. A picture that begins with `!` is a command.
 
 use super::files::{History, Source, failed, finish, open_any, output, write_failed};
 use crate::commands::words::Words;
@@ -16,11 +17,11 @@ use radsight_picture::{PictureReader, PictureWriter, Resolution};
 use radsight_picture_ops::combine::{Combination, CombineInput, Defined, Exposures, encoding, prepare};
 use std::io::Write;
 
-/// What the options before the pictures ask.
+/// The options before the pictures.
 struct Options {
     history: History,
     floats: bool,
-    /// Definitions and sizes, in the order in which they are typed.
+    /// Definitions and sizes, in the order of the command line.
     definitions: Vec<Definition>,
 }
 
@@ -78,7 +79,7 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
     while let Some(option) =
         words.next_if(|word| matches!(word.as_bytes(), [b'-', b'x' | b'y' | b'w' | b'h' | b'f' | b'e', ..]))
     {
-        let expected = "what it is to be";
+        let expected = "its definition";
         match words.meant(option)? {
             "-x" => options.definitions.push(Definition::Columns(words.value(option, expected)?.to_owned())),
             "-y" => options.definitions.push(Definition::Rows(words.value(option, expected)?.to_owned())),
@@ -128,7 +129,7 @@ fn open_inputs(words: &mut Words<'_>) -> Result<Inputs, Failure> {
     Ok((names, inputs))
 }
 
-/// The definitions, and the size of the output that they give.
+/// The environment of the definitions, and the output size that they give.
 fn environment(options: &Options, inputs: &[CombineInput<Source>]) -> Result<(Environment, [usize; 2]), Failure> {
     let mut environment = Environment::new();
     prepare(&mut environment, inputs);

@@ -1,8 +1,10 @@
-//! `pcompos`: pictures side by side and over one another.
+//! `pcompos`: composes pictures side by side and on top of each other.
 //!
-//! `pcompos [-h] [-x N] [-y N] [-b R G B] [-lh H] [-la] [ [-t L] [+t L] [=SS] [-l label] picture x y ] …`, or with `-a N` in N columns
-//! without places (`-s N` pixels apart, `-o X Y` from there; a negative N fills rows from the top). `=SS` says for each axis which corner x and y are of: `-`
-//! the lower, `+` the upper, `0` the middle; `-t` shows what is brighter, `+t` what is darker. A picture that begins with `!` is a command.
+//! `pcompos [-h] [-x N] [-y N] [-b R G B] [-lh H] [-la] [ [-t L] [+t L] [=SS] [-l label] picture x
+//! y ] …`, or with `-a N` in N columns without positions (`-s N` pixels apart, starting at `-o X
+//! Y`; a negative N fills rows from the top). `=SS` gives the anchor of x and y for each axis: `-`
+//! the lower side, `+` the upper side, `0` the centre; `-t` shows brighter pixels, `+t` darker
+//! ones. A picture that begins with `!` is a command.
 
 use super::files::{History, Source, dated_header, failed, open_any, output};
 use super::psign::picture_of;
@@ -14,13 +16,13 @@ use radsight_picture_ops::compose::{Layer, compose};
 use radsight_picture_ops::sign::SignOptions;
 use std::io::Cursor;
 
-/// The most bytes of a label that are shown.
+/// Longest label, bytes.
 const LONGEST_LABEL: usize = 90;
 
 struct Options {
     size: [i64; 2],
     background: [u8; 4],
-    /// Pictures in a row; below 0 rows are filled from the top; 0 for given places.
+    /// Number of pictures per row; below 0 rows are filled from the top; 0 for given positions.
     columns: i64,
     spacing: i64,
     origin: [i64; 2],
@@ -29,18 +31,18 @@ struct Options {
     history: History,
 }
 
-/// Where the next picture goes.
-struct NextPlace {
+/// The position of the next picture.
+struct NextPosition {
     at: [i64; 2],
     column: i64,
 }
 
-/// Layers with the names of what they show.
+/// Layers with the names of their pictures.
 #[derive(Default)]
 struct Composition {
     layers: Vec<Layer<Source>>,
     names: Vec<String>,
-    /// Exposure of the pictures as long as they agree.
+    /// Exposure of the pictures, as long as they agree.
     exposure: Option<f64>,
     format: Option<String>,
 }
@@ -50,7 +52,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let options = read_options(&mut words)?;
     let mut header = dated_header();
     let mut composition = Composition::default();
-    let mut cursor = NextPlace { at: options.origin, column: 0 };
+    let mut cursor = NextPosition { at: options.origin, column: 0 };
     while !words.rest().is_empty() {
         composition.add(&mut words, &options, &mut cursor, &mut header)?;
     }
@@ -115,19 +117,19 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
     Ok(options)
 }
 
-/// What stands before a picture.
+/// The options before a picture.
 #[derive(Default)]
-struct Placing {
+struct PictureOptions {
     above: Option<f64>,
     below: Option<f64>,
     label: Option<String>,
-    /// For each axis the part of the size that is taken from the place: none, half, all.
+    /// For each axis, the part of the size that is subtracted from the position: none, half, all.
     anchor: [char; 2],
 }
 
-impl Placing {
-    fn read(words: &mut Words<'_>) -> Result<Placing, Failure> {
-        let mut placing = Placing { anchor: ['-', '-'], ..Placing::default() };
+impl PictureOptions {
+    fn read(words: &mut Words<'_>) -> Result<PictureOptions, Failure> {
+        let mut placing = PictureOptions { anchor: ['-', '-'], ..PictureOptions::default() };
         while let Some(word) = words.next_if(|word| word.len() > 1 && word.starts_with(['-', '+', '='])) {
             match words.meant(word)? {
                 "-l" => placing.label = Some(words.value(word, "a label")?.to_owned()),
@@ -147,15 +149,15 @@ impl Placing {
 }
 
 impl Composition {
-    /// Takes a picture with what belongs to it.
+    /// Adds a picture with its options.
     fn add(
         &mut self,
         words: &mut Words<'_>,
         options: &Options,
-        cursor: &mut NextPlace,
+        cursor: &mut NextPosition,
         header: &mut Header,
     ) -> Outcome {
-        let placing = Placing::read(words)?;
+        let placing = PictureOptions::read(words)?;
         let path = words.value("a placement", "a picture")?;
         let reader =
             PictureReader::new(open_any(path, words.commands())?).map_err(|error| failed(path, error.into()))?;
@@ -177,7 +179,7 @@ impl Composition {
         } else {
             if cursor.column >= options.columns.abs() {
                 let top = self.layers.iter().map(|layer| layer.far_corner()[1]).fold(0, i64::max);
-                *cursor = NextPlace { at: [options.origin[0], top + options.spacing], column: 0 };
+                *cursor = NextPosition { at: [options.origin[0], top + options.spacing], column: 0 };
             }
             layer.corner = cursor.at;
             cursor.at[0] += size[0] + options.spacing;
@@ -193,7 +195,7 @@ impl Composition {
         }
     }
 
-    /// Notes the exposure and the format of a picture.
+    /// Records the exposure and the format of a picture.
     fn note(&mut self, reader: &PictureReader<Source>, path: &str) -> Outcome {
         let exposure = reader.header().exposure().map_err(|error| failed(path, error.into()))?;
         self.exposure = match self.exposure {
@@ -204,8 +206,9 @@ impl Composition {
         if let Some(format) = reader.header().format() {
             match &self.format {
                 Some(known) if *known != format => {
-                    let message =
-                        format!("pcompos: {path}: its format is \"{format}\", expected \"{known}\" as before");
+                    let message = format!(
+                        "pcompos: {path}: its format is \"{format}\", expected \"{known}\" as in the pictures before"
+                    );
                     return Err(Failure::input(message));
                 }
                 _ => self.format = Some(format.into_owned()),
@@ -214,7 +217,7 @@ impl Composition {
         Ok(())
     }
 
-    /// A label at the left upper corner of a picture.
+    /// Adds a label at the upper left corner of a picture.
     fn add_label(&mut self, label: &str, corner: [i64; 2], size: [i64; 2], options: &Options) -> Outcome {
         let shown: String = label.chars().take(LONGEST_LABEL).collect();
         let sign = SignOptions {

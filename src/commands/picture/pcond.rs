@@ -1,9 +1,11 @@
-//! `pcond`: a picture as the eye would see the scene, for a display.
+//! `pcond`: tone maps a picture for a display as an observer would see the scene.
 //!
-//! `-h` all limits of the eye, or `-a` acuity, `-v` veiling glare, `-s` contrast sensitivity, `-c` colour sensitivity, each turned over, or on (`+`)
-//! or off (`-`); `-w` weights the middle, `-i F` gives fixations from standard input a share F, `-I` takes a histogram from standard
-//! input; `-l` linear, `-e E` linear with this factor (with a sign a number of stops); `-u L` largest luminance of the display in
-//! cd/m², `-d R` its range; `-p …` its primaries, `-f FILE` its calibration by macbethcal, `-m FILE` a map of its colours; `-x FILE` writes the map that was used.
+//! `-h` all limits of the eye, or `-a` acuity, `-v` veiling glare, `-s` contrast sensitivity, `-c`
+//! colour sensitivity, each toggled, or on (`+`) or off (`-`); `-w` weights the centre, `-i F`
+//! reads fixation points from standard input with a weight F, `-I` reads a histogram from standard
+//! input; `-l` linear, `-e E` linear with this factor (with a sign, stops); `-u L` largest
+//! luminance of the display in cd/m², `-d R` its dynamic range; `-p …` its primaries, `-f FILE` its
+//! calibration by macbethcal, `-m FILE` a colour warp; `-x FILE` writes the mapping.
 
 use super::files::{failed, open_twice, put_file};
 use crate::commands::words::Words;
@@ -19,7 +21,7 @@ use radsight_picture_ops::condition::{
 };
 use std::mem::discriminant;
 
-/// Where what the eye adapts to comes from.
+/// The source of adaptation.
 #[derive(Clone, Copy, PartialEq)]
 enum Source {
     Picture,
@@ -38,7 +40,7 @@ struct Typed {
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let mut typed = read_options(&mut words)?;
     if words.rest().is_empty() {
-        return Err(Failure::usage("pcond: no picture is named, expected a file"));
+        return Err(Failure::usage("pcond: no picture is given, expected a file"));
     }
     let (path, target) = words.input_and_output()?;
     for file in [Some(target), typed.map.as_deref()].into_iter().flatten() {
@@ -70,12 +72,12 @@ fn read_options(words: &mut Words<'_>) -> Result<Typed, Failure> {
 }
 
 impl Typed {
-    /// Takes a switch; `false` if the option is none.
+    /// Parses a switch; `false` if the option is not a switch.
     fn take_switch(&mut self, option: &str) -> Result<bool, Failure> {
         let eye = &mut self.options.eye;
         let is_all = *eye == Eye { acuity: true, veil: true, sensitivity: true, color: true };
         if let Some(all) = switched(option, "-h", is_all) {
-            // A bare -h turns each over.
+            // A bare -h toggles each.
             let set = |now: bool| if option == "-h" { !now } else { all };
             *eye = Eye {
                 acuity: set(eye.acuity),
@@ -135,7 +137,7 @@ impl Typed {
             }
             "-m" => {
                 let path = words.value(option, "a file of colours and what each becomes")?;
-                let bytes = read_file(path, "map of colours")?;
+                let bytes = read_file(path, "colour warp")?;
                 let missing = |what| Failure::input(format!("{path}: expected {what}"));
                 let warp = ColorWarp::read(&String::from_utf8_lossy(&bytes)).map_err(missing)?;
                 self.show_with(Device::Warp(warp))?;
@@ -201,7 +203,7 @@ fn pairs(what: &str) -> Result<Vec<[f64; 2]>, Failure> {
         let (number, used) = leading_number(word);
         if used != word.len() || !number.is_finite() {
             let word = String::from_utf8_lossy(word);
-            return Err(Failure::input(format!("{what} on standard input: \"{word}\" is no number")));
+            return Err(Failure::input(format!("{what} on standard input: \"{word}\" is not a number")));
         }
         numbers.push(number);
     }

@@ -1,4 +1,5 @@
-//! `pextrem [-o|-O] [picture]`: the darkest and the brightest pixel. `-o` undoes exposures, `-O` gives W/(sr·m²) of XYZE too.
+//! `pextrem [-o|-O] [picture]`: the darkest and the brightest pixel. `-o` undoes exposures, `-O`
+//! also converts XYZE to W/(sr·m²).
 
 use super::files::{failed, finish, open_picture, output, write_failed};
 use crate::commands::words::Words;

@@ -1,9 +1,11 @@
 //! `pfilt`: exposure, size, star patterns.
 //!
-//! `-1` one pass, `-2` two passes (the default: the mean brightness becomes ½); `-x N`, `-x /R`, `-y N`, `-y /R` size; `-p A` pixel shape,
-//! `-c` does not record it; `-e E` exposure (a factor, or with a sign a number of stops), `-er -eg -eb` of one component; `-b` box filter, `-r R`
-//! Gaussian of radius R output pixels, `-m F` the same with at most a fraction F of an output pixel from one input pixel; `-n N -s S` stars with
-//! N points that spread by S, `-h L` the brightness that shines, `-a` averages what shines too; `-t LAMP` makes the light of a lamp white, by the table `-f FILE`.
+//! `-1` one pass, `-2` two passes (the default: the mean brightness becomes ½); `-x N`, `-x /R`,
+//! `-y N`, `-y /R` size; `-p A` pixel aspect, `-c` does not record it; `-e E` exposure (a factor,
+//! or stops with a sign), `-er -eg -eb` of one component; `-b` box filter, `-r R` Gaussian of
+//! radius R output pixels, `-m F` the same with a contribution of at most F from one input pixel;
+//! `-n N -s S` stars with N points and spread S, `-h L` threshold of hot pixels, `-a` includes hot
+//! pixels in the average; `-t LAMP` balances the light of a lamp to white, by the table `-f FILE`.
 
 use super::files::{failed, open, open_twice, output};
 use crate::commands::words::Words;
@@ -18,9 +20,9 @@ use radsight_picture_ops::filter::{
 use radsight_scene_generators::lamp_color;
 use std::io::Seek;
 
-/// The radius that `-m` takes where none was given, in output pixels.
+/// Default radius for `-m`, output pixels.
 const RADIUS_OF_THRESHOLD: f64 = 0.6;
-/// Below this a radius or a fraction is none.
+/// Smaller radii and fractions are zero.
 const TINY: f64 = 1e-6;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -108,7 +110,7 @@ fn read_options(words: &mut Words<'_>) -> Result<(FilterOptions, Passes), Failur
     Ok((options, passes))
 }
 
-/// Makes the light of a lamp white.
+/// Balances the light of a lamp to white.
 fn balance(lamp: &str, table: Option<&str>, exposure: &mut [f32; 3]) -> Outcome {
     const DARK: f64 = 1e-4;
     let name = table.unwrap_or("lamp.tab");
@@ -125,7 +127,7 @@ fn balance(lamp: &str, table: Option<&str>, exposure: &mut [f32; 3]) -> Outcome 
     Ok(())
 }
 
-/// A number of pixels, or with a slash the number of input pixels in one.
+/// A number of pixels, or after a slash the number of input pixels per output pixel.
 fn size(words: &mut Words<'_>, option: &str) -> Result<Size, Failure> {
     let word = words.value(option, "a number of pixels or /ratio")?;
     match word.strip_prefix('/') {

@@ -1,9 +1,13 @@
-//! `pinterp`: views from pictures of other views and their distances.
+//! `pinterp`: synthesises views from pictures of other views and their distances.
 //!
-//! `pinterp [view options] [-x N] [-y N] [-pa A] [-t eps] [-z distances] [-e E] [-a|-q] [-B] [-n] [-f0|-ff|-fb|-fa] [-fs N] [-fc R G B] [-fz Z] [-fr RTRACE] picture distances …`: distances are
-//! those of `rpict -z`, or one number for all pixels. `-a` averages pixels that show the same, as where there are several pictures, `-q` does not. `-f` says which gaps are filled: between
-//! pixels of one surface (`f`), behind edges (`b`, from within `-fs` pixels), both (`a`), or none; the rest is `-fc` and `-fz`, or what rays find by the options and the scene of `rtrace` after `-fr`. `-n` takes distances along the view's direction. `-B` averages
-//! over all views (`VIEW=` lines) of standard input.
+//! `pinterp [view options] [-x N] [-y N] [-pa A] [-t eps] [-z distances] [-e E] [-a|-q] [-B] [-n]
+//! [-f0|-ff|-fb|-fa] [-fs N] [-fc R G B] [-fz Z] [-fr RTRACE] picture distances …`: distances are a
+//! file of `rpict -z`, or one number for all pixels. `-a` averages pixels of the same surface, the
+//! default for several pictures; `-q` does not. `-f` selects the gaps to fill: between pixels of
+//! one surface (`f`), behind edges (`b`, within `-fs` pixels), both (`a`), or none. The remaining
+//! pixels get `-fc` and `-fz`, or rays traced with the `rtrace` options and scene after `-fr`. `-n`
+//! measures distances along the view direction. `-B` averages over all views (`VIEW=` lines) of
+//! standard input.
 
 use super::files::{History, dated_header, failed};
 use crate::commands::rtrace::RayAnswers;
@@ -17,26 +21,26 @@ use radsight_picture::{Header, Image, Picture, Resolution, View, ViewOptions, le
 use radsight_picture_ops::interpolate::{Distances, Filling, InterpolateOptions, Interpolation};
 use radsight_render::Ray;
 
-/// Most pixels of the view.
+/// Largest number of pixels.
 const MOST_PIXELS: usize = 1 << 28;
 
-/// What is asked.
+/// The parsed options.
 struct Request {
     view: ViewOptions,
     size: [usize; 2],
     pixel_aspect: f64,
     interpolate: InterpolateOptions,
-    /// `-a`, `-q`; by the number of pictures where neither is given.
+    /// `-a`, `-q`; by default depends on the number of pictures.
     averages: Option<bool>,
     /// Whether all views of standard input are averaged.
     blurs: bool,
     depths: Option<OutputName>,
     exposure: f64,
-    /// The command line of `rtrace` by which rays find what is left, its name first.
+    /// The `rtrace` command line for the remaining pixels, program name first.
     rays: Option<Vec<String>>,
 }
 
-/// A picture that is looked into.
+/// An input picture.
 struct Source {
     name: String,
     header: Header,
@@ -51,7 +55,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let request = Request::read(&mut words)?;
     let (pairs, left) = words.rest().as_chunks::<2>();
     if pairs.is_empty() || !left.is_empty() {
-        return Err(Failure::usage("pinterp: expected pairs of a picture and its distances after the options"));
+        return Err(Failure::usage("pinterp: expected pairs of a picture and its distances"));
     }
     let sources: Vec<Source> =
         pairs.iter().map(|[picture, depths]| Source::read(picture, depths)).collect::<Result<_, _>>()?;
@@ -102,9 +106,9 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     write_standard_output(&bytes.map_err(wrong)?.to_bytes())
 }
 
-/// Rays find what no pixel shows.
+/// Traces rays for the remaining pixels.
 fn finish_with_rays(made: &mut Interpolation, view: &View, rays: &mut RayAnswers, exposure: f64) {
-    /// The distance of what is not there.
+    /// The distance of the background.
     const FAR: f64 = 1e10;
     let ray_at = |place| view.ray(place).map(|ray| Ray { origin: ray.origin, direction: ray.direction });
     rays.prepare(&made.holes().into_iter().map(ray_at).collect::<Vec<_>>());
@@ -184,7 +188,7 @@ impl Request {
         Ok(request)
     }
 
-    /// The views that are wanted, at least one.
+    /// The requested views, at least one.
     fn views(&self) -> Result<Vec<View>, Failure> {
         if !self.blurs {
             return Ok(vec![view_args::checked(self.view)?]);
@@ -215,7 +219,7 @@ impl Source {
         let view = ViewOptions::from_header(picture.header()).map_err(|error| no_view(&error.to_string()))?;
         let view = view.ok_or_else(|| no_view("there is none"))?;
         let view = View::new(view).map_err(|error| no_view(&error.to_string()))?;
-        // Scanlines from the top, whatever the order in the file; distances are in the order of the file.
+        // Scanlines from the top, whatever the order in the file; distances are in file order.
         let values = picture.values();
         let resolution = Resolution::standard(values.width(), values.height());
         let pixels: Vec<[f32; 3]> = values.pixels().map(|value| [value[0], value[1], value[2]]).collect();
@@ -265,7 +269,7 @@ fn header(words: &Words<'_>, request: &Request, sources: &[Source], (view, shape
         History::Copied.push(&mut header, &source.name, &nested);
     }
     header.push_command(words.all());
-    // As in Radiance the view is told where it is not all in the command.
+    // As in Radiance, the view is recorded if the command does not contain all of it.
     if request.blurs || words.all().contains(&"-vf") {
         header.push_variable("VIEW", &view.options().to_full_string());
     }

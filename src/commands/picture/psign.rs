@@ -10,7 +10,7 @@ use radsight_loader::{FileKind, Loader};
 use radsight_picture::{Header, PictureWriter, Resolution};
 use radsight_picture_ops::sign::{Sign, SignOptions, TextDirection, sign};
 
-/// The font where none is asked.
+/// The default font.
 const FONT: &str = "helvet.fnt";
 
 /// Runs the program.
@@ -36,7 +36,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     writer.finish().map_err(wrong)
 }
 
-/// Loads a font, from the disk or from those that come with radsight.
+/// Loads a font from disk or from the built-in ones.
 pub(super) fn load_font(name: &str) -> Result<Font, Failure> {
     let wrong = |error: String| Failure::input(format!("font \"{name}\": {error}"));
     let loaded = DiskLoader::new(Commands::Refused).load(name, FileKind::Font);
@@ -48,12 +48,12 @@ pub(super) fn load_font(name: &str) -> Result<Font, Failure> {
     Font::read(&bytes).map_err(|error| wrong(error.to_string()))
 }
 
-/// The picture of a label, as `pcompos` and `falsecolor` put it, in bytes.
+/// The picture of a label for `pcompos` and `falsecolor`, in bytes.
 pub(super) fn picture_of(text: &str, options: &SignOptions) -> Result<Vec<u8>, Failure> {
     let font = load_font(FONT)?;
     let drawn = sign(&font, &[text.as_bytes()], options);
     let Sign { columns, rows, stored } =
-        drawn.ok_or_else(|| Failure::input(format!("the label \"{text}\" has no place in its picture")))?;
+        drawn.ok_or_else(|| Failure::input(format!("the label \"{text}\" does not fit into a picture")))?;
     let mut header = Header::new("RADIANCE");
     header.push_variable("FORMAT", "32-bit_rle_rgbe");
     let mut bytes = Vec::new();

@@ -1,7 +1,9 @@
-//! `pflip [-h] [-v] [-c] [picture [output]]` and `protate [-r] [-c] picture [output]`: mirrored and turned pictures.
+//! `pflip [-h] [-v] [-c] [picture [output]]` and `protate [-r] [-c] picture [output]`: mirror and
+//! rotate pictures.
 //!
-//! `-h` and `-v` say along which axis, `-r` turns counterclockwise. With `-c` the resolution keeps the order of the input, so that the picture is seen
-//! turned; without it the order changes with the pixels.
+//! `-h` and `-v` select the axis, `-r` rotates counterclockwise. With `-c` the resolution keeps the
+//! order of the input, so that the displayed picture is turned; without it the order changes with
+//! the pixels.
 
 use super::files::{failed, open_picture, put_file};
 use crate::commands::words::Words;
@@ -54,7 +56,7 @@ fn run(words: &Words<'_>, direction: Turn, record: OrderRecord, command: &str) -
     put_file(target, |out| turn(reader, direction, record, &header, out).map_err(|error| failed(path, error)))
 }
 
-/// The header with its format where the real programs put it, before the command.
+/// The header with its format before the command, as in the real programs.
 fn with_command(input: &Header, command: &str) -> Header {
     let mut header = input.clone();
     let format = header.format().map(|format| format.into_owned());

@@ -1,9 +1,11 @@
-//! `pvalue`: a picture as numbers, and with `-r` numbers as a picture.
+//! `pvalue`: prints a picture as numbers, and with `-r` converts numbers to a picture.
 //!
-//! `-o` undoes exposures, `-O` gives W/(sr·m²) of XYZE too; `-h` no header, `-H` no resolution, `-u` leaves out repeated pixels (with `-r`: no
-//! run-lengths), `-d` no positions; `-da -di -db -dw -dW -df -dF -dd -dD` form of the numbers (capitals swap bytes); `-b` brightness, `-pr -pg -pb`
-//! one component, `-R` blue first, `-n` components one after another; `-g G` gamma, `-e E` exposure; with `-r` also `-x N -y N` size, `-pXYZ` XYZE,
-//! `-p rx ry gx gy bx by wx wy` primaries, `-s N` bytes to skip, and three files. `+` in place of `-` takes an option back.
+//! `-o` undoes exposures, `-O` also converts XYZE to W/(sr·m²); `-h` no header, `-H` no resolution,
+//! `-u` omits repeated pixels (with `-r`: no run-length encoding), `-d` no positions; `-da -di -db
+//! -dw -dW -df -dF -dd -dD` number format (capitals swap bytes); `-b` brightness, `-pr -pg -pb` one
+//! component, `-R` blue first, `-n` components as planes; `-g G` gamma, `-e E` exposure; with `-r`
+//! also `-x N -y N` size, `-pXYZ` XYZE, `-p rx ry gx gy bx by wx wy` primaries, `-s N` bytes to
+//! skip, and three files. `+` instead of `-` undoes an option.
 
 mod reading;
 
@@ -15,7 +17,7 @@ use radsight_picture_ops::brightness::Brightness;
 use radsight_picture_ops::values::{ByteOrder, ComponentOrder, NumberForm, Part, ValueLayout};
 use std::io::{Read, Seek, SeekFrom, Write};
 
-/// Which exposures are undone.
+/// The exposures to undo.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Original {
     No,
@@ -23,10 +25,10 @@ enum Original {
     Watts,
 }
 
-/// What is asked.
+/// The parsed options.
 struct Options {
     layout: ValueLayout,
-    /// Whether numbers come without the positions of their pixels.
+    /// Whether positions of pixels are omitted.
     data_only: bool,
     unique: bool,
     original: Original,
@@ -36,12 +38,12 @@ struct Options {
     reverse: bool,
     gamma: f64,
     exposure: [f32; 3],
-    /// The exposure that the header is told.
+    /// The exposure recorded in the header.
     recorded_exposure: f64,
     skip: u64,
-    /// Size and order of the pixels, where `-x` and `-y` say so.
+    /// Size and order of the pixels, if `-x` and `-y` give them.
     size: Size,
-    /// Where the picture has primaries of its own; `None` for XYZE.
+    /// Custom primaries of the picture; `None` for XYZE.
     primaries: Option<RgbPrimaries>,
 }
 
@@ -166,7 +168,8 @@ impl Options {
         self.exposure = self.exposure.map(|part| (f64::from(part) * factor) as f32);
     }
 
-    /// Takes what the header says of exposures, if they are undone; gives the header without what is not true of the output.
+    /// Reads the exposures from the header, if they are undone; returns the header without lines
+    /// that do not apply to the output.
     fn history(&mut self, header: &Header) -> Result<Header, Failure> {
         let mut history = header.history();
         if self.original != Original::No {
@@ -178,12 +181,12 @@ impl Options {
         Ok(history)
     }
 
-    /// The factor of each component, if it changes something.
+    /// The factor of each component, if not all are 1.
     fn factors(&self) -> Option<[f32; 3]> {
         (self.exposure != [1.0; 3]).then_some(self.exposure)
     }
 
-    /// The exponent of a gamma that is worth its time.
+    /// The exponent of the gamma, if it is not 1.
     fn changed_gamma(&self) -> Option<f64> {
         (!(0.95..=1.05).contains(&self.gamma)).then_some(self.gamma)
     }
@@ -262,7 +265,7 @@ fn print_header<R: Read>(
             header.push_variable("BigEndian", if is_big { "1" } else { "0" });
         }
         let format = match layout.form {
-            // With positions only text has a place.
+            // Only text has a format with positions.
             form if options.data_only => form.format_name(layout.part),
             _ => "ascii",
         };

@@ -1,5 +1,6 @@
-//! `ra_rgbe [-r] [-e ±STOPS] [-n FRAME] [input [output]]`: pictures without run-lengths, or with them (`-r`). Of an animation, whose frames follow each other
-//! in one file, all are written, each to a file of its own where `%d` in the output stands for its number, or `-n` alone.
+//! `ra_rgbe [-r] [-e ±STOPS] [-n FRAME] [input [output]]`: writes pictures without run-length
+//! encoding, or with it (`-r`). All frames of an animation in one file are written, each to its own
+//! file if the output name has `%d`, or only frame `-n`.
 
 use super::files::{Source, failed, open_picture, put_file};
 use super::packing::Packing;
@@ -51,12 +52,13 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
 struct Options {
     packing: Packing,
     exposure: i32,
-    /// The only frame that is wanted; 0 for all.
+    /// The only requested frame; 0 for all.
     frame: i64,
 }
 
 impl Options {
-    /// `inputs` are the headers of the first frame and of this one: as in Radiance what the first one says holds for all.
+    /// `inputs` are the headers of the first frame and of this one: as in Radiance, the first
+    /// header applies to all.
     fn header(&self, words: &Words<'_>, inputs: [Option<&Header>; 2], encoding: Encoding) -> Header {
         let mut header = Header::new("RADIANCE");
         for input in inputs.into_iter().flatten() {
@@ -102,10 +104,10 @@ impl Options {
     }
 }
 
-/// The line of a header with the number of a frame.
+/// The header variable with the frame number.
 const FRAME: &str = "FRAME";
 
-/// The number of a frame; 0 where none is told.
+/// The frame number; 0 if there is none.
 fn frame_of(header: &Header) -> i64 {
     header.assignments(FRAME).last().and_then(|found| found.value.trim().parse().ok()).unwrap_or(0)
 }

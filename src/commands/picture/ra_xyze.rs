@@ -1,5 +1,6 @@
-//! `ra_xyze [-r] [-o] [-e E] [-c|-u] [-p rx ry gx gy bx by wx wy] [input [output]]`: between RGBE, spectra and XYZE (`-r` to RGBE); `-o` undoes exposures, `-c` and
-//! `-u` ask for run-lengths or none.
+//! `ra_xyze [-r] [-o] [-e E] [-c|-u] [-p rx ry gx gy bx by wx wy] [input [output]]`: converts
+//! between RGBE, spectra and XYZE (`-r` to RGBE); `-o` undoes exposures, `-c` and `-u` select
+//! run-length encoding or none.
 
 use super::files::{failed, open_picture, put_file};
 use super::packing::Packing;
@@ -116,7 +117,7 @@ fn xyz_of_spectrum(spectrum: &[f32], of_bands: &[[f64; 3]]) -> [f32; 3] {
 }
 
 fn impossible(path: &str) -> Failure {
-    Failure::input(format!("{path}: the primaries lie on a line, or white is impossible"))
+    Failure::input(format!("{path}: the primaries are collinear or the white is impossible"))
 }
 
 fn transformed(rows: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {

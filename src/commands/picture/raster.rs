@@ -1,4 +1,5 @@
-//! Radiance's converters to and from pictures of bytes: `ra_ppm`, `ra_bmp`, `ra_tiff`; and `ra_png` of our own.
+//! Radiance's converters to and from 8- and 16-bit pictures: `ra_ppm`, `ra_bmp`, `ra_tiff`; and
+//! radsight's own `ra_png`.
 
 mod bmp;
 mod png;
@@ -20,7 +21,7 @@ pub(super) use png::run as ra_png;
 pub(super) use ppm::run as ra_ppm;
 pub(super) use tiff::run as ra_tiff;
 
-/// The gamma where none is asked.
+/// The default gamma.
 const GAMMA: f64 = 2.2;
 
 /// Whether components are kept.
@@ -30,14 +31,14 @@ enum Colors {
     Grey,
 }
 
-/// Which way it goes.
+/// The direction of the conversion.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Direction {
     FromRadiance,
     ToRadiance,
 }
 
-/// Exposure in whole stops, which must have a sign.
+/// Exposure in integer stops, which must have a sign.
 pub(super) fn stops(words: &mut Words<'_>, option: &str) -> Result<i32, Failure> {
     let word = words.value(option, "a number of stops with its sign")?;
     if !word.starts_with(['+', '-']) {
@@ -68,7 +69,7 @@ impl<R: Read> Pixels<R> {
         Pixels { reader, transform, stops, row }
     }
 
-    /// Pixels for a display with these primaries, by its white.
+    /// Converts pixels to a display's primaries and white.
     fn for_display(mut self, primaries: &RgbPrimaries) -> Result<Pixels<R>, PictureError> {
         let matrix = match (self.reader.encoding(), self.reader.header().primaries()?) {
             (Encoding::Xyze, _) => primaries.xyz_to_rgb(),
@@ -78,7 +79,7 @@ impl<R: Read> Pixels<R> {
             line: 0,
             name: "PRIMARIES",
             value: primaries.to_header_value(),
-            expected: "three colours that are not on a line, and a white between them",
+            expected: "three colours that are not collinear, and a white inside their triangle",
         };
         self.transform = Some(rows_of(matrix.ok_or(impossible)?));
         Ok(self)
@@ -88,7 +89,7 @@ impl<R: Read> Pixels<R> {
         (self.reader.resolution().scanline_length(), self.reader.resolution().scanlines())
     }
 
-    /// The next scanline, as pixels of four bytes.
+    /// The next scanline as four-byte pixels.
     fn next(&mut self) -> Result<&[[u8; 4]], radsight_picture::PictureError> {
         self.reader.read_pixels(&mut self.row)?;
         for pixel in &mut self.row {
@@ -108,16 +109,16 @@ pub(super) fn rows_of(matrix: DMat3) -> [[f32; 3]; 3] {
     std::array::from_fn(|i| matrix.row(i).to_array().map(|value| value as f32))
 }
 
-/// What a picture that comes of another format is like.
+/// The properties of a picture converted from another format.
 struct Made<'d> {
     /// Columns and rows.
     size: (usize, usize),
     encoding: Encoding,
-    /// When it was taken, if that is known.
+    /// The date of the picture, if known.
     date: Option<&'d str>,
 }
 
-/// Writes a picture of pixels that `row` gives, from the top.
+/// Writes a picture of pixels from `row`, starting at the top.
 fn write_picture(
     words: &Words<'_>,
     target: &str,

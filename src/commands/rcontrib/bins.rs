@@ -1,4 +1,4 @@
-//! Which bin a contribution goes into.
+//! The bins of contributions.
 
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::Failure;
@@ -10,23 +10,23 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The most bins of a modifier.
+/// Largest number of bins of a modifier.
 const MOST_BINS: usize = 1 << 24;
-/// The most bins of all modifiers.
+/// Largest number of bins of all modifiers.
 const MOST_IN_ALL: usize = 1 << 26;
 
-/// The bins that are asked for.
+/// The requested bins.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BinRequest {
-    /// Numbers from 0; `None` for a single bin.
+    /// The bin number from 0, as an expression; `None` for a single bin.
     pub(super) expression: Option<String>,
-    /// How many there are; 0 where nothing was said.
+    /// Number of bins; 0 if not given.
     pub(super) count: usize,
     /// Definitions for this modifier alone, as in `MF=4,rNx=0`.
     pub(super) parameters: Option<String>,
 }
 
-/// What `-f` and `-e` define.
+/// The definitions of `-f` and `-e`.
 #[derive(Debug)]
 pub(super) struct Functions {
     definitions: Definitions,
@@ -40,7 +40,7 @@ impl Functions {
         Functions { definitions, sources: SourceMap::default(), scope: Scope::of_file("rcontrib") }
     }
 
-    /// Reads a file of definitions, from `RAYPATH` or those of radsight.
+    /// Reads a file of definitions from `RAYPATH` or the built-in ones.
     pub(super) fn load_file(&mut self, name: &str) -> Result<(), Failure> {
         let loaded = DiskLoader::new(Commands::Refused).load(name, FileKind::Function);
         let loaded = loaded.map_err(|error| Failure::input(format!("rcontrib: {error}")))?;
@@ -50,9 +50,7 @@ impl Functions {
     /// Reads the definitions of an option.
     pub(super) fn define(&mut self, text: &str) -> Result<(), Failure> {
         if !text.contains(['=', ':']) {
-            return Err(Failure::usage(format!(
-                "rcontrib: \"{text}\" defines nothing, expected a definition as in MF:4"
-            )));
+            return Err(Failure::usage(format!("rcontrib: \"{text}\" is not a definition, expected for example MF:4")));
         }
         self.load("option -e".to_owned(), text.as_bytes())
     }
@@ -63,7 +61,7 @@ impl Functions {
         loaded.map_err(|mistakes| Failure::diagnostics(&mistakes, &self.sources))
     }
 
-    /// The value of a number of bins.
+    /// The value of an expression for the number of bins.
     pub(super) fn count(&mut self, text: &str, parameters: Option<&str>) -> Result<usize, Failure> {
         let program = self.program(text, parameters, "option -bn")?;
         let value = program.eval(0, &[], &NoHost, &mut Scratch::new()).unwrap_or(f64::NAN);
@@ -73,7 +71,7 @@ impl Functions {
         }
     }
 
-    /// An expression with the parameters of one modifier.
+    /// Compiles an expression with the parameters of one modifier.
     fn program(&self, text: &str, parameters: Option<&str>, what: &str) -> Result<Program, Failure> {
         let mut sources = self.sources.clone();
         let with_parameters;
@@ -139,12 +137,12 @@ impl Functions {
     }
 }
 
-/// The bins of all modifiers, one after the other.
+/// The bins of all modifiers, concatenated.
 #[derive(Debug)]
 pub(super) struct Bins {
     of_modifier: Vec<ModifierBins>,
     total: usize,
-    /// Contributions that no bin takes.
+    /// Number of contributions without a bin.
     ignored: AtomicU64,
 }
 
@@ -160,12 +158,12 @@ impl Bins {
         self.total
     }
 
-    /// How many bins a modifier has.
+    /// Number of bins of a modifier.
     pub(super) fn of_modifier(&self, modifier: usize) -> usize {
         self.of_modifier[modifier].count
     }
 
-    /// The bin of a contribution among all; `None` where it is negative, or cannot be computed.
+    /// The index of a contribution's bin; `None` if it is negative or cannot be computed.
     pub(super) fn of(&self, contribution: &Contribution, scratch: &mut Scratch) -> Option<usize> {
         let bins = &self.of_modifier[contribution.modifier];
         let Some(program) = &bins.program else { return Some(bins.first) };
@@ -181,7 +179,7 @@ impl Bins {
         Some(bins.first + bin)
     }
 
-    /// How many contributions had a bin beyond the last.
+    /// Number of contributions with a bin beyond the last.
     pub(super) fn ignored(&self) -> u64 {
         self.ignored.load(Ordering::Relaxed)
     }

@@ -1,9 +1,9 @@
-//! What `rcontrib -defaults` prints.
+//! The output of `rcontrib -defaults`.
 
 use super::options::Options;
 use crate::listed_options::{format_line, process_line, seed_line, size_line};
 
-/// The options as they stand, a line each, as Radiance prints them, and after them our own.
+/// The current options, one per line, as Radiance prints them, followed by radsight's own.
 pub(super) fn text(options: &Options) -> String {
     let lines = options.settings.lines(&|option| match option.name {
         "-c" => Some(format!("-c {:<5}\t\t\t# accumulated rays per record", options.accumulate)),

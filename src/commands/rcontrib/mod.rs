@@ -1,7 +1,7 @@
-//! `rcontrib`: what each ray of standard input owes to the modifiers that are named, in bins.
+//! `rcontrib`: the contributions of named modifiers to each ray of standard input, in bins.
 //!
-//! Coefficients (`-V-`) are found by letting each tracked emitter shine with a radiance of 1, so that what arrives is the share of its
-//! radiance; contributions (`-V+`) with its own.
+//! For coefficients (`-V-`) each tracked emitter gets a radiance of 1, so its contribution is its
+//! coefficient; for contributions (`-V+`) it keeps its own radiance.
 
 mod bins;
 mod defaults;
@@ -31,8 +31,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     run_with(options, io::stdin().lock())
 }
 
-/// Runs it on rays from elsewhere, in the form that the words say. `existing` are the files that
-/// those which words of files name may write over.
+/// Runs it on rays from another source, in the format of the options. `existing` are the files that
+/// words of files may overwrite.
 pub(crate) fn run_on(words: CommandWords, trust: &Trust, existing: Existing<'static>, input: impl Read) -> Outcome {
     let mut options = Options::parse(words, trust)?;
     options.existing_of_files = existing;
@@ -107,28 +107,27 @@ fn trace(
         streams.put(&values)?;
     }
     if bins.ignored() > 0 && !options.reading.no_warnings {
-        say(&format!(
-            "rcontrib: warning - {} contributions with a bin beyond the last were left out\n",
-            bins.ignored()
-        ));
+        say(&format!("rcontrib: warning - {} contributions with a bin beyond the last were ignored\n", bins.ignored()));
     }
     match left {
         Some(left) if left > 0 => {
             streams.finish()?;
-            Err(Failure::input(format!("rcontrib: standard input ends {left} rays early, expected what -x and -y say")))
+            Err(Failure::input(format!(
+                "rcontrib: standard input ends {left} rays before the number given by -x and -y"
+            )))
         }
         _ => Ok(()),
     }
 }
 
-/// Reads rays that an earlier run has answered.
+/// Skips rays that an earlier run has traced.
 fn pass_over<R: Read>(reader: &mut RayReader<R>, count: u64, rays: &mut Vec<InputRay>) -> Outcome {
     let mut left = count;
     while left > 0 {
         reader.read(left.min(1 << 15) as usize, rays)?;
         if rays.is_empty() {
             return Err(Failure::input(format!(
-                "rcontrib: standard input ends {left} rays before the {count} that are in the output already"
+                "rcontrib: standard input ends {left} rays before the {count} that the output already has"
             )));
         }
         left -= rays.len() as u64;

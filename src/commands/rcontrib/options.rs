@@ -1,4 +1,4 @@
-//! The options of `rcontrib`, as Radiance writes them.
+//! The options of `rcontrib`, in Radiance's syntax.
 
 use super::bins::{BinRequest, Bins, Functions};
 use super::defaults;
@@ -19,52 +19,52 @@ use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions, Uncached};
 use std::collections::HashSet;
 
-/// Into no more branches does a ray split at once.
+/// Largest number of branches into which a ray splits at once.
 const MOST_BRANCHES: f64 = 16_384.0;
 
-/// Whose radiance counts.
+/// The requested quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wanted {
-    /// Nobody's: what an emitter's radiance is to be multiplied by (`-V-`).
+    /// Coefficients: factors of an emitter's radiance (`-V-`).
     Coefficients,
-    /// The emitter's own (`-V+`).
+    /// Contributions with the emitter's own radiance (`-V+`).
     Contributions,
 }
 
-/// A modifier whose contributions are wanted.
+/// A tracked modifier.
 #[derive(Clone, Debug)]
 pub(super) struct Tracked {
     pub(super) name: String,
-    /// Who names it.
+    /// The origin of its name.
     pub(super) origin: Origin,
-    /// Where they go; `None` for standard output.
+    /// Its output; `None` for standard output.
     pub(super) output: Option<OutputPattern>,
     pub(super) bin: BinRequest,
 }
 
-/// A file's name, which may hold `%s` and `%d`, or a command after `!`.
+/// A file name, which may contain `%s` and `%d`, or a command after `!`.
 #[derive(Clone, Debug)]
 pub(super) struct OutputPattern {
     pub(super) text: String,
-    /// Who gives it.
+    /// The origin of the pattern.
     pub(super) origin: Origin,
 }
 
-/// What is asked.
+/// The parsed options.
 #[derive(Debug)]
 pub(super) struct Options {
     pub(super) render: RenderOptions,
     pub(super) wanted: Wanted,
     pub(super) tracked: Vec<Tracked>,
-    /// Rays in a record; 0 for all.
+    /// Rays per record; 0 for all.
     pub(super) accumulate: u64,
     pub(super) header: bool,
     pub(super) overwrites: bool,
-    /// Which files that are there already are written over where a file names them.
+    /// Which existing files may be overwritten if a file names them.
     pub(super) existing_of_files: Existing<'static>,
-    /// Whether records that are in the files already are kept.
+    /// Whether existing records in the files are kept.
     pub(super) recovers: bool,
-    /// Whether rays end where their direction does.
+    /// Whether rays are limited to the length of their direction vectors.
     pub(super) limits_distance: bool,
     pub(super) input_format: NumberFormat,
     pub(super) output_format: OutputFormat,
@@ -72,24 +72,25 @@ pub(super) struct Options {
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
     pub(super) scenes: Vec<String>,
-    /// The words up to the scenes, as the header has them.
+    /// The words up to the scenes, for the header.
     pub(super) command: Vec<String>,
-    /// What `-defaults` shows.
+    /// The options listed by `-defaults`.
     pub(super) settings: Settings,
-    /// Seconds between reports, which none are made of (`-t`).
+    /// Seconds between reports, which are not made (`-t`).
     pub(super) report: u64,
     sampling_budget: Option<SamplingBudget>,
-    /// How often a ray is followed that splits.
+    /// Number of times that a splitting ray is traced.
     rounds: u64,
     functions: Functions,
-    /// What holds for the modifiers that are named next.
+    /// Output of the modifiers named next.
     next_output: Option<OutputPattern>,
     next_bin: BinRequest,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        // Radiance's defaults for contributions; a value of each ray is wanted, so that nothing is shared.
+        // Radiance's defaults for contributions; each ray has its own value, so no irradiance is
+        // cached.
         let gathering = Gathering { accuracy: 0.0, divisions: 350, uncached: Uncached::Split, ..Gathering::default() };
         let render = RenderOptions {
             gathering,
@@ -143,7 +144,7 @@ impl TakesOptions for Options {
 }
 
 impl Options {
-    /// Reads the words, of which the first is the program's name.
+    /// Parses the words, of which the first is the program's name.
     pub(super) fn parse(words: CommandWords, trust: &Trust) -> Result<Options, Failure> {
         let mut options = Options::default();
         options.reading.trust = trust.clone();
@@ -154,11 +155,11 @@ impl Options {
 
     fn check(&mut self) -> Result<(), Failure> {
         if self.tracked.is_empty() {
-            return Err(Failure::usage("rcontrib: no modifier is named, expected -m or -M"));
+            return Err(Failure::usage("rcontrib: no modifier is given, expected -m or -M"));
         }
         if self.scenes.is_empty() {
             return Err(Failure::usage(
-                "rcontrib: no scene is named, expected an octree or scene files after the options",
+                "rcontrib: no scene is given, expected an octree or scene files after the options",
             ));
         }
         if self.accumulate == 0 {
@@ -173,9 +174,9 @@ impl Options {
         Ok(())
     }
 
-    /// Follows each ray several times where it would split into very many: threads share these, and
-    /// what they owe fits into memory. No white surface splits a ray into more than 0.8 over the
-    /// least weight.
+    /// Traces each ray several times if it would split into very many: threads share these, and the
+    /// contributions fit into memory. A white surface splits a ray into at most 0.8 divided by the
+    /// smallest weight.
     fn share_branches(&mut self) {
         let divisions = f64::from(self.render.gathering.divisions.max(1));
         let most = divisions.min(0.8 / self.render.least_weight).max(1.0);
@@ -185,9 +186,9 @@ impl Options {
         }
     }
 
-    /// Takes one option; gives how many words it used.
+    /// Parses one option; returns the number of words it used.
     fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
-        // Some options of rendering begin with the same letter as these.
+        // Some rendering options begin with the same letter as these.
         let mut used = self.take_named(words)?;
         if used == 0 {
             used = take_one(words, &mut self.render)?;
@@ -219,7 +220,7 @@ impl Options {
             "-c" => self.accumulate = number(words, word, "a number of rays for each record, 0 for all")?,
             "-t" => self.report = number(words, word, "a number of seconds")?,
             "-o" => {
-                let text = number(words, word, "a file for what follows")?;
+                let text = number(words, word, "an output of the following modifiers")?;
                 self.next_output = Some(OutputPattern { text, origin: self.reading.trust.word_origin() });
             }
             "-p" => self.next_bin.parameters = Some(number(words, word, "parameters, as in MF=4")?),
@@ -305,8 +306,8 @@ impl Options {
         self.functions.compile(requests)
     }
 
-    /// How often each ray is followed: mostly once, where it splits into as many as are asked for,
-    /// else along so many paths.
+    /// The number of times that each ray is traced: once if it splits into the requested number of
+    /// paths, otherwise that number.
     pub(super) fn samples(&self) -> u64 {
         match self.sampling_budget {
             Some(SamplingBudget::Samples(samples)) => u64::from(samples),
@@ -314,7 +315,7 @@ impl Options {
         }
     }
 
-    /// About how many paths come of a ray.
+    /// The approximate number of paths per ray.
     pub(super) fn paths(&self) -> u64 {
         match self.sampling_budget {
             None if self.render.ambient_bounces > 0 => self.rounds * u64::from(self.render.gathering.divisions.max(1)),
@@ -322,19 +323,19 @@ impl Options {
         }
     }
 
-    /// How many numbers a value has.
+    /// Number of components of a value.
     pub(super) fn components(&self) -> usize {
         self.render.sampling.bands()
     }
 
-    /// How many rays standard input has; `None` for all there are.
+    /// Number of rays on standard input; `None` for all.
     pub(super) fn expected_rays(&self) -> Option<u64> {
         let [columns, rows] = self.size;
         let records = if columns > 0 { columns.saturating_mul(rows) } else { rows };
         (records > 0).then(|| records.saturating_mul(self.accumulate.max(1)))
     }
 
-    /// After how many records the output is sent on, if that is asked for.
+    /// Number of records between flushes, if requested.
     pub(super) fn flush_interval(&self) -> Option<u64> {
         let [columns, rows] = self.size;
         (columns > 0 && (rows == 0 || columns == 1)).then_some(columns)

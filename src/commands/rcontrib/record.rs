@@ -1,4 +1,4 @@
-//! Sums over the rays of a record.
+//! Accumulates the rays of a record.
 
 use super::bins::Bins;
 use super::options::Options;
@@ -8,54 +8,55 @@ use radsight_cal::Scratch;
 use radsight_render::{Quantity, Ray, RayWorker, Renderer};
 use rayon::prelude::*;
 
-/// Paths that one thread follows at a time.
+/// Number of paths that one thread traces at a time.
 const PATHS_AT_A_TIME: u64 = 1024;
-/// Paths that are followed before their sums are written.
+/// Number of paths traced before their sums are written.
 const PATHS_IN_A_BATCH: u64 = 1 << 17;
-/// Bytes that the sums of a batch may take.
+/// Largest memory for the sums of a batch, bytes.
 const MOST_BYTES: usize = 1 << 28;
 
-/// What an earlier run has left.
+/// The result of an earlier run.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Earlier {
     Nothing,
-    /// So many rays are answered.
+    /// Number of rays traced.
     Rays(u64),
-    /// The one record that takes all rays has these values.
+    /// The values of the single record that accumulates all rays.
     Sums(Vec<f64>),
 }
 
-/// Rays that are answered together.
+/// Rays traced together.
 pub(super) struct Batch<'b> {
     pub(super) renderer: &'b Renderer,
     pub(super) bins: &'b Bins,
     pub(super) rays: &'b [InputRay],
 }
 
-/// The record in hand.
+/// The current record.
 pub(super) struct Records {
-    /// Rays in a record; 0 for all.
+    /// Rays per record; 0 for all.
     accumulate: u64,
     samples: u64,
-    /// About how many paths come of a ray.
+    /// Approximate number of paths per ray.
     paths: u64,
     limits_distance: bool,
     rays_at_a_time: usize,
-    /// Rays of the record in hand, and of all.
+    /// Rays of the current record, and of all.
     rays: u64,
     rays_in_all: u64,
     /// Red, green, blue, or all bands, of each bin.
     sums: Vec<f64>,
-    /// What an earlier run had found where one record takes all rays.
+    /// The sums of an earlier run, if one record accumulates all rays.
     earlier: Vec<f64>,
 }
 
-/// Some paths of rays of one record. Records are the same whatever the number of threads, since these are.
+/// Some paths of rays of one record. The division does not depend on the number of threads, so
+/// records do not, either.
 struct Work {
-    /// Of the batch.
+    /// Range in the batch.
     rays: std::ops::Range<usize>,
     samples: std::ops::Range<u64>,
-    /// How many rays of its record are finished with it.
+    /// Number of rays of its record that it finishes.
     finished: u64,
 }
 
@@ -80,7 +81,7 @@ impl Records {
         }
     }
 
-    /// Goes on after rays that an earlier run has answered, or adds to the sums that it has found.
+    /// Continues after the rays of an earlier run, or adds to its sums.
     pub(super) fn go_on(&mut self, earlier: Earlier) {
         match earlier {
             Earlier::Nothing => {}
@@ -93,11 +94,11 @@ impl Records {
         self.rays_at_a_time
     }
 
-    /// Adds rays, and gives the means of each record that they finish.
+    /// Adds rays and passes the means of each finished record to `put`.
     pub(super) fn add(&mut self, batch: &Batch<'_>, mut put: impl FnMut(&[f64]) -> Outcome) -> Outcome {
         let work = self.work(batch.rays.len());
         let (first, samples) = (self.rays_in_all, self.samples);
-        // Numbers of paths are aligned, so that each ray's points are evenly spread.
+        // Path numbers are aligned, so that each ray's samples are stratified.
         let stride = samples.next_power_of_two();
         let (values, limits_distance) = (self.sums.len(), self.limits_distance);
         let sums: Vec<Vec<f64>> = work
@@ -133,7 +134,7 @@ impl Records {
         Ok(())
     }
 
-    /// Splits rays into pieces that do not cross the border of a record.
+    /// Splits rays into pieces within one record each.
     fn work(&self, rays: usize) -> Vec<Work> {
         let rays_a_piece = (PATHS_AT_A_TIME / self.paths).max(1);
         let samples_a_piece = (PATHS_AT_A_TIME * self.samples / self.paths).max(1);
@@ -155,7 +156,8 @@ impl Records {
         pieces
     }
 
-    /// The means of the record in hand, which begins anew; sums where one record takes all rays.
+    /// Takes the means of the current record and resets it; sums if one record accumulates all
+    /// rays.
     fn take(&mut self) -> Vec<f64> {
         let rays = if self.accumulate > 0 { self.rays } else { 1 };
         let scale = 1.0 / (rays as f64 * self.samples as f64);
@@ -163,7 +165,7 @@ impl Records {
         for (value, earlier) in values.iter_mut().zip(self.earlier.drain(..)) {
             *value += earlier;
         }
-        // Each contribution is within these bounds, their sum may not be.
+        // Each contribution is within these bounds, but their sum may not be.
         let most = f64::from(f32::MAX);
         values.iter_mut().for_each(|value| *value = value.clamp(-most, most));
         self.sums.fill(0.0);
@@ -171,7 +173,7 @@ impl Records {
         values
     }
 
-    /// The means of a record that has not got all its rays.
+    /// The means of an incomplete record.
     pub(super) fn rest(&mut self) -> Option<Vec<f64>> {
         (self.rays > 0 || self.accumulate == 0).then(|| self.take())
     }

@@ -1,4 +1,4 @@
-//! `-r`: going on with the output of a run that was interrupted.
+//! `-r`: continues the output of an interrupted run.
 
 use super::bins::Bins;
 use super::options::Options;
@@ -14,30 +14,30 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::PathBuf;
 
-/// What there is to go on with.
+/// The state of the earlier output.
 pub(super) enum Reopened<'o> {
-    /// Nothing: the work begins anew.
+    /// No output: the run starts anew.
     Nothing,
-    /// All that was asked for.
+    /// All requested records.
     Everything,
-    /// Something.
+    /// Some records.
     Some(Streams<'o>, Earlier),
 }
 
-/// A file that an earlier run has written.
+/// A file of an earlier run.
 struct Written {
     target: PathBuf,
-    /// The target, or what an interrupted run has left beside it.
+    /// The target, or the leftover of an interrupted run beside it.
     path: PathBuf,
-    /// Bytes before the records.
+    /// Offset of the records.
     start: u64,
     records: u64,
 }
 
-/// No header is longer.
+/// Longest header, bytes.
 const LONGEST_HEADER: u64 = 1 << 16;
 
-/// Finds the whole records that all files have, and opens the files behind them.
+/// Finds the complete records that all files have, and opens the files after them.
 pub(super) fn reopen<'o>(options: &'o Options, bins: &Bins) -> Result<Reopened<'o>, Failure> {
     let layout = Layout::new(options, bins)?;
     for planned in &layout.planned {
@@ -90,7 +90,7 @@ fn file_name(planned: &Planned) -> Result<&str, Failure> {
     }
 }
 
-/// Bytes of a record.
+/// Size of a record, bytes.
 fn record_size(options: &Options, planned: &Planned) -> u64 {
     let components = options.components();
     let value = match options.output_format {
@@ -101,7 +101,7 @@ fn record_size(options: &Options, planned: &Planned) -> u64 {
     (value * planned.values) as u64
 }
 
-/// The longer of the file and of what an interrupted run has left beside it.
+/// The longer of the file and the leftover of an interrupted run.
 fn find(options: &Options, planned: &Planned) -> Result<Option<Written>, Failure> {
     let name = file_name(planned)?;
     let mut longest: Option<Written> = None;
@@ -131,7 +131,7 @@ fn find(options: &Options, planned: &Planned) -> Result<Option<Written>, Failure
     Ok(longest)
 }
 
-/// Checks that a file is of the kind that is asked for; gives where its records begin.
+/// Checks that a file has the requested format; returns the offset of its records.
 fn check_head(options: &Options, planned: &Planned, bytes: &[u8]) -> Result<usize, Failure> {
     let wrong =
         |what: String| Failure::input(format!("cannot recover \"{}\": {what}", planned.name.as_deref().unwrap_or("-")));
@@ -156,7 +156,7 @@ fn check_head(options: &Options, planned: &Planned, bytes: &[u8]) -> Result<usiz
     Ok(start)
 }
 
-/// A hidden file with the start of what was written.
+/// A hidden file with the start of the earlier output.
 fn shorten(written: &Written, length: u64) -> io::Result<ClosedFile> {
     if written.path != written.target {
         return ClosedFile::adopt(&written.target, &written.path, length);
@@ -171,10 +171,10 @@ fn shorten(written: &Written, length: u64) -> io::Result<ClosedFile> {
     Ok(file)
 }
 
-/// Bytes that are copied at a time.
+/// Number of bytes copied at a time.
 const COPIED_AT_A_TIME: u64 = 1 << 24;
 
-/// The one record of an earlier run; zeros of files that are not there.
+/// The single record of an earlier run; zeros for missing files.
 fn reload(options: &Options, layout: &Layout) -> Result<Vec<f64>, Failure> {
     let components = options.components();
     let mut numbers = Vec::new();
@@ -205,11 +205,11 @@ fn reload(options: &Options, layout: &Layout) -> Result<Vec<f64>, Failure> {
     Ok(of_bins.flat_map(|(stream, count)| numbers[stream].by_ref().take(count).collect::<Vec<f64>>()).collect())
 }
 
-/// The longest text of a number takes so many times the bytes of a binary one.
+/// Largest ratio of a number's length in text and in binary.
 const LONGEST_NUMBER: u64 = 16;
 
-/// The bytes of a file up to where its header and so many more must end: a reload file may be a
-/// long one of something else.
+/// The bytes of a file up to the largest possible end of its header and numbers: a reload file may
+/// be an unrelated long file.
 fn beginning(name: &str, bytes: u64) -> io::Result<Vec<u8>> {
     if !fs::metadata(name)?.is_file() {
         return Err(io::Error::new(ErrorKind::InvalidInput, "it is not a file"));
@@ -219,7 +219,7 @@ fn beginning(name: &str, bytes: u64) -> io::Result<Vec<u8>> {
     Ok(read)
 }
 
-/// The first numbers of a record, as many as are expected if there are as many.
+/// The first numbers of a record, at most as many as expected.
 fn values(bytes: &[u8], options: &Options, expected: usize) -> Vec<f64> {
     match options.output_format {
         OutputFormat::Numbers(NumberFormat::Ascii) => bytes

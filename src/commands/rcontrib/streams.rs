@@ -1,4 +1,4 @@
-//! Where records go: standard output, files whose names hold the modifier's name or the bin's number, commands.
+//! The outputs of records: standard output, files named by modifier and bin, commands.
 
 use super::bins::Bins;
 use super::options::{Options, OutputPattern, Tracked};
@@ -17,10 +17,10 @@ use std::collections::HashMap;
 use std::io::Write;
 use std::process::{Child, Stdio};
 
-/// Bytes that all files together hold back.
+/// Largest memory of all output buffers, bytes.
 const MOST_HELD: usize = 1 << 24;
 
-/// All that is written to.
+/// All outputs.
 pub(super) struct Streams<'o> {
     options: &'o Options,
     streams: Vec<Stream>,
@@ -38,7 +38,7 @@ enum Target {
     StandardOutput,
     /// A pipe or a device.
     Stream(Output),
-    /// A file that appears when it is whole; `None` when it has.
+    /// A file that appears when it is complete; `None` afterwards.
     File {
         name: String,
         file: Option<ClosedFile>,
@@ -50,19 +50,19 @@ enum Target {
     },
 }
 
-/// A stream in the making.
+/// A stream to be opened.
 pub(super) struct Planned {
     /// A file's name, or a command after `!`; `None` for standard output.
     pub(super) name: Option<String>,
     target: Allowed,
-    /// The modifier and the bin that its name holds.
+    /// The modifier and the bin in its name.
     modifier: Option<String>,
     bin: Option<usize>,
-    /// Values in a record.
+    /// Values per record.
     pub(super) values: usize,
 }
 
-/// A place that may be written to.
+/// A permitted destination.
 #[derive(Clone, Debug)]
 enum Allowed {
     StandardOutput,
@@ -70,14 +70,14 @@ enum Allowed {
     Command(String, CommandPermit),
 }
 
-/// The streams, and which of them each bin goes to.
+/// The streams, and the stream of each bin.
 pub(super) struct Layout {
     pub(super) planned: Vec<Planned>,
     pub(super) of_bin: Vec<usize>,
 }
 
 impl<'o> Streams<'o> {
-    /// Opens all of them and writes their headers.
+    /// Opens all streams and writes their headers.
     pub(super) fn open(options: &'o Options, bins: &Bins) -> Result<Streams<'o>, Failure> {
         let Layout { planned, of_bin } = Layout::new(options, bins)?;
         let mut streams = Vec::new();
@@ -90,7 +90,7 @@ impl<'o> Streams<'o> {
         Ok(streams)
     }
 
-    /// Goes on with files that hold records already, one for each planned stream.
+    /// Continues existing files, one per planned stream.
     pub(super) fn go_on(options: &'o Options, layout: Layout, files: Vec<ClosedFile>) -> Streams<'o> {
         let names = layout.planned.into_iter().filter_map(|planned| planned.name);
         let target = |(name, file)| Target::File { name, file: Some(file) };
@@ -113,13 +113,13 @@ impl<'o> Streams<'o> {
         Ok(())
     }
 
-    /// Sends on what is held back.
+    /// Flushes all buffers.
     pub(super) fn flush(&mut self) -> Outcome {
         self.held = 0;
         self.streams.iter_mut().try_for_each(Stream::flush)
     }
 
-    /// Ends all of them.
+    /// Ends all streams.
     pub(super) fn finish(&mut self) -> Outcome {
         self.flush()?;
         self.streams.iter_mut().try_for_each(Stream::finish)
@@ -128,7 +128,7 @@ impl<'o> Streams<'o> {
 
 impl Drop for Streams<'_> {
     fn drop(&mut self) {
-        // What was to be gone on with is not lost when the input was wrong.
+        // Existing output is kept if the input was wrong.
         if !self.options.recovers {
             return;
         }
@@ -203,7 +203,7 @@ impl Target {
         let name: &str = name;
         let Some(path) = file_path(name)? else { return Output::create(name).map(Target::Stream) };
         if path.exists() && !overwrites {
-            return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to write over it")));
+            return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to overwrite it")));
         }
         let file = ClosedFile::create(&path).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
         Ok(Target::File { name: name.to_owned(), file: Some(file) })
@@ -211,14 +211,15 @@ impl Target {
 }
 
 impl Layout {
-    /// Where the bins of all modifiers go.
+    /// The layout of the bins of all modifiers.
     pub(super) fn new(options: &Options, all_bins: &Bins) -> Result<Layout, Failure> {
         let mut planned: Vec<Planned> = Vec::new();
         let mut by_name: HashMap<Option<String>, usize> = HashMap::new();
         let mut of_bin = Vec::new();
         for (index, tracked) in options.tracked.iter().enumerate() {
             let bins = all_bins.of_modifier(index);
-            // Pictures have one value a pixel: where modifiers share numbered files, each has numbers of its own.
+            // Pictures have one value per pixel: modifiers that share numbered files use disjoint
+            // numbers.
             let mut first = 0;
             if let (OutputFormat::Pixels, Some(OutputPattern { text: pattern, .. })) =
                 (options.output_format, &tracked.output)
@@ -261,9 +262,10 @@ impl Layout {
     }
 }
 
-/// Where a modifier's values go, if who named that, and who named the modifier, may say so.
+/// The destination of a modifier's values, if the origins of the output's and the modifier's name
+/// permit it.
 ///
-/// `modifier` is the one whose name stands in that of the file.
+/// `modifier` is the name that occurs in the file name.
 fn allowed(
     options: &Options,
     tracked: &Tracked,
@@ -291,13 +293,13 @@ fn allowed(
 }
 
 impl Planned {
-    /// Whether it has a value a pixel, and so a line with its size.
+    /// Whether it has one value per pixel, and thus a resolution line.
     pub(super) fn is_picture(&self, options: &Options) -> bool {
         self.values == 1 && options.size.iter().all(|size| *size > 0)
     }
 }
 
-/// What stands before the records.
+/// The header before the records.
 fn head(options: &Options, planned: &Planned) -> Vec<u8> {
     let mut bytes = if options.header { header(options, planned) } else { Vec::new() };
     let [columns, rows] = options.size;
@@ -337,7 +339,7 @@ fn header(options: &Options, planned: &Planned) -> Vec<u8> {
     header.to_bytes()
 }
 
-/// What the format of pixels is called.
+/// The name of the pixel format.
 pub(super) fn pixel_format(options: &Options) -> &'static str {
     if options.components() > 3 { "Radiance_spectra" } else { "32-bit_rle_rgbe" }
 }

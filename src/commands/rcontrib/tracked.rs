@@ -1,4 +1,4 @@
-//! Makes the scene ready: tracked emitters shine with a radiance of 1 where coefficients are wanted.
+//! Prepares the scene: tracked emitters get a radiance of 1 if coefficients are requested.
 
 use super::options::{Options, Wanted};
 use crate::failure::say;
@@ -6,7 +6,7 @@ use radsight_ir::{Material, Modifier, ModifierKind, Rgb, Scene};
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// Changes the scene, and checks that it has what is asked for.
+/// Changes the scene, and checks that it has the requested modifiers.
 pub(super) fn prepare(scene: &mut Scene, options: &Options) {
     let wanted: HashSet<&str> = options.tracked.iter().map(|tracked| tracked.name.as_str()).collect();
     let mut met = HashSet::new();
@@ -32,7 +32,7 @@ fn change(scene: &mut Scene, names: &HashSet<&str>, wanted: Wanted, met: &mut Ha
         met.insert(name.to_owned());
         if let (Wanted::Coefficients, Some(radiance)) = (wanted, radiance(modifier)) {
             *radiance = Rgb::WHITE;
-            // Its patterns are part of its radiance.
+            // Patterns are part of its radiance.
             modifier.modifier = None;
         }
     }

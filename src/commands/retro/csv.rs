@@ -3,7 +3,7 @@
 use radsight_diag::{Diagnostic, SourceId, SourceMap};
 use radsight_retro::{Geometry, Row};
 
-/// What stands in the last column.
+/// The quantity in the last column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
     /// R_A, cd/(lx m²).
@@ -21,16 +21,17 @@ impl Column {
     }
 }
 
-/// Fields of a line: their place and text, separated by commas, semicolons or white space.
+/// The fields of a line, separated by commas, semicolons or white space, with their offsets.
 fn fields(line: &str, separator: fn(char) -> bool) -> Vec<(usize, &str)> {
     let place = |part: &str| part.as_ptr() as usize - line.as_ptr() as usize;
     line.split(separator).map(str::trim).map(|part| (place(part), part)).collect()
 }
 
-/// The rows of a text. Lines that begin with `#` are comments; the first line may hold the names of the columns.
+/// The rows of a text. Lines that begin with `#` are comments; the first line may hold column
+/// names.
 ///
 /// # Errors
-/// All lines that are no rows, at their fields.
+/// All invalid lines, at their fields.
 pub(super) fn read_rows(source: SourceId, sources: &SourceMap, column: Column) -> Result<Vec<Row>, Vec<Diagnostic>> {
     let bytes = sources.text(source).clone();
     let Ok(text) = std::str::from_utf8(&bytes) else {
@@ -76,7 +77,7 @@ fn row(line: &str, column: Column) -> Result<Row, (usize, usize, String)> {
     for (place, field) in &fields {
         match field.parse::<f64>() {
             Ok(number) if number.is_finite() => numbers.push(number),
-            _ => return Err((*place, place + field.len(), format!("\"{field}\" is no number"))),
+            _ => return Err((*place, place + field.len(), format!("\"{field}\" is not a number"))),
         }
     }
     let out_of_range = |index: usize, expected: &str| {
@@ -116,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn every_wrong_line_is_told() {
+    fn every_wrong_line_is_reported() {
         assert_eq!(read(".2,-4,800\n.2,x,3\n.2\n95,1,1\n.2,4,-1\n").unwrap_err().len(), 4);
         assert_eq!(read("").unwrap_err().len(), 1);
         assert_eq!(read("a,b,c\n").unwrap_err().len(), 1);

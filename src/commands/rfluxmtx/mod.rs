@@ -1,7 +1,9 @@
-//! `rfluxmtx`: what receivers get of what senders send, by the directions of each: a matrix that `rcontrib` computes.
+//! `rfluxmtx`: the flux matrix from senders to receivers, by their directions; computed by
+//! `rcontrib`.
 //!
-//! `rfluxmtx [-v] [-bj RANGE] [options of rcontrib] {SENDER|-} RECEIVER [-i SYSTEM.oct] [SYSTEM…]`: with `-` rays come from standard input, a row
-//! of the matrix for each; else so many as `-c` says (10000) are sent for each direction of the sender.
+//! `rfluxmtx [-v] [-bj RANGE] [options of rcontrib] {SENDER|-} RECEIVER [-i SYSTEM.oct] [SYSTEM…]`:
+//! with `-` rays come from standard input, and each gives a row of the matrix; otherwise `-c`
+//! (default 10000) rays are sent per direction of the sender.
 
 mod options;
 mod surfaces;
@@ -37,7 +39,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     if options.is_verbose {
         say(&format!("rfluxmtx: sampling {} directions\n", sender.bins()));
     }
-    // A direction that no surface faces is found before anything is written.
+    // A direction that no surface faces is found before any output.
     (0..sender.bins())
         .try_for_each(|bin| sender.ray(bin * options.samples).map(drop))
         .map_err(|error| wrong(path, &error))?;
@@ -45,8 +47,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     rcontrib::run_on(words, &options.trust, options.existing, rays)
 }
 
-/// The command line of `rcontrib`. What the user names is written over as in Radiance, what
-/// receivers name is not.
+/// The command line of `rcontrib`. Outputs named by the user are overwritten as in Radiance, those
+/// named by receivers are not.
 fn contribution_words(options: &Options, receivers: &[Group], own: Vec<String>) -> Result<CommandWords, Failure> {
     let mut words = CommandWords::default();
     words.extend(["rcontrib", "-fo+"].map(str::to_owned), Origin::CommandLine);
@@ -54,8 +56,8 @@ fn contribution_words(options: &Options, receivers: &[Group], own: Vec<String>) 
     words.extend(own, Origin::CommandLine);
     let mut receiver_words = ReceiverWords::with_jitter(options.jitter.clone());
     for receiver in receivers {
-        let said = receiver_words.of(receiver).map_err(|error| wrong(&options.receiver, &error))?;
-        words.extend(said, Origin::File);
+        let output = receiver_words.of(receiver).map_err(|error| wrong(&options.receiver, &error))?;
+        words.extend(output, Origin::File);
     }
     words.extend(options.system.iter().chain([&options.receiver]).cloned(), Origin::CommandLine);
     if options.is_verbose {
@@ -68,17 +70,17 @@ fn wrong(path: &str, error: &FluxError) -> Failure {
     Failure::input(format!("rfluxmtx: \"{path}\": {error}"))
 }
 
-/// The rays of a sender as `rcontrib` reads them: six numbers of eight bytes each.
+/// The rays of a sender in the format that `rcontrib` reads: six doubles.
 struct RayBytes {
     sender: Sender,
     /// The next ray.
     number: u64,
     bytes: Vec<u8>,
-    /// How many bytes were read.
+    /// Number of bytes read.
     read: usize,
 }
 
-/// Rays that are made at a time.
+/// Number of rays generated at a time.
 const RAYS_AT_A_TIME: u64 = 1 << 10;
 
 impl RayBytes {

@@ -1,4 +1,4 @@
-//! The options of `rfluxmtx`: its own, and those that `rcontrib` gets.
+//! The options of `rfluxmtx`: its own, and those passed to `rcontrib`.
 
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::{Failure, say};
@@ -8,39 +8,39 @@ use crate::switch::switched;
 use crate::trust::{Existing, Trust};
 use radsight_options::Settings;
 
-/// What is asked.
+/// The parsed options.
 #[derive(Debug)]
 pub(super) struct Options {
     pub(super) is_verbose: bool,
     no_warnings: bool,
-    /// Where in its patch a direction counts, as an expression.
+    /// Position of a direction within its patch, as an expression.
     pub(super) jitter: Option<String>,
-    /// Rays for each direction of the sender, or in a record.
+    /// Rays per direction of the sender, or per record.
     pub(super) samples: u64,
-    /// Options that `rcontrib` gets as they are.
+    /// Options passed to `rcontrib` unchanged.
     pub(super) passed: CommandWords,
-    /// What the command line lets files cause.
+    /// Permissions that the command line gives to files.
     pub(super) trust: Trust,
-    /// Which files that are there already the receivers may write over.
+    /// Which existing files the receivers may overwrite.
     pub(super) existing: Existing<'static>,
-    /// `-I`, `-i`, `-x`, `-y` and `-ld`, which are for rays from standard input.
+    /// `-I`, `-i`, `-x`, `-y` and `-ld`, which apply to rays from standard input.
     ray_words: Vec<String>,
-    /// The letters of `-f`: of input and output.
+    /// The letters of `-f` for input and output.
     formats: [char; 2],
-    /// Hemisphere samples of a point (`-ad`), and whether somebody says how many paths each ray stands for.
+    /// Hemisphere samples of a point (`-ad`), and whether the number of paths per ray is given.
     divisions: f64,
     says_paths: bool,
     /// `None` for rays from standard input.
     pub(super) sender: Option<String>,
     pub(super) receiver: String,
     pub(super) system: Vec<String>,
-    /// What is given, by the table of options.
+    /// The given options.
     settings: Settings,
 }
 
 const USAGE: &str = "rfluxmtx: expected a sender (or -) and a receiver after the options";
 
-/// Rays for each direction of a sender, unless another number is asked for.
+/// Default number of rays per direction of a sender.
 const USUAL_SAMPLES: u64 = 10_000;
 
 impl TakesOptions for Options {
@@ -58,7 +58,7 @@ impl TakesOptions for Options {
 }
 
 impl Options {
-    /// Reads the words, of which the first is the program's name.
+    /// Parses the words, of which the first is the program's name.
     pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
         let mut options = Options {
             is_verbose: false,
@@ -82,7 +82,7 @@ impl Options {
         let [sender, receiver, system @ ..] = &files[..] else { return Err(Failure::usage(USAGE)) };
         options.sender = (sender != "-").then(|| sender.clone());
         options.receiver.clone_from(receiver);
-        // What is piped in has no name of its own.
+        // Piped input has no name.
         if receiver != "-" && !receiver.starts_with('!') {
             options.trust.work_for(receiver);
         }
@@ -94,7 +94,7 @@ impl Options {
         Ok(options)
     }
 
-    /// Takes one option; gives how many words it used.
+    /// Parses one option; returns the number of words it used.
     fn take_one(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
         let used = self.trust.take(words)?;
@@ -135,7 +135,7 @@ impl Options {
         Ok(2)
     }
 
-    /// Passes an option on with its values.
+    /// Passes an option with its values to `rcontrib`.
     fn pass(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
         let program = self.settings.program();
@@ -149,10 +149,10 @@ impl Options {
             };
             return Ok(1);
         }
-        let values = program.recognise(word).ok_or_else(unknown)?.option.value_count();
+        let values = program.parse_word(word).ok_or_else(unknown)?.option.value_count();
         let Some(taken) = words.get(..=values) else {
             return Err(Failure::usage(format!(
-                "rfluxmtx: option \"{word}\" ends the command line, expected {values} words after it"
+                "rfluxmtx: option \"{word}\" ends the command line, expected {values} values after it"
             )));
         };
         match word {
@@ -165,14 +165,15 @@ impl Options {
         Ok(1 + values)
     }
 
-    /// What stands after the receiver: scene files, one of them an octree after `-i`, and options of `oconv` that mean nothing here.
+    /// Parses the words after the receiver: scene files, an octree after `-i`, and options of
+    /// `oconv` without effect here.
     fn take_system(&mut self, words: &[String]) -> Result<(), Failure> {
         for word in words {
             match word.as_str() {
                 "-i" | "-f" | "-w" => {}
                 option if option.starts_with('-') && option != "-" => {
                     return Err(Failure::usage(format!(
-                        "rfluxmtx: \"{option}\" stands among the scene files, expected -i and an octree, or files"
+                        "rfluxmtx: \"{option}\" is not supported among the scene files, expected -i and an octree, or files"
                     )));
                 }
                 file => self.system.push(file.to_owned()),
@@ -185,13 +186,13 @@ impl Options {
         let is_irradiance = |word: &&String| word.starts_with("-I") || word.starts_with("-i");
         match self.ray_words.iter().find(is_irradiance) {
             Some(word) if self.sender.is_some() => {
-                Err(Failure::usage(format!("rfluxmtx: option \"{word}\" is for rays from standard input (-) only")))
+                Err(Failure::usage(format!("rfluxmtx: option \"{word}\" applies only to rays from standard input (-)")))
             }
             _ => Ok(()),
         }
     }
 
-    /// What `rcontrib` is told where rays come from standard input.
+    /// The words for `rcontrib` if rays come from standard input.
     pub(super) fn pass_through_words(&self) -> Vec<String> {
         let mut words = self.ray_words.clone();
         words.extend([format!("-f{}{}", self.formats[0], self.formats[1]), "-c".to_owned()]);
@@ -199,7 +200,7 @@ impl Options {
         words
     }
 
-    /// What it is told of the rays that are sent, for so many directions.
+    /// The words for `rcontrib` about the generated rays, for a number of directions.
     pub(super) fn sampling_words(&self, bins: u64) -> Vec<String> {
         let mut words = vec![format!("-fd{}", self.formats[1])];
         if !self.says_paths {
@@ -209,7 +210,8 @@ impl Options {
         words
     }
 
-    /// Paths for each ray. Those of a record count together: the more rays it has, the fewer each needs for its own noise.
+    /// Number of paths per ray. The paths of a record are averaged, so a record with many rays
+    /// needs few paths for each.
     fn paths(&self) -> u64 {
         (self.divisions / (self.samples as f64).sqrt()).ceil().clamp(1.0, 1e6) as u64
     }

@@ -10,17 +10,17 @@ use radsight_flux::{FluxError, FluxSurface, Group, Parameters, Shape};
 use radsight_parse::Kind;
 use radsight_parse::syntax::{Item, Items, Primitive, SyntaxError};
 
-/// What begins a comment that says how surfaces send or receive.
+/// Prefix of comments that set options of surfaces.
 const MARK: &str = "#@rfluxmtx";
 
-/// The receivers, in the order of their file: surfaces of one modifier that follow each other are one.
+/// The receivers in file order: consecutive surfaces with one modifier form one receiver.
 pub(super) fn receivers(options: &Options) -> Result<Vec<Group>, Failure> {
     let mut groups: Vec<Group> = Vec::new();
-    for (said, modifier, surface) in surfaces(options, &options.receiver, Flux::Received)? {
+    for (parameters, modifier, surface) in surfaces(options, &options.receiver, Flux::Received)? {
         if groups.last().is_none_or(|group| group.modifier != modifier) {
             let mut group = Group::new(&modifier);
             group.parameters = groups.last().map_or_else(Parameters::default, |before| before.parameters.next());
-            group.parameters.read(&said).map_err(|error| wrong(&options.receiver, &error))?;
+            group.parameters.read(&parameters).map_err(|error| wrong(&options.receiver, &error))?;
             groups.push(group);
         }
         if let Some(group) = groups.last_mut() {
@@ -33,30 +33,30 @@ pub(super) fn receivers(options: &Options) -> Result<Vec<Group>, Failure> {
 /// The sender: all surfaces of its file.
 pub(super) fn sender(options: &Options, path: &str) -> Result<Group, Failure> {
     let mut sender: Option<Group> = None;
-    for (said, modifier, surface) in surfaces(options, path, Flux::Sent)? {
+    for (parameters, modifier, surface) in surfaces(options, path, Flux::Sent)? {
         let group = sender.get_or_insert_with(|| Group::new(&modifier));
         if group.modifier != modifier {
             options.warn("multiple modifiers in sender");
             group.modifier = modifier;
         }
-        group.parameters.read(&said).map_err(|error| wrong(path, &error))?;
+        group.parameters.read(&parameters).map_err(|error| wrong(path, &error))?;
         group.surfaces.push(surface);
     }
     sender.ok_or_else(|| wrong(path, &FluxError::Nothing))
 }
 
-/// What surfaces do with light here.
+/// Whether surfaces send or receive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Flux {
     Sent,
     Received,
 }
 
-/// Checks the file that a receiver names where the comment stands. What patterns become is checked
-/// when it is known, as commands are.
+/// Checks the file that a receiver names at its comment. Expanded patterns are checked when their
+/// names are known, as are commands.
 fn check_output(options: &Options, parameters: &str) -> Result<(), Refusal> {
-    let mut said = Parameters::default();
-    let (Ok(()), Some(name)) = (said.read(parameters), said.output) else { return Ok(()) };
+    let mut parsed = Parameters::default();
+    let (Ok(()), Some(name)) = (parsed.read(parameters), parsed.output) else { return Ok(()) };
     match name.starts_with('!') {
         true if options.trust.runs_commands() => return Ok(()),
         true => return Err(Trust::refused_output_command(&name)),
@@ -70,7 +70,8 @@ fn check_output(options: &Options, parameters: &str) -> Result<(), Refusal> {
     options.trust.output_of_file(&name, existing).map(drop)
 }
 
-/// Each surface with its modifier, and what comments say between it and the one before. A surface without area is left out.
+/// Each surface with its modifier, and the options in comments before it. Degenerate surfaces are
+/// skipped.
 fn surfaces(options: &Options, path: &str, surfaces_of: Flux) -> Result<Vec<(String, String, FluxSurface)>, Failure> {
     let text = expanded_scene_text("rfluxmtx", path, &options.trust)?;
     let mistake = |error: SyntaxError| {
@@ -79,7 +80,7 @@ fn surfaces(options: &Options, path: &str, surfaces_of: Flux) -> Result<Vec<(Str
         Failure::diagnostics(&[error.diagnostic(source)], &sources)
     };
     let mut items = Items::new(&text).map_err(mistake)?;
-    let mut said = String::new();
+    let mut pending = String::new();
     let mut found = Vec::new();
     while let Some(item) = items.advance() {
         match item.map_err(mistake)? {
@@ -96,15 +97,15 @@ fn surfaces(options: &Options, path: &str, surfaces_of: Flux) -> Result<Vec<(Str
                             Failure::diagnostics(&[refusal.at(span)], &sources)
                         })?;
                     }
-                    said.push(' ');
-                    said.push_str(parameters);
+                    pending.push(' ');
+                    pending.push_str(parameters);
                 }
             }
             Item::Primitive(primitive) => {
                 let Some(shape) = shape(primitive.kind) else { continue };
                 let [modifier, name] = names(&primitive);
                 match FluxSurface::new(&name, shape, primitive.reals) {
-                    Ok(surface) => found.push((std::mem::take(&mut said), modifier, surface)),
+                    Ok(surface) => found.push((std::mem::take(&mut pending), modifier, surface)),
                     Err(FluxError::Surface { what: "has no area", .. }) => {
                         options.warn(&format!("surface \"{name}\" has no area"));
                     }

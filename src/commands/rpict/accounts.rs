@@ -1,4 +1,4 @@
-//! What a picture tells of itself: error map, ray map, run record.
+//! Additional outputs of a picture: error map, ray map, run record.
 
 use super::defaults;
 use super::options::Options;
@@ -13,7 +13,7 @@ use radsight_picture::{Header, Image};
 use radsight_render::Renderer;
 use radsight_report::{ErrorEstimate, RunRecord};
 
-/// The files that are wanted beside the picture.
+/// The requested files besides the picture.
 #[derive(Debug, Default)]
 pub(super) struct Accounts {
     error_map: Option<OutputName>,
@@ -22,7 +22,7 @@ pub(super) struct Accounts {
 }
 
 impl Accounts {
-    /// Takes one option from the front; gives how many words it used, 0 for something else.
+    /// Parses one option at the front; returns the number of words it used, 0 for another option.
     pub(super) fn take(&mut self, words: &[String], trust: &Trust) -> Result<usize, Failure> {
         let place = match words[0].as_str() {
             "--error-map" => &mut self.error_map,
@@ -39,7 +39,7 @@ impl Accounts {
         self.error_map.is_none() && self.ray_map.is_none() && self.record.is_none()
     }
 
-    /// Everything that can be wrong before the scene is read.
+    /// Checks what can be checked before the scene is read.
     pub(super) fn check(&self, options: &Options) -> Outcome {
         if self.is_empty() {
             return Ok(());
@@ -49,7 +49,7 @@ impl Accounts {
             return wrong("--error-map, --ray-map and --record are for single pictures, not for sequences (-S)");
         }
         if options.recover.is_some() {
-            return wrong("--error-map, --ray-map and --record know nothing of rows that are recovered (-r, -ro)");
+            return wrong("--error-map, --ray-map and --record cannot be combined with recovered rows (-r, -ro)");
         }
         match options.pixels {
             SamplingBudget::Error { .. } => {}
@@ -112,7 +112,7 @@ fn record(options: &Options, renderer: &Renderer, film: &Film<'_>, stopwatch: &S
     });
     record.rays = film.samples().map(|samples| samples.into_iter().map(u64::from).sum());
     record.cache_noise = renderer.irradiance_noise();
-    // As -defaults shows them: the words of an option, and behind # what it is.
+    // In the form of -defaults: the words of an option, and its description behind #.
     for line in defaults::text(options).lines() {
         let (words, what) = line.split_once('#').unwrap_or((line, ""));
         record.push_setting(words.trim(), what.trim());

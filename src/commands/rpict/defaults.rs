@@ -1,4 +1,4 @@
-//! What `rpict -defaults` prints.
+//! The output of `rpict -defaults`.
 
 use super::options::Options;
 use crate::listed_options::{color_line, seed_line};
@@ -6,7 +6,7 @@ use glam::DVec3;
 use radsight_film::SamplingBudget;
 use radsight_picture::ViewKind;
 
-/// The options as they stand, a line each, as Radiance prints them, and after them our own.
+/// The current options, one per line, as Radiance prints them, followed by radsight's own.
 pub(super) fn text(options: &Options) -> String {
     let lines = options.settings.lines(&|option| match option.name {
         "-x" => Some(format!("-x  {:<9}\t\t\t# x resolution", options.size[0])),
@@ -31,7 +31,7 @@ fn budget_line(options: &Options, name: &str) -> Option<String> {
     }
 }
 
-/// The view may come of a file.
+/// The line of a view option; the view may come from a file.
 fn view_line(options: &Options, name: &str) -> Option<String> {
     let view = options.view;
     let vector =

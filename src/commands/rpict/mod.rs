@@ -1,4 +1,4 @@
-//! `rpict`: the picture of a view.
+//! `rpict`: renders the picture of a view.
 
 mod accounts;
 mod defaults;
@@ -65,7 +65,7 @@ fn ambient_file(options: &Options, fingerprint: Option<u64>, renderer: &mut Rend
     AmbientFile::open(&options.reading, (&options.command, &options.scenes), fingerprint, renderer)
 }
 
-/// One picture, ready to be rendered.
+/// A picture to be rendered.
 struct Picture {
     lens: ViewCamera,
     header: Header,
@@ -76,7 +76,7 @@ struct Picture {
 }
 
 impl Picture {
-    /// Everything that can be wrong before the scene is read.
+    /// Checks what can be checked before the scene is read.
     fn prepare(
         options: &Options,
         mut view: ViewOptions,
@@ -87,7 +87,7 @@ impl Picture {
             |name: &Option<OutputName>| name.as_ref().map(|name| name.numbered(|n| sequence::numbered(n, number)));
         let output = named(&options.output);
         let recover = match options.recovered_frame().filter(|_| frame.is_some()) {
-            // A number says at which frame to go on, and that with what there is of it.
+            // A number gives the frame to continue, with its recovered rows.
             Some(recovered) => output.as_deref().filter(|_| recovered == number).map(str::to_owned),
             None => options.recover.as_ref().map(|name| sequence::numbered(name, number)),
         };
@@ -116,14 +116,14 @@ impl Picture {
         Ok(Picture { lens, header, output, depths: named(&options.depths), recovered, replaces })
     }
 
-    /// Fills the irradiance cache where the picture's rays will want it.
+    /// Fills the irradiance cache for the picture's rays.
     fn gather_irradiance(&self, options: &Options, renderer: &mut Renderer, ambient: &mut AmbientFile) -> Outcome {
         let side = options.prepass_spacing();
         ambient.gather(renderer, &self.lens.prepass_rays(side), self.lens.spread(side))?;
         ambient.settle(renderer)
     }
 
-    /// Renders from the first row that is not done and writes row by row.
+    /// Renders from the first missing row, row by row.
     fn render(&self, options: &Options, renderer: &Renderer, stopwatch: &mut Stopwatch) -> Outcome {
         let done = self.recovered.as_ref().map_or(0, |recovered| recovered.done);
         let (columns, rows) = (self.lens.columns(), self.lens.rows());
@@ -164,7 +164,7 @@ impl Picture {
             let depths = if writer.wants_depths() { frame.depths(row..block.end) } else { Vec::new() };
             writer.write(block.end - row, &bytes, &depths)?;
             row = block.end;
-            report.tell(row as f64 / rows as f64, rays_through(row * columns, &frame, options));
+            report.update(row as f64 / rows as f64, rays_through(row * columns, &frame, options));
         }
         writer.finish()?;
         options.accounts.write(options, &self.header, renderer, &frame, stopwatch)?;
@@ -175,7 +175,7 @@ impl Picture {
     }
 }
 
-/// How many rays went through so many pixels that are done.
+/// Number of rays of the finished pixels.
 fn rays_through(pixels: usize, frame: &Film<'_>, options: &Options) -> f64 {
     let of_each = match options.pixels {
         SamplingBudget::Samples(samples) => f64::from(samples),
@@ -185,7 +185,7 @@ fn rays_through(pixels: usize, frame: &Film<'_>, options: &Options) -> f64 {
     of_each * pixels as f64
 }
 
-/// What came of an error that was asked for.
+/// The message about the error that was reached.
 fn achieved(estimate: &Estimate, options: &Options) -> String {
     let Estimate { error, uncertainty, rays, noise, cache, stopped } = *estimate;
     let parts = cache.map_or(String::new(), |cache| {
@@ -194,16 +194,16 @@ fn achieved(estimate: &Estimate, options: &Options) -> String {
     let stopped = match (stopped, options.time_limit) {
         (None, _) => String::new(),
         (Some(Stop::Time), Some(limit)) => format!("; stopped by --time-limit {limit}"),
-        (Some(_), _) => format!("; stopped by the limit of {MAX_SAMPLES} rays a pixel"),
+        (Some(_), _) => format!("; stopped by the limit of {MAX_SAMPLES} rays per pixel"),
     };
     format!(
-        "rpict: note: the error is {:.2} % ± {:.2} % (95 %){parts} with {rays:.1} rays a pixel{stopped}\n",
+        "rpict: note: the error is {:.2} % ± {:.2} % (95 %){parts} with {rays:.1} rays per pixel{stopped}\n",
         100.0 * error,
         100.0 * uncertainty
     )
 }
 
-/// What stands before the pixels.
+/// The header of the picture.
 fn header(options: &Options, lens: &ViewCamera, frame: i64) -> Header {
     let mut header = program_history(&options.scenes, &options.command);
     if let Some(project) = options.reading.trust.project() {

@@ -1,4 +1,4 @@
-//! The options of `rpict`, as Radiance writes them.
+//! The options of `rpict`, in Radiance's syntax.
 
 use super::accounts::Accounts;
 use super::defaults;
@@ -22,39 +22,39 @@ use radsight_picture::ViewOptions;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::RenderOptions;
 
-/// Takes one option from the front; gives how many words it used, 0 for something else.
+/// Parses one option at the front; returns the number of words it used, 0 for another option.
 type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
 
-/// What is asked.
+/// The parsed options.
 #[derive(Debug)]
 pub(super) struct Options {
     pub(super) render: RenderOptions,
     pub(super) reading: Reading,
     pub(super) view: ViewOptions,
-    /// Most columns and rows.
+    /// Largest number of columns and rows.
     pub(super) size: [usize; 2],
-    /// The components of pixels. Other primaries than Radiance's are those in which the scene's colours are meant.
+    /// The components of pixels. Primaries other than Radiance's are those of the scene's colours.
     pub(super) color: OutputColor,
-    /// Pixels of four bytes, or numbers as they are.
+    /// Four-byte pixels, or numbers.
     pub(super) format: OutputFormat,
-    /// Height over width of a pixel; 0 for whatever fills the size.
+    /// Pixel aspect, height divided by width; 0 to fill the size.
     pub(super) pixel_aspect: f64,
-    /// `-pj`, where it is said.
+    /// `-pj`, if given.
     pixel_jitter: Option<f64>,
     pub(super) motion: f64,
     pub(super) aperture: f64,
-    /// Pixels between the first samples (`-ps`).
+    /// Spacing of the first samples, pixels (`-ps`).
     pub(super) sample_spacing: f64,
-    /// The contrast below which pixels are interpolated between samples (`-pt`).
+    /// The contrast below which pixels are interpolated (`-pt`).
     pub(super) contrast: f64,
-    /// How many rays a pixel gets, where that is said.
+    /// The requested sampling budget, if given.
     pub(super) sampling_budget: Option<SamplingBudget>,
-    /// What is left to the pixels of that.
+    /// The part of it that is left to the pixels.
     pub(super) pixels: SamplingBudget,
-    /// Seconds after which work on an asked error stops, where that is said.
+    /// Seconds after which the refinement to a requested error stops, if given.
     pub(super) time_limit: Option<f64>,
     pub(super) threads: Option<usize>,
-    /// Seconds between reports of progress; 0 for none.
+    /// Seconds between progress reports; 0 for none.
     pub(super) report: u64,
     /// The number of the first frame of a sequence; 0 for a single picture.
     pub(super) first_frame: i64,
@@ -65,9 +65,9 @@ pub(super) struct Options {
     control_file: Option<OutputName>,
     pub(super) accounts: Accounts,
     pub(super) scenes: Vec<String>,
-    /// The words up to the scenes, as the picture's header has them.
+    /// The words up to the scenes, for the picture's header.
     pub(super) command: Vec<String>,
-    /// What `-defaults` shows.
+    /// The options listed by `-defaults`.
     pub(super) settings: Settings,
 }
 
@@ -120,12 +120,13 @@ impl TakesOptions for Options {
 }
 
 impl Options {
-    /// The frame of a sequence that is recovered (`-r` with a number).
+    /// The recovered frame of a sequence (`-r` with a number).
     pub(super) fn recovered_frame(&self) -> Option<i64> {
         self.recover.as_ref().and_then(|name| name.parse().ok())
     }
 
-    /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
+    /// Parses the words, of which the first is the program's name. A control file stores them, or
+    /// replaces them by stored ones.
     pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
         let mut options = Options::parse_once(words, trust.clone())?;
         if let Some(file) = &options.control_file
@@ -136,7 +137,7 @@ impl Options {
         options.pixels = options.budget().apply(&mut options.render);
         options.render.camera_rays = options.expected_rays();
         if options.recover.is_some() && options.format != OutputFormat::Pixels {
-            return Err(Failure::usage("rpict: -ff begins a picture anew, it does not continue one (-r, -ro)"));
+            return Err(Failure::usage("rpict: -ff cannot continue a picture (-r, -ro)"));
         }
         if options.time_limit.is_some() && !matches!(options.pixels, SamplingBudget::Error { .. }) {
             return Err(Failure::usage("rpict: --time-limit needs --error"));
@@ -156,7 +157,7 @@ impl Options {
         Ok(options)
     }
 
-    /// Camera rays of a picture, about.
+    /// Expected number of camera rays of a picture.
     fn expected_rays(&self) -> f64 {
         let pixels = (self.size[0] as u64).saturating_mul(self.size[1] as u64);
         match self.pixels {
@@ -166,23 +167,23 @@ impl Options {
         }
     }
 
-    /// How good the picture is to be: as `--error` or `--samples` say, or else as Radiance's options do.
+    /// The requested quality: from `--error` or `--samples`, or else from Radiance's options.
     fn budget(&self) -> ErrorBudget {
         let preview = Interpolation { spacing: self.sample_spacing, contrast: self.contrast };
         self.sampling_budget.map_or(ErrorBudget::preview(preview), ErrorBudget::of)
     }
 
-    /// Side of the square in a pixel over which its rays are spread, in pixels.
+    /// Side of the square in a pixel over which its rays are jittered, pixels.
     pub(super) fn jitter(&self) -> f64 {
         self.pixel_jitter.unwrap_or(self.budget().pixel_jitter())
     }
 
-    /// The side in pixels of the squares that have one ray of the cache's pre-pass.
+    /// The side in pixels of the squares that get one ray of the cache's pre-pass.
     pub(super) fn prepass_spacing(&self) -> usize {
         self.budget().prepass_spacing()
     }
 
-    /// Takes one option; gives how many words it used.
+    /// Parses one option; returns the number of words it used.
     fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
         const TAKERS: [Taker; 9] = [
             |options, words| take_one(words, &mut options.render),
@@ -241,7 +242,7 @@ impl Options {
         Ok(2)
     }
 
-    /// The options about pixels and the rays through them.
+    /// Parses options about pixels and their rays.
     fn take_sampling(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
         match word {
@@ -261,7 +262,7 @@ impl Options {
         let file = || number::<String>(words, word, "a file");
         let output = |existing| self.reading.trust.output(&file()?, existing);
         match word {
-            // Pictures are never written over, so that a pattern of names will do.
+            // Pictures are never overwritten, so a pattern of names is allowed.
             "-o" => self.output = Some(self.reading.trust.new_output(&file()?)?),
             "-z" => self.depths = Some(output(Existing::Kept)?),
             "-e" => self.error_file = Some(output(Existing::Messages)?),
@@ -331,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn small_errors_look_around_along_more_rays_where_these_are_shared() {
+    fn small_errors_gather_more_rays_where_these_are_cached() {
         for (words, expected) in [
             ("rpict -ad 100 a.oct", 100),
             ("rpict -ad 100 --error .05 a.oct", 100),

@@ -1,7 +1,7 @@
-//! Where a picture goes, row by row, so that what is done of it survives an interruption.
+//! Writes a picture row by row, so that finished rows survive an interruption.
 //!
-//! A file is written under a hidden name. At a signal what is done of it takes the file's name,
-//! marked as partial in the header; what a killed program leaves is found by `-ro`.
+//! A file is written under a hidden name. At a signal the finished rows get the file's name, marked
+//! as partial in the header. `-ro` finds the leftover of a killed program.
 
 use crate::failure::{Failure, Outcome, say};
 use crate::output::{Output, file_path};
@@ -12,30 +12,30 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The variable of the header that says how much of a picture is there.
+/// The header variable with the finished part of a picture.
 const PARTIAL: &str = "PARTIAL";
 
-/// What an interrupted run left.
+/// The leftover of an interrupted run.
 #[derive(Debug)]
 pub(super) struct Recovered {
     pub(super) header: Header,
     pub(super) columns: usize,
     pub(super) rows: usize,
-    /// How many rows are done.
+    /// Number of finished rows.
     pub(super) done: usize,
-    /// Those rows, as they are stored.
+    /// The finished rows as stored.
     pixels: Vec<u8>,
 }
 
 impl Recovered {
-    /// Reads the longest unfinished picture of a name or left under a hidden one; `None`, with a
+    /// Reads the longest unfinished picture with this name or hidden beside it; `None`, with a
     /// message, if there is none.
     pub(super) fn read(path: &str) -> Result<Option<Recovered>, Failure> {
         let left = hidden(path).iter().filter_map(|left| Recovered::read_file(left).ok()).max_by_key(|left| left.done);
         let named = match Recovered::read_file(Path::new(path)) {
             Ok(named) => Some(named),
             Err(Unreadable::File(error)) if error.kind() == ErrorKind::NotFound => None,
-            // What is left is better than something that is no picture.
+            // A leftover is better than a file that is not a picture.
             Err(_) if left.is_some() => None,
             Err(Unreadable::File(error)) => {
                 return Err(Failure::read(&format!("recover file \"{path}\""), &error));
@@ -52,7 +52,7 @@ impl Recovered {
     }
 
     fn read_file(path: &Path) -> Result<Recovered, Unreadable> {
-        // It may be written anew, so it is no input that no output may go over.
+        // The file may be rewritten, so it is not recorded as an input.
         let bytes = std::fs::read(path).map_err(Unreadable::File)?;
         let unfinished = Unfinished::read(&bytes).map_err(|error| Unreadable::Content(error.to_string()))?;
         let Resolution { width, height, .. } = unfinished.resolution;
@@ -74,42 +74,42 @@ enum Unreadable {
     Content(String),
 }
 
-/// The hidden files that killed runs have left of a picture.
+/// The hidden files that killed runs have left.
 fn hidden(name: &str) -> Vec<PathBuf> {
     file_path(name).ok().flatten().map_or_else(Vec::new, |target| leftovers(&target))
 }
 
-/// A picture that is being written.
+/// A picture being written.
 pub(super) struct PictureWriter {
     rows: Arc<Mutex<Rows>>,
-    /// Where what is done is to be saved at a signal.
+    /// Saves the finished rows at a signal.
     _saving: Option<ActionGuard>,
 }
 
-/// What is written, shared with who saves it at a signal.
+/// The output, shared with the signal handler.
 struct Rows {
-    /// `None` when it has its name.
+    /// `None` after the file got its name.
     picture: Option<Output>,
     name: String,
-    /// What stands before the pixels.
+    /// The header of the picture.
     header: Header,
     resolution: Resolution,
-    /// Bytes of the header and the resolution.
+    /// Size of the header and the resolution, bytes.
     start: usize,
     done: usize,
     replaces: Replaces,
     depths: Option<Output>,
 }
 
-/// Whether the picture may go over one of its name.
+/// Whether the picture may replace a file of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Replaces {
     Nothing,
-    /// The one that is recovered.
+    /// The recovered one.
     Recovered,
 }
 
-/// How a picture begins.
+/// The start of a picture.
 pub(super) struct Start<'a> {
     pub(super) header: &'a Header,
     pub(super) resolution: Resolution,
@@ -118,7 +118,8 @@ pub(super) struct Start<'a> {
 }
 
 impl PictureWriter {
-    /// Writes header, resolution and recovered rows. A file that exists is only replaced if it is the one that is recovered.
+    /// Writes header, resolution and recovered rows. An existing file is only replaced if it is the
+    /// recovered one.
     pub(super) fn begin(output: Option<&str>, depths: Option<&str>, start: &Start<'_>) -> Result<Self, Failure> {
         let name = output.unwrap_or("-");
         let target = file_path(name)?;
@@ -129,7 +130,7 @@ impl PictureWriter {
         }
         if start.recovered.is_none() && target.is_some_and(|target| !leftovers(&target).is_empty()) {
             say(&format!(
-                "rpict: warning - what a killed run left of \"{name}\" is not used (-ro would go on with it)\n"
+                "rpict: warning - the unfinished picture of a killed run of \"{name}\" is not used (-ro would continue it)\n"
             ));
         }
         let mut bytes = head(start.header, start.resolution);
@@ -150,19 +151,18 @@ impl PictureWriter {
             replaces: start.replaces,
             depths,
         }));
-        // What goes to a pipe is there already.
+        // Output to a pipe cannot be saved.
         let saved = Arc::clone(&rows);
         let saving = (name != "-").then(|| at_signal(move || lock(&saved).save()));
         Ok(PictureWriter { rows, _saving: saving })
     }
 
-    /// Whether distances are wanted.
+    /// Whether distances are requested.
     pub(super) fn wants_depths(&self) -> bool {
         lock(&self.rows).depths.is_some()
     }
 
-    /// Appends some rows of the picture and, if they are wanted, of distances; they are out of this
-    /// program's hands afterwards.
+    /// Appends rows of the picture and, if requested, of distances, and flushes them.
     pub(super) fn write(&mut self, rows: usize, bytes: &[u8], depths: &[f32]) -> Outcome {
         let mut to = lock(&self.rows);
         let Some(picture) = &mut to.picture else { return Ok(()) };
@@ -170,7 +170,7 @@ impl PictureWriter {
         let written = written.and_then(|()| to.depths.as_mut().map_or(Ok(()), |to| to.put(&stored(depths))));
         match written {
             Ok(()) => to.done += rows,
-            // A full disk must not cost what is done.
+            // A full disk must not destroy finished rows.
             Err(_) => [to.picture.take(), to.depths.take()].into_iter().flatten().for_each(Output::keep),
         }
         written
@@ -206,8 +206,8 @@ fn stored(depths: &[f32]) -> Vec<u8> {
 }
 
 impl Rows {
-    /// Gives what is done its name, marked as partial. Where nothing is done, or a name is taken by
-    /// now, there is nothing to save.
+    /// Gives the finished rows their name, marked as partial. Nothing is saved if no row is
+    /// finished or a file of the name exists.
     fn save(&mut self) {
         let Some(picture) = self.picture.take() else { return };
         let Some(path) = picture.hidden_path() else { return };
@@ -230,7 +230,7 @@ impl Rows {
         let saved = saved.and_then(|()| self.depths.take().map_or(Ok(()), Output::commit));
         match saved {
             Ok(()) => say(&format!(
-                "rpict: interrupted: \"{}\" has {} of {total} rows (-ro goes on with it)\n",
+                "rpict: interrupted: \"{}\" has {} of {total} rows (-ro continues it)\n",
                 self.name, self.done
             )),
             Err(failure) => say(&format!("{}\n", failure.message())),
@@ -238,7 +238,7 @@ impl Rows {
     }
 }
 
-/// Opens the file for the distances, of which those of the pixels that are done are kept.
+/// Opens the file for distances and keeps those of finished pixels.
 fn begin_depths(name: &str, pixels_done: usize) -> Result<Output, Failure> {
     let mut output = Output::create(name)?;
     if pixels_done > 0 {

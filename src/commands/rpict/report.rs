@@ -1,4 +1,4 @@
-//! What `rpict -t` says now and then: how far the picture is, in Radiance's form, which scripts read.
+//! The progress reports of `rpict -t`, in Radiance's format, which scripts read.
 
 use crate::failure::say;
 use std::time::{Duration, Instant};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 /// Seconds in an hour.
 const HOUR: f64 = 3600.0;
 
-/// Says now and then how far the picture is.
+/// Prints progress reports.
 pub(super) struct Report {
     every: Duration,
     begun: Instant,
@@ -14,7 +14,7 @@ pub(super) struct Report {
 }
 
 impl Report {
-    /// Begins with the first report. `seconds` is the time between reports; 0 for none.
+    /// Starts with the first report. `seconds` is the time between reports; 0 for none.
     pub(super) fn new(seconds: u64) -> Report {
         let now = Instant::now();
         let report = Report { every: Duration::from_secs(seconds), begun: now, told: now };
@@ -22,8 +22,8 @@ impl Report {
         report
     }
 
-    /// Reports if it is time to, or if all is done. `rays` are those through pixels.
-    pub(super) fn tell(&mut self, share: f64, rays: f64) {
+    /// Reports if it is time, or if the picture is finished. `rays` are those of pixels.
+    pub(super) fn update(&mut self, share: f64, rays: f64) {
         if share >= 1.0 || self.told.elapsed() >= self.every {
             self.told = Instant::now();
             self.say(share, rays);
@@ -38,7 +38,7 @@ impl Report {
     }
 }
 
-/// The time that was spent, user's and system's, then `real_hours`, and where.
+/// The elapsed user and system time, then `real_hours`, and the host.
 #[cfg(unix)]
 fn spent(real_hours: f64) -> String {
     use nix::sys::resource::{UsageWho, getrusage};
@@ -54,7 +54,7 @@ fn spent(real_hours: f64) -> String {
     format!("after {user:.3}u {system:.3}s {real_hours:.3}r hours on {host} (PID {process})")
 }
 
-/// The time that was spent.
+/// The elapsed time.
 #[cfg(not(unix))]
 fn spent(real_hours: f64) -> String {
     format!("after {real_hours:5.4} hours")

@@ -7,7 +7,7 @@ use radsight_picture::{View, ViewOptions};
 use std::io::{self, BufRead};
 use std::path::Path;
 
-/// The views of the frames, as they are asked for.
+/// The views of the frames.
 pub(super) struct Sequence<'o> {
     options: &'o Options,
     number: i64,
@@ -16,7 +16,7 @@ pub(super) struct Sequence<'o> {
 }
 
 impl<'o> Sequence<'o> {
-    /// Begins a sequence. With `-r N` the frames before N are passed over.
+    /// Starts a sequence. With `-r N` the frames before N are skipped.
     pub(super) fn new(options: &'o Options) -> Result<Sequence<'o>, Failure> {
         if options.scenes.iter().any(|scene| scene == "-") {
             return Err(Failure::usage("rpict: option \"-S\" reads views from standard input, expected named scenes"));
@@ -28,7 +28,7 @@ impl<'o> Sequence<'o> {
                 return Err(Failure::usage(format!("rpict: recover frame {frame} is before start frame {first}")));
             }
             if options.output.is_none() {
-                return Err(Failure::usage("rpict: recovering a frame needs the output's name (-o)"));
+                return Err(Failure::usage("rpict: recovering a frame needs an output name (-o)"));
             }
             for skipped in first..frame {
                 if sequence.next_view()?.is_none() {
@@ -39,7 +39,7 @@ impl<'o> Sequence<'o> {
         Ok(sequence)
     }
 
-    /// View and number of the next frame whose picture is not there yet or is to be recovered.
+    /// View and number of the next frame whose picture is missing or to be recovered.
     pub(super) fn next(&mut self) -> Result<Option<(ViewOptions, i64)>, Failure> {
         while let Some(view) = self.next_view()? {
             let is_recovered = match self.options.recovered_frame() {
@@ -55,7 +55,7 @@ impl<'o> Sequence<'o> {
         Ok(None)
     }
 
-    /// The view of the frame before; `None` for the first.
+    /// The view of the previous frame; `None` for the first.
     pub(super) fn view_before(&self) -> Option<View> {
         self.before.and_then(|view| view_args::checked(view).ok())
     }
@@ -83,13 +83,13 @@ impl<'o> Sequence<'o> {
     }
 }
 
-/// A file's name with the frame's number for `%d`, or `%04d` for one with leading zeros.
+/// A file name with the frame number in place of `%d`, or `%04d` for leading zeros.
 pub(super) fn numbered(name: &str, number: i64) -> String {
     let Some((before, rest)) = name.split_once('%') else { return name.to_owned() };
     let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     let (width, after) = rest.split_at(digits);
     let Some(after) = after.strip_prefix('d') else { return name.to_owned() };
-    // No file system has longer names.
+    // File systems limit names to 255 bytes.
     let fill = width.parse::<usize>().unwrap_or(0).min(255);
     if width.starts_with('0') {
         format!("{before}{number:0fill$}{after}")

@@ -5,17 +5,17 @@ use crate::disk::Commands;
 use crate::failure::Failure;
 use radsight_picture::Resolution;
 
-/// Numbers of one part take no more bytes.
+/// Largest size of one part's numbers, bytes.
 const LARGEST_PART: usize = 1 << 14;
 
-/// How the fields of a part are stored.
+/// The format of a part's fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     Text,
     Binary {
-        /// As a header names it.
+        /// The name in a header.
         name: &'static str,
-        /// Bytes of a number.
+        /// Size of a number, bytes.
         size: usize,
     },
 }
@@ -49,15 +49,15 @@ impl Form {
     }
 }
 
-/// What of each record goes to one output.
+/// The part of each record for one output.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     /// The output: a file, `-`, `.`, or a command after `!`.
     pub(super) name: String,
     pub(super) form: Form,
-    /// Fields.
+    /// Number of fields.
     pub(super) count: usize,
-    /// Ends a field of text.
+    /// Separator after a field of text.
     pub(super) separator: u8,
     /// `-oh`
     pub(super) header: bool,
@@ -79,7 +79,7 @@ pub(super) struct Options {
     pub(super) records: Option<u64>,
     /// `-x`, `-y`
     pub(super) resolution: Option<Resolution>,
-    /// Whether commands may run that stand in the place of a file.
+    /// Whether commands may run in place of files.
     pub(super) commands: Commands,
     /// At least one.
     pub(super) parts: Vec<Part>,
@@ -132,7 +132,7 @@ impl Options {
                     };
                     if now.form.size().unwrap_or(0).saturating_mul(now.count) > LARGEST_PART {
                         let message =
-                            format!("rsplit: option \"{word}\" asks for more than {LARGEST_PART} bytes a record");
+                            format!("rsplit: option \"{word}\" requests more than {LARGEST_PART} bytes per record");
                         return Err(Failure::usage(message));
                     }
                 }
@@ -160,7 +160,7 @@ impl Options {
         }
         if is_file && part.appends && (part.header || part.resolution) {
             return Err(Failure::usage(
-                "rsplit: option \"-a\" adds to files, which have no header in the middle, expected no -oh or -oH",
+                "rsplit: option \"-a\" appends to files, so it cannot be combined with -oh or -oH",
             ));
         }
         self.parts.push(part);
@@ -170,7 +170,7 @@ impl Options {
     fn check(&self) -> Result<(), Failure> {
         if self.parts.is_empty() {
             return Err(Failure::usage(
-                "rsplit: no output is named, expected files, \"-\", \".\" or commands after \"!\"",
+                "rsplit: no output is given, expected files, \"-\", \".\" or commands after \"!\"",
             ));
         }
         let wants_resolution = self.parts.iter().any(|part| part.resolution && part.name != ".");
@@ -180,7 +180,7 @@ impl Options {
         Ok(())
     }
 
-    /// Whether a line's end after a field counts for nothing: in text, where fields do not end with lines.
+    /// Whether a line end after a field is skipped: in text whose fields do not end with lines.
     pub(super) fn skips_line_ends(&self) -> bool {
         let is_text = self.parts.iter().all(|part| part.form == Form::Text);
         is_text && self.parts.last().is_some_and(|part| part.separator != b'\n')

@@ -1,10 +1,10 @@
-//! What `rtrace -defaults` prints.
+//! The output of `rtrace -defaults`.
 
 use super::options::Options;
 use crate::listed_options::{color_line, format_line, process_line, seed_line, size_line};
 use crate::output_color::OutputColor;
 
-/// The options as they stand, a line each, as Radiance prints them, and after them our own.
+/// The current options, one per line, as Radiance prints them, followed by radsight's own.
 pub(super) fn text(options: &Options) -> String {
     let lines = options.settings.lines(&|option| match option.name {
         "-n" => Some(process_line(options.threads)),
@@ -31,7 +31,7 @@ fn spectral_line(options: &Options) -> Option<String> {
     }
 }
 
-/// What a letter of `-o` is called.
+/// The name of a letter of `-o`.
 fn name_of(letter: char) -> &'static str {
     match letter {
         't' | 'T' => " trace",

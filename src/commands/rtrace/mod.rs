@@ -1,4 +1,4 @@
-//! `rtrace`: rays on standard input, what they meet on standard output.
+//! `rtrace`: traces rays from standard input.
 
 mod answers;
 mod defaults;
@@ -23,10 +23,10 @@ use rayon::prelude::*;
 use record::{Found, Writer};
 use std::io::{self, BufWriter, Write};
 
-/// Rays that are traced at a time: enough for all threads, small enough to stream.
+/// Number of rays traced at a time: enough for all threads, few enough to stream.
 const RAYS_AT_A_TIME: usize = 1 << 15;
 
-/// Records that a thread writes at a time.
+/// Number of records that a thread writes at a time.
 const RECORDS_AT_A_TIME: usize = 1 << 10;
 
 /// Runs the program; `words[0]` is its name.
@@ -56,7 +56,7 @@ fn trace(options: &Options, renderer: &mut Renderer, ambient: &mut AmbientFile) 
     let mut rays = Vec::new();
     let mut first_index = 0;
     loop {
-        // A wrong ray ends the stream; the rays before it are answered first.
+        // An invalid ray ends the stream; the rays before it are traced first.
         let most = left.map_or(pace.at_a_time, |left| left.min(pace.at_a_time as u64) as usize);
         let ended = reader.read(most, &mut rays);
         for bytes in answers(options, renderer, ambient, (first_index, &rays))? {
@@ -79,11 +79,11 @@ fn trace(options: &Options, renderer: &mut Renderer, ambient: &mut AmbientFile) 
     }
 }
 
-/// How many rays are read before their answers are written.
+/// Number of rays read before their records are written.
 struct Pace {
     at_a_time: usize,
     flushes: bool,
-    /// After how many rays the work ends, whatever the input holds.
+    /// Number of rays after which the work ends, whatever the input holds.
     total: Option<u64>,
 }
 
@@ -136,7 +136,7 @@ fn answers(
     Ok(written.collect())
 }
 
-/// `limits` says how far each ray goes, where that is limited.
+/// Traces rays. `limits` gives the largest distance of each, if limited.
 fn trace_all(
     renderer: &Renderer,
     first_index: u64,
@@ -163,7 +163,7 @@ fn trace_all(
         .collect()
 }
 
-/// What stands before the records.
+/// The header before the records.
 fn start(options: &Options) -> Vec<u8> {
     let mut bytes = if options.header { header(options) } else { Vec::new() };
     let [columns, rows] = options.size;

@@ -1,4 +1,4 @@
-//! The options of `rtrace`, as Radiance writes them.
+//! The options of `rtrace`, in Radiance's syntax.
 
 use super::defaults;
 use super::tree::{Ends, TreeOutput};
@@ -19,7 +19,7 @@ use radsight_options::Settings;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{BareSurfaces, Gathering, Quantity, RayTreeOutput, RenderOptions, Uncached};
 
-/// What is asked.
+/// The parsed options.
 #[derive(Debug)]
 pub(super) struct Options {
     pub(super) render: RenderOptions,
@@ -27,30 +27,30 @@ pub(super) struct Options {
     pub(super) input_format: NumberFormat,
     pub(super) output_format: OutputFormat,
     pub(super) output: Vec<Field>,
-    /// What is written of all rays that come of one, and where those end.
+    /// The output of ray trees, and the surfaces where they end.
     pub(super) tree: Option<TreeOutput>,
     pub(super) tree_ends: Ends,
     pub(super) color: OutputColor,
-    /// Columns and rows of the picture that the rays are of; a column count alone is the interval of flushes.
+    /// Columns and rows of the rays' picture; a column count alone is the flush interval.
     pub(super) size: [u64; 2],
-    /// Whether rays end where their direction does.
+    /// Whether rays are limited to the length of their direction vectors.
     pub(super) limits_distance: bool,
-    /// How often each ray is traced; `None` for what [`Options::sampling_budget`] makes of it.
+    /// The requested number of samples; `None` for the default of [`Options::sampling_budget`].
     asked_budget: Option<SamplingBudget>,
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
     pub(super) error_file: Option<OutputName>,
     control_file: Option<OutputName>,
     pub(super) scenes: Vec<String>,
-    /// The words up to the scenes, as the header has them.
+    /// The words up to the scenes, for the header.
     pub(super) command: Vec<String>,
-    /// What `-defaults` shows.
+    /// The options listed by `-defaults`.
     pub(super) settings: Settings,
     /// The letters after `-o`.
     pub(super) letters: String,
 }
 
-/// Rays that none exceeds for an asked error.
+/// Largest number of samples of a ray for a requested error.
 const MOST_SAMPLES: u32 = 4096;
 
 /// One letter of `-o`.
@@ -105,14 +105,14 @@ impl Field {
         })
     }
 
-    /// Whether it takes more than finding where the ray ends.
+    /// Whether it needs more than the first hit of the ray.
     pub(super) fn needs_tracing(self) -> bool {
         use Field::{EffectiveDistance, PerturbedNormal};
-        self.is_value() || self.tells_mirrors() || matches!(self, EffectiveDistance | PerturbedNormal)
+        self.is_value() || self.distinguishes_mirrors() || matches!(self, EffectiveDistance | PerturbedNormal)
     }
 
-    /// Whether it tells mirror images and the rest apart.
-    fn tells_mirrors(self) -> bool {
+    /// Whether it distinguishes mirrored and unmirrored parts.
+    fn distinguishes_mirrors(self) -> bool {
         use Field::{Mirrored, MirroredDistance, Unmirrored, UnmirroredDistance};
         matches!(self, Mirrored | MirroredDistance | Unmirrored | UnmirroredDistance)
     }
@@ -176,7 +176,8 @@ impl TakesOptions for Options {
 }
 
 impl Options {
-    /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
+    /// Parses the words, of which the first is the program's name. A control file stores them, or
+    /// replaces them by stored ones.
     pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
         let mut options = Options::parse_once(words, trust.clone())?;
         if let Some(file) = &options.control_file
@@ -185,10 +186,10 @@ impl Options {
             options = Options::parse_once(&kept, options.reading.trust.for_file())?;
         }
         if options.scenes.is_empty() {
-            return Err(Failure::usage("rtrace: no scene is named, expected scene files after the options"));
+            return Err(Failure::usage("rtrace: no scene is given, expected scene files after the options"));
         }
         options.check()?;
-        options.tell_rays();
+        options.request_ray_trees();
         Ok(options)
     }
 
@@ -200,16 +201,16 @@ impl Options {
         Ok(options)
     }
 
-    /// Asks the renderer for the rays and surfaces that the output tells of.
-    fn tell_rays(&mut self) {
+    /// Requests from the renderer the rays and surfaces in the output.
+    fn request_ray_trees(&mut self) {
         let tells_ends = |field: &Field| !matches!(field, Field::Value | Field::Contribution);
         if self.tree.is_some() || self.output.iter().any(tells_ends) {
             self.render.bare_surfaces = BareSurfaces::Reported;
         }
-        let tells_mirrors = self.output.iter().any(|field| field.tells_mirrors());
+        let tells_mirrors = self.output.iter().any(|field| field.distinguishes_mirrors());
         self.render.ray_tree = match &self.tree {
             Some(tree) => {
-                // Rays that share what they find are none of the present one.
+                // Cached irradiance has no rays of the current ray tree.
                 self.render.gathering =
                     Gathering { accuracy: 0.0, uncached: Uncached::TraceOne, ..self.render.gathering };
                 Some(tree.rays)
@@ -221,23 +222,23 @@ impl Options {
     fn check(&self) -> Result<(), Failure> {
         let is_one_value = matches!(self.output[..], [Field::Value | Field::Mirrored | Field::Unmirrored]);
         if self.output_format == OutputFormat::Pixels && (self.tree.is_some() || !is_one_value) {
-            return Err(Failure::usage("rtrace: pixels (-f.c) hold one value alone, expected -ov, -or or -ox"));
+            return Err(Failure::usage("rtrace: pixels (-f.c) hold a single value, expected -ov, -or or -ox"));
         }
         if self.output_format == OutputFormat::Pixels && self.components() < 3 {
             return Err(Failure::usage(
-                "rtrace: pixels (-f.c) hold three numbers or more, expected -pRGB, -pXYZ, -pc or -co",
+                "rtrace: pixels (-f.c) need three components or more, expected -pRGB, -pXYZ, -pc or -co",
             ));
         }
         if self.render.quantity != Quantity::Radiance
             && self.tree.is_none()
             && !self.output.iter().any(|field| field.needs_tracing())
         {
-            return Err(Failure::usage("rtrace: irradiance (-I, -i) is asked for but no value, expected -ov"));
+            return Err(Failure::usage("rtrace: irradiance (-I, -i) is requested without a value, expected -ov"));
         }
         Ok(())
     }
 
-    /// Takes one option; gives how many words it used.
+    /// Parses one option; returns the number of words it used.
     fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
         let mut used = self.take_highlight_samples(words)?;
         if used == 0 {
@@ -294,7 +295,8 @@ impl Options {
         Ok(2)
     }
 
-    /// Other programs average many rays, of which each needs one for a highlight.
+    /// Parses the number of highlight samples. Other programs average many rays, each of which
+    /// needs one sample.
     fn take_highlight_samples(&mut self, words: &[String]) -> Result<usize, Failure> {
         if words[0] != "-ss" {
             return Ok(0);
@@ -345,40 +347,41 @@ impl Options {
                     if letter == 'T' {
                         rays = RayTreeOutput::AllAndLit;
                     }
-                    // As in Radiance: where nothing follows it means nothing, and where it stands again it starts anew.
+                    // As in Radiance, it is ignored if nothing follows, and resets the list if
+                    // repeated.
                     if !is_last {
                         self.tree = Some(TreeOutput { rays, fields: Vec::new() });
                     }
                 }
                 _ => {
                     return Err(Failure::usage(format!(
-                        "rtrace: \"{letter}\" of \"{word}\" is no output, expected some of {LETTERS}"
+                        "rtrace: \"{letter}\" of \"{word}\" is not an output, expected letters of {LETTERS}"
                     )));
                 }
             }
         }
         if self.output.is_empty() && self.tree.is_none() {
-            return Err(Failure::usage(format!("rtrace: option \"-o\" names no output, expected some of {LETTERS}")));
+            return Err(Failure::usage(format!("rtrace: option \"-o\" has no letters, expected letters of {LETTERS}")));
         }
         Ok(())
     }
 
-    /// How often each ray is traced: once, unless more is asked for.
+    /// Number of samples per ray: one, unless more are requested.
     pub(super) fn sampling_budget(&self) -> SamplingBudget {
         self.asked_budget.unwrap_or(SamplingBudget::Samples(1))
     }
 
-    /// Whether rays end where their direction does, and tell so.
+    /// Whether rays are limited to their direction vectors, and report it.
     pub(super) fn limits_rays(&self) -> bool {
         self.limits_distance && self.render.quantity != Quantity::Irradiance
     }
 
-    /// How many numbers a value has.
+    /// Number of components of a value.
     pub(super) fn components(&self) -> usize {
         self.color.components(self.render.sampling.bands())
     }
 
-    /// How many numbers are in a record, names counted as one each.
+    /// Number of numbers in a record; a name counts as one.
     pub(super) fn numbers(&self) -> usize {
         let numbers = |field: &Field| match field {
             field if field.is_value() => self.components(),

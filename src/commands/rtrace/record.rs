@@ -1,4 +1,4 @@
-//! What is written for a ray.
+//! The output record of a ray.
 
 use super::options::{Field, Options};
 use crate::output_color::OutputColor;
@@ -9,22 +9,22 @@ use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{FirstHit, RayValue, RenderPlan, Sampling, Traced, TreeRay};
 use std::io::Write;
 
-/// What Radiance writes for a distance to nothing.
+/// Radiance's value for the distance to nothing.
 const NOWHERE: f64 = 1e10;
 
-/// What was found out of a ray.
+/// The result of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Found {
-    /// Everything.
+    /// The traced radiance.
     Traced(Traced),
-    /// Only where it ends.
+    /// The first hit only.
     Cast(Option<FirstHit>),
-    /// That nothing is nearer than where it was to end.
+    /// No surface is nearer than the limit of the ray.
     Clipped,
 }
 
 impl Found {
-    /// The same, but nothing is seen beyond a distance.
+    /// The result with a limited distance.
     pub(super) fn clipped(self, distance: f64) -> Found {
         if self.hit().is_some_and(|hit| hit.distance <= distance) { self } else { Found::Clipped }
     }
@@ -38,25 +38,25 @@ impl Found {
     }
 }
 
-/// What can be written of a ray.
+/// The data of a ray that can be written.
 #[derive(Clone, Copy, Debug)]
 struct Record<'t> {
     origin: DVec3,
     direction: DVec3,
     hit: Option<FirstHit>,
-    /// Where it ended. What is infinitely far away has no place; Radiance gives the ray's origin.
+    /// End point. A distant source has no position; Radiance writes the ray's origin.
     end: DVec3,
     value: RayValue,
     effective_distance: f64,
-    /// What else is told of it, where that is wanted.
-    told: Option<&'t TreeRay>,
+    /// Data of the ray tree, if requested.
+    node: Option<&'t TreeRay>,
 }
 
 const BLACK: RayValue = RayValue { color: [0.0; 3], spectrum: None };
 
 impl<'t> Record<'t> {
-    /// That of an input ray; of one without direction nothing was found.
-    fn of_input(input: &InputRay, found: Option<&Found>, told: Option<&'t TreeRay>) -> Record<'t> {
+    /// The record of an input ray; one without direction has no result.
+    fn of_input(input: &InputRay, found: Option<&Found>, node: Option<&'t TreeRay>) -> Record<'t> {
         let hit = found.and_then(Found::hit);
         let near = hit.filter(|hit| hit.distance < NOWHERE);
         let end = match (found, input.ray) {
@@ -70,33 +70,33 @@ impl<'t> Record<'t> {
             _ => (BLACK, NOWHERE),
         };
         let direction = input.ray.map_or(DVec3::ZERO, |ray| ray.direction);
-        let told = told.filter(|_| matches!(found, Some(Found::Traced(_))));
-        Record { origin: input.origin, direction, hit, end, value, effective_distance, told }
+        let node = node.filter(|_| matches!(found, Some(Found::Traced(_))));
+        Record { origin: input.origin, direction, hit, end, value, effective_distance, node }
     }
 
-    /// That of a ray that came of another.
-    fn of_told(told: &'t TreeRay) -> Record<'t> {
-        let near = told.hit.filter(|hit| hit.distance < NOWHERE);
+    /// The record of a secondary ray.
+    fn of_node(node: &'t TreeRay) -> Record<'t> {
+        let near = node.hit.filter(|hit| hit.distance < NOWHERE);
         Record {
-            origin: told.ray.origin,
-            direction: told.ray.direction,
-            hit: told.hit,
-            end: near.map_or(told.ray.origin, |hit| hit.point),
-            value: told.value,
-            effective_distance: told.effective_distance,
-            told: Some(told),
+            origin: node.ray.origin,
+            direction: node.ray.direction,
+            hit: node.hit,
+            end: near.map_or(node.ray.origin, |hit| hit.point),
+            value: node.value,
+            effective_distance: node.effective_distance,
+            node: Some(node),
         }
     }
 
-    /// How much of its value counts; all of it of an input ray.
+    /// Its coefficient; 1 for an input ray.
     fn coefficient(&self) -> RayValue {
-        self.told.map_or(RayValue { color: [1.0; 3], spectrum: None }, |told| told.coefficient)
+        self.node.map_or(RayValue { color: [1.0; 3], spectrum: None }, |node| node.coefficient)
     }
 
-    /// What it brings to the first ray.
+    /// Its contribution to the input ray.
     fn contribution(&self) -> RayValue {
-        let Some(told) = self.told else { return self.value };
-        let RayValue { color, spectrum } = told.coefficient;
+        let Some(node) = self.node else { return self.value };
+        let RayValue { color, spectrum } = node.coefficient;
         let color = std::array::from_fn(|band| color[band] * self.value.color[band]);
         let spectrum = match (spectrum, self.value.spectrum) {
             (Some(coefficient), Some(value)) => Some(coefficient.times(&value)),
@@ -107,16 +107,16 @@ impl<'t> Record<'t> {
     }
 
     fn mirrored(&self) -> [RayValue; 2] {
-        self.told.map_or([BLACK; 2], |told| [told.mirrored, told.unmirrored])
+        self.node.map_or([BLACK; 2], |node| [node.mirrored, node.unmirrored])
     }
 
     fn mirrored_distances(&self) -> [f64; 2] {
-        let distances = self.told.map(|told| [told.mirrored_distance, told.unmirrored_distance]);
+        let distances = self.node.map(|node| [node.mirrored_distance, node.unmirrored_distance]);
         distances.unwrap_or([NOWHERE; 2]).map(|distance| distance.min(NOWHERE))
     }
 }
 
-/// Writes records of fields.
+/// Writes the fields of records.
 #[derive(Debug)]
 pub(super) struct Writer<'o> {
     options: &'o Options,
@@ -128,16 +128,16 @@ impl<'o> Writer<'o> {
         Writer { options, plan }
     }
 
-    /// Appends the record of one input ray, if anything is wanted of it.
-    pub(super) fn write(&self, input: &InputRay, found: Option<&Found>, told: Option<&TreeRay>, out: &mut Vec<u8>) {
+    /// Appends the record of one input ray, if any field is requested.
+    pub(super) fn write(&self, input: &InputRay, found: Option<&Found>, node: Option<&TreeRay>, out: &mut Vec<u8>) {
         if !self.options.output.is_empty() {
-            self.put_record(&Record::of_input(input, found, told), &self.options.output, out);
+            self.put_record(&Record::of_input(input, found, node), &self.options.output, out);
         }
     }
 
-    /// Appends the record of a ray that came of another.
-    pub(super) fn write_told(&self, told: &TreeRay, fields: &[Field], out: &mut Vec<u8>) {
-        self.put_record(&Record::of_told(told), fields, out);
+    /// Appends the record of a secondary ray.
+    pub(super) fn write_node(&self, node: &TreeRay, fields: &[Field], out: &mut Vec<u8>) {
+        self.put_record(&Record::of_node(node), fields, out);
     }
 
     fn put_record(&self, record: &Record<'_>, fields: &[Field], out: &mut Vec<u8>) {
@@ -151,7 +151,7 @@ impl<'o> Writer<'o> {
                 Field::Coefficient => self.put_share(&record.coefficient(), out),
                 Field::Mirrored => self.put_value(&record.mirrored()[0], out),
                 Field::Unmirrored => self.put_value(&record.mirrored()[1], out),
-                Field::Weight => format.put(&[record.told.map_or(1.0, |told| told.weight)], out),
+                Field::Weight => format.put(&[record.node.map_or(1.0, |node| node.weight)], out),
                 Field::Direction => format.put(&record.direction.to_array(), out),
                 Field::Origin => format.put(&record.origin.to_array(), out),
                 Field::EffectiveDistance => format.put(&[record.effective_distance.min(NOWHERE)], out),
@@ -191,7 +191,7 @@ impl<'o> Writer<'o> {
         self.options.output_format.put(&components[..self.options.components()], out);
     }
 
-    /// Appends the components of a share, which has no unit; that of an input ray is 1 throughout.
+    /// Appends the components of a coefficient, which has no unit; that of an input ray is 1.
     fn put_share(&self, share: &RayValue, out: &mut Vec<u8>) {
         match share.spectrum {
             None if share.color == [1.0; 3] => {

@@ -1,4 +1,4 @@
-//! What is written of all rays that come of a ray (`-ot`, `-oT`).
+//! The output of ray trees (`-ot`, `-oT`).
 
 use super::options::{Field, Options};
 use super::record::{Found, Writer};
@@ -6,26 +6,26 @@ use crate::ray_input::InputRay;
 use radsight_render::{FirstHit, RayTreeOutput, RenderPlan, Renderer, TreeRay};
 use rayon::prelude::*;
 
-/// Which rays are written, and what of each.
+/// The selection of rays and fields.
 #[derive(Clone, Debug)]
 pub(super) struct TreeOutput {
     pub(super) rays: RayTreeOutput,
     pub(super) fields: Vec<Field>,
 }
 
-/// Rays are written where they end at a surface of these modifiers (`-ti`, `-te`).
+/// The modifiers of surfaces at which written rays end (`-ti`, `-te`).
 #[derive(Clone, Debug, Default)]
 pub(super) enum Ends {
     #[default]
     Anywhere,
-    /// On surfaces of these modifiers.
+    /// Surfaces with these modifiers.
     Only(Vec<String>),
-    /// Anywhere else.
+    /// All other surfaces.
     Except(Vec<String>),
 }
 
 impl Ends {
-    /// Adds names; as in Radiance the first ones of the other kind start a new list.
+    /// Adds names; as in Radiance, the first names of the other kind start a new list.
     pub(super) fn name(&mut self, option: &str, names: Vec<String>) {
         let only = option.starts_with("-ti") || option.starts_with("-tI");
         match self {
@@ -82,6 +82,6 @@ fn write_tree(
 ) {
     for ray in told.iter().filter(|ray| options.tree_ends.include(plan, ray.hit.as_ref())) {
         out.extend(std::iter::repeat_n(b'\t', ray.depth));
-        writer.write_told(ray, &tree.fields, out);
+        writer.write_node(ray, &tree.fields, out);
     }
 }

@@ -83,7 +83,7 @@ class Sampling:
         if (self.samples is None) == (self.error is None):
             raise RadsightError("expected either samples or error")
         if self.error is not None and not (self.error > 0 and np.isfinite(self.error)):
-            raise RadsightError(f"error is {self.error}, expected a share above 0, such as 0.02")
+            raise RadsightError(f"error is {self.error}, expected a relative error above 0, such as 0.02")
         return RenderJob(
             samples=_FIRST_SAMPLES if self.samples is None else self.samples,
             seed=self.seed,

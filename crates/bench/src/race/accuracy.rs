@@ -1,14 +1,15 @@
-//! How far a picture is from its reference.
+//! The error of a picture relative to its reference.
 
 use radsight_picture::Image;
 
-/// A value below this share of the picture's mean counts as if it were that large, or the darkest corner would decide.
+/// Values below this share of the picture's mean are raised to it in relative errors, so that the
+/// darkest corner does not dominate.
 const DARK: f64 = 0.01;
 
-/// Side of the blocks of pixels in which noise averages out and errors that one sees remain.
+/// Side of pixel blocks, in which noise averages out and visible errors remain.
 pub(crate) const BLOCK: usize = 8;
 
-/// The errors of a picture, as shares.
+/// The relative errors of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Accuracy {
     /// `sqrt(mean(d²/(r² + (0.01·m)²)))` over the values of all pixels: d the difference, r the reference, m the mean of its band.
@@ -17,7 +18,7 @@ pub(crate) struct Accuracy {
     pub(crate) percentile_95: f64,
     /// The largest relative difference of the means of blocks of 8×8 pixels.
     pub(crate) worst_block: f64,
-    /// The picture's mean over the reference's, less one.
+    /// Ratio of the means, minus 1.
     pub(crate) bias: f64,
 }
 
@@ -40,20 +41,20 @@ impl Accuracy {
         }
     }
 
-    /// The same with the reference's own noise taken off in squares from the error.
+    /// The same with the reference's noise subtracted in squares.
     pub(crate) fn less(self, noise: f64) -> Accuracy {
         Accuracy { error: (self.error * self.error - noise * noise).max(0.0).sqrt(), ..self }
     }
 }
 
-/// What is added in squares to a value of each band.
+/// The term added in squares to a value of each band.
 fn floors(reference: &Image<f32>) -> Vec<f64> {
     let mut sums = vec![0.0; reference.components()];
     for pixel in reference.pixels() {
         sums.iter_mut().zip(pixel).for_each(|(sum, value)| *sum += f64::from(*value));
     }
     let pixels = (reference.width() * reference.height()) as f64;
-    // A band without any light has no error either.
+    // A band without light has no error.
     sums.into_iter().map(|sum| (DARK * sum / pixels).max(f64::MIN_POSITIVE.sqrt())).collect()
 }
 
@@ -131,7 +132,7 @@ mod tests {
     #[test]
     fn an_even_excess_is_the_error_of_every_measure() {
         let accuracy = Accuracy::new(&even(1.1), &even(1.0));
-        // The floor of a hundredth of the mean takes half of a ten-thousandth off.
+        // The floor of a hundredth of the mean reduces the error by half of a ten-thousandth.
         for value in [accuracy.error, accuracy.percentile_95, accuracy.worst_block] {
             assert!((value - 0.1).abs() < 1e-5, "{accuracy:?}");
         }

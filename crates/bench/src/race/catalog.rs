@@ -1,4 +1,5 @@
-//! The scenes of the race: some that are written here, some of the repository, some of others that `RADSIGHT_SHARED` names.
+//! The scenes of the race: generated ones, those of the repository, and published ones in
+//! `RADSIGHT_SHARED`.
 
 use super::scene::{LONGEST, Scene};
 use crate::error::BenchError;
@@ -7,18 +8,18 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where scenes come from and go to.
+/// Folders of scenes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Places<'a> {
     /// This repository.
     pub(crate) repository: &'a Path,
     /// Where generated scenes are written.
     pub(crate) folder: &'a Path,
-    /// The folder with scenes of others, if there is one.
+    /// The folder with published scenes, if there is one.
     pub(crate) shared: Option<&'a Path>,
 }
 
-/// Makes a scene ready; `None` where its files are not to be had.
+/// Prepares a scene; `None` if its files are missing.
 type Prepare = fn(&Places<'_>) -> Result<Option<Scene>, BenchError>;
 
 /// All scenes by name.
@@ -38,7 +39,7 @@ pub(crate) const SCENES: [(&str, Prepare); 13] = [
     ("render-patterns", render_patterns),
 ];
 
-/// The names that were asked for, or all; the first unknown one is an error.
+/// The requested names, or all; the first unknown one is an error.
 pub(crate) fn chosen(names: &[String]) -> Result<Vec<Prepare>, BenchError> {
     if names.is_empty() {
         return Ok(SCENES.iter().map(|scene| scene.1).collect());
@@ -93,7 +94,8 @@ fn exterior(places: &Places<'_>) -> Result<Option<Scene>, BenchError> {
     Ok(Some(Scene::new("exterior", what, places.folder, "exterior.rad", view, 3).translated()))
 }
 
-/// A room with square lights of two colours and many intensities below its ceiling, and things that throw shadows.
+/// A room with square lights of two colours and many intensities below its ceiling, and objects
+/// that cast shadows.
 fn luminaires(
     places: &Places<'_>,
     name: &'static str,
@@ -115,7 +117,7 @@ wood sphere ball 0 0 4 4.2 3 1.05 .3
 "
     .to_owned();
     let cell = 8.0 / f64::from(side);
-    // The room is as bright with many lights as with few.
+    // The brightness of the room does not depend on the number of lights.
     let radiance = 50.0 * 64.0 / (f64::from(side * side) * (0.3 * cell).powi(2)) * 0.02;
     for class in 0..4_u32 {
         let strength = radiance * 0.25 * f64::from((class + 1) * (class + 1));
@@ -135,7 +137,7 @@ wood sphere ball 0 0 4 4.2 3 1.05 .3
     }
     let file = format!("{name}.rad");
     write(places, &file, &text)?;
-    // The lights themselves are not seen: at their edges a pixel is all noise.
+    // The lights are not visible: at their edges a pixel would be all noise.
     let view = "-vtv -vp 4 .3 2.3 -vd 0 1 -.7 -vu 0 0 1 -vh 75 -vv 55";
     Ok(Some(Scene::new(name, what, places.folder, &file, view, 0)))
 }
@@ -149,7 +151,8 @@ sun_light source sun 0 0 4 -.5 -.3 .6 .533
 fn mesh(places: &Places<'_>) -> Result<Option<Scene>, BenchError> {
     let file = generated::triangles_in(places.folder, generated::SQUARES)?;
     write(places, "daylight.rad", DAYLIGHT)?;
-    // Radiance lets rays start a millionth of a unit away: on a land of one unit its triangles shade their neighbours by 1.7 % of the light.
+    // Radiance starts rays a millionth of a unit away: on terrain of one unit the triangles would
+    // shade their neighbours by 1.7 % of the light.
     write(places, "land.rad", &format!("!xform -s 1000 {file}\n"))?;
     let view = "-vtv -vp 500 -350 450 -vd 0 .8 -.4 -vu 0 0 1 -vh 45 -vv 45";
     let what = "a million triangles under sun and sky";
@@ -187,7 +190,7 @@ fn mirrors(places: &Places<'_>) -> Result<Option<Scene>, BenchError> {
     ))
 }
 
-/// A scene of others; `files` and `view` as words.
+/// A published scene; `files` and `view` as words.
 fn of_others(
     places: &Places<'_>,
     (name, what): (&'static str, &'static str),
@@ -232,7 +235,7 @@ fn render_test(
 ) -> Result<Option<Scene>, BenchError> {
     let files = format!("basic.mat diorama_walls.rad {files}");
     let Some(mut scene) = of_others(places, named, "renders", (&files, view), 1) else { return Ok(None) };
-    // The font that the render tests write with: Radiance's package has none.
+    // The font of the render tests, which Radiance's package lacks.
     scene.library.push(places.repository.join("crates/formats/library"));
     Ok(Some(scene.with(&format!("-av {ambient} {ambient} {ambient} -dr 1"))))
 }

@@ -1,4 +1,4 @@
-//! Mitsuba 3, through a Python script of our own that translates what both can express.
+//! Mitsuba 3, through a Python script of our own that translates the common subset of scenes.
 
 use super::program::{Program, Series, Setting, Team, read_picture};
 use super::reference::put;
@@ -20,22 +20,23 @@ pub(crate) struct Mitsuba {
     script: PathBuf,
     variant: &'static str,
     version: String,
-    /// Seconds of processor time after which it is ended.
+    /// Limit of processor time, seconds.
     limit: u64,
-    /// Asked for the picture of a sky.
+    /// Renders the picture of a sky.
     radsight: PathBuf,
-    /// The scene that was prepared last, as text without commands.
+    /// The last prepared scene, as text without commands.
     flat: PathBuf,
 }
 
-/// The variants that take part: plain C++, and vectors compiled when they are needed.
+/// The compared variants: plain C++, and vectorised code compiled at run time.
 pub(crate) const VARIANTS: [&str; 2] = ["scalar_rgb", "llvm_ad_rgb"];
 
 impl Mitsuba {
-    /// With the Python that `RADSIGHT_MITSUBA` names, else one that is made in `folder` with the package index's newest Mitsuba.
+    /// Uses the Python named by `RADSIGHT_MITSUBA`, or creates one in `folder` with the newest
+    /// Mitsuba of the package index.
     ///
     /// # Errors
-    /// Why it is not to be had, in words.
+    /// A description of why Mitsuba is not available.
     pub(crate) fn find(
         variant: &'static str,
         radsight: &Radsight,
@@ -64,8 +65,8 @@ impl Mitsuba {
         &self.version
     }
 
-    /// Bounces as Mitsuba counts them, with the light and the surface that is seen. Where a mirror or glass is on the way it counts
-    /// those too: such scenes are dark enough for none to matter.
+    /// The path depth in Mitsuba's count, which includes the light and the first surface. It also
+    /// counts mirrors and glass: such scenes are dark enough for this not to matter.
     fn depth(scene: &Scene) -> i64 {
         let bounces =
             scene.task.iter().position(|word| word == "-ab").and_then(|at| scene.task.get(at + 1)?.parse().ok());
@@ -73,7 +74,7 @@ impl Mitsuba {
     }
 }
 
-/// A Python with Mitsuba in a folder of its own.
+/// A Python with Mitsuba in a separate folder.
 fn own_python(folder: &Path) -> Result<PathBuf, String> {
     let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     if python.is_file() {
@@ -86,7 +87,7 @@ fn own_python(folder: &Path) -> Result<PathBuf, String> {
     };
     let made = run(Command::new("python3").args(["-m", "venv"]).arg(folder))
         .and_then(|()| run(Command::new(&python).args(["-m", "pip", "install", "mitsuba", "numpy"])));
-    made.map(|()| python).map_err(|reason| format!("no Python with Mitsuba could be made: {reason}"))
+    made.map(|()| python).map_err(|reason| format!("cannot create a Python environment with Mitsuba: {reason}"))
 }
 
 impl Program for Mitsuba {
@@ -132,7 +133,7 @@ impl Program for Mitsuba {
         command.arg(Mitsuba::depth(scene).to_string()).args(&setting.options).args(&scene.view);
         let whole = taken_within(Some(self.limit), &mut command, folder, (None, Some(&told)))?;
         let text = String::from_utf8_lossy(&crate::figure::read(&told)?).into_owned();
-        // Only the rendering counts: not the start of Python, nor the translation.
+        // Only rendering counts, without the start of Python and the translation.
         let numbers: Vec<f64> = words(&text).iter().filter_map(|word| word.parse().ok()).collect();
         let rendering = match numbers[..] {
             [processor, wall] => Taken { processor, wall, ..whole },

@@ -1,4 +1,5 @@
-//! `radsight-bench race`: pictures of many scenes by radsight, real Radiance and Mitsuba 3, and how long each takes to an error.
+//! `radsight-bench race`: pictures of many scenes by radsight, real Radiance and Mitsuba 3, and the
+//! time of each to an error.
 
 mod accuracy;
 mod catalog;
@@ -32,7 +33,7 @@ pub(crate) use scene::Scene;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Races through all scenes and writes table, CSV file and page after each.
+/// Renders all scenes and writes table, CSV file and page after each.
 pub(crate) fn run(arguments: &Race) -> Result<(), BenchError> {
     if arguments.list {
         SCENES.iter().for_each(|(name, _)| print(&format!("{name}\n")));
@@ -47,7 +48,7 @@ pub(crate) fn run(arguments: &Race) -> Result<(), BenchError> {
         arguments.repo.clone().unwrap_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")));
     let shared = std::env::var_os("RADSIGHT_SHARED").map(PathBuf::from);
     let places = Places { repository: &repository, folder: temporary.path(), shared: shared.as_deref() };
-    let radiance = if arguments.alone { Err("left out by --alone".to_owned()) } else { Radiance::find() };
+    let radiance = if arguments.alone { Err("omitted by --alone".to_owned()) } else { Radiance::find() };
     let mut bench = Bench::new(arguments, radiance.as_ref(), temporary.path(), &folder);
     let version = radiance.as_ref().map(|radiance| radiance.version().to_owned()).map_err(Clone::clone);
     let machine = format!("{}{}", machine::describe(&Radsight::find(), &version), bench.versions);
@@ -56,7 +57,7 @@ pub(crate) fn run(arguments: &Race) -> Result<(), BenchError> {
     let mut results = Vec::new();
     for prepare in prepare {
         let Some(scene) = prepare(&places)? else {
-            bench.missing.push("a scene of others: RADSIGHT_SHARED names no folder that has it".to_owned());
+            bench.missing.push("a published scene, missing in RADSIGHT_SHARED".to_owned());
             continue;
         };
         let result = bench.scene(scene, &references)?;
@@ -68,7 +69,7 @@ pub(crate) fn run(arguments: &Race) -> Result<(), BenchError> {
             page::runs(&result)
         ));
         results.push(result);
-        // After every scene: a long run that is ended keeps what it has.
+        // Write after every scene, so that an interrupted run keeps its results.
         let csv: String = results.iter().map(SceneResult::to_csv).collect();
         put(&folder.join("race.csv"), format!("{CSV_HEADING}{csv}").as_bytes())?;
         let growth = scaling::section(&fs::read_to_string(folder.join(scaling::FILE)).unwrap_or_default());
@@ -92,7 +93,7 @@ struct Bench<'a> {
     own: Own,
     real: Vec<Real<'a>>,
     mitsuba: Vec<Mitsuba>,
-    /// Programs and scenes that cannot take part, and why.
+    /// Programs and scenes that do not take part, with reasons.
     missing: Vec<String>,
     /// Lines for the description of the machine.
     versions: String,
@@ -113,7 +114,7 @@ impl<'a> Bench<'a> {
         };
         for variant in VARIANTS {
             match if arguments.alone {
-                Err("left out by --alone".to_owned())
+                Err("omitted by --alone".to_owned())
             } else {
                 Mitsuba::find(variant, &Radsight::find(), arguments.limit, folder)
             } {
@@ -135,7 +136,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Makes the reference, then runs every program's series until the budget ends it.
+    /// Makes the reference, then runs every program's series up to the budget.
     fn scene(&mut self, scene: Scene, references: &Path) -> Result<SceneResult, BenchError> {
         eprintln!("{}: reference", scene.name);
         for real in &mut self.real {
@@ -157,7 +158,7 @@ impl<'a> Bench<'a> {
                     self.missing.extend(ended);
                     read.push(format!("{} {:.3} s", program.name(), reading.processor));
                 }
-                // Of what others cannot do the rest of the race goes on.
+                // The race continues without programs that fail.
                 Err(reason) if program.team() != Team::Radsight => {
                     self.missing.push(format!("{} on {}: {reason}", program.name(), scene.name));
                 }
@@ -167,7 +168,8 @@ impl<'a> Bench<'a> {
         Ok(SceneResult { scene, reference, read: read.join(", "), entrants })
     }
 
-    /// Runs a program's series until the budget ends them; gives what reading the scene took, too, and which settings were ended.
+    /// Runs a program's series up to the budget; also returns the cost of reading the scene, and
+    /// the settings that were stopped.
     fn race(
         &self,
         program: &dyn Program,

@@ -15,11 +15,11 @@ pub(crate) struct Own {
     pub(crate) radsight: Radsight,
 }
 
-/// One ray wherever light is looked for: nothing is shared, so nothing is biased.
+/// Independent paths: one ray per light sample, without a cache, and so unbiased.
 const PATHS: &str = "-aa 0 -ad 1";
 
 impl Own {
-    /// A picture without bias, from one of many seeds.
+    /// An unbiased picture with a given seed.
     pub(crate) fn unbiased(
         &self,
         scene: &Scene,

@@ -1,18 +1,18 @@
-//! The page with curves and pictures: one file that needs no other.
+//! The self-contained page with curves and pictures.
 
 use super::result::{Clock, Entrant, SceneResult, Summary};
 use crate::table::Table;
 use radsight_picture::{Image, write_png_rgb8};
 use std::fmt::Write as _;
 
-/// One colour a program.
+/// One colour per program.
 const COLORS: [&str; 6] = ["#c0392b", "#2c6fbb", "#6aa5de", "#2e8b57", "#7fbf7f", "#888888"];
 
 const STYLE: &str = "body{font:14px/1.4 sans-serif;max-width:1100px;margin:2em auto;padding:0 1em}pre{overflow-x:auto;background:#f5f5f5;\
 padding:.6em}figure{display:inline-block;margin:.3em;text-align:center;font-size:12px}img{width:192px;height:192px;object-fit:contain;\
 image-rendering:pixelated;background:#222}svg{font:11px sans-serif}";
 
-/// The whole page; `growth` is a section of its own.
+/// The whole page; `growth` is a separate section.
 pub(crate) fn page(
     machine: &str,
     missing: &[String],
@@ -192,7 +192,8 @@ fn curves(page: &mut String, result: &SceneResult, clock: Clock) {
     page.push_str("</svg><p>Error in % against time in s; broken lines are series with a bias.</p>\n");
 }
 
-/// The most accurate picture of each program within the time in which ours comes to a few percent.
+/// The most accurate picture of each program within the time of our first picture with an error of
+/// a few per cent.
 fn pictures(page: &mut String, result: &SceneResult, clock: Clock) {
     let time = result.equal_time(clock);
     let white = exposure(&result.reference.image);
@@ -219,7 +220,7 @@ fn pictures(page: &mut String, result: &SceneResult, clock: Clock) {
     page.push('\n');
 }
 
-/// The radiance that is shown white: 97 % of the values are darker.
+/// The radiance displayed as white: 97 % of the values are darker.
 fn exposure(image: &Image<f32>) -> f32 {
     let mut values = image.data().to_vec();
     values.sort_by(f32::total_cmp);

@@ -1,4 +1,4 @@
-//! What takes part in the race.
+//! The programs of the race.
 
 use super::scene::Scene;
 use crate::error::BenchError;
@@ -7,11 +7,11 @@ use radsight_picture::{Image, read_image};
 use std::path::Path;
 use std::process::Command;
 
-/// A way of rendering whose settings differ in effort only, the cheapest first.
+/// A rendering method with settings of increasing cost.
 #[derive(Clone, Debug)]
 pub(crate) struct Series {
     pub(crate) name: String,
-    /// Whether its error falls with the square root of the time for ever.
+    /// Whether its error decreases with the square root of the time without limit.
     pub(crate) unbiased: bool,
     pub(crate) settings: Vec<Setting>,
 }
@@ -19,21 +19,21 @@ pub(crate) struct Series {
 /// One way of calling a program.
 #[derive(Clone, Debug)]
 pub(crate) struct Setting {
-    /// What tells it from its neighbours.
+    /// Distinguishes it from other settings.
     pub(crate) label: String,
     pub(crate) options: Vec<String>,
-    /// Rays a pixel, where the options do not say it.
+    /// Rays per pixel, if not in the options.
     pub(crate) rays: u32,
 }
 
 impl Setting {
-    /// The label, with what the series has in common before it.
+    /// The label, after the common name of the series.
     pub(crate) fn of(label: impl Into<String>, options: &str, rays: u32) -> Setting {
         Setting { label: label.into(), options: super::scene::words(options), rays }
     }
 }
 
-/// Whose programs are compared with each other.
+/// The family of programs for comparisons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Team {
     Radsight,
@@ -45,23 +45,24 @@ pub(crate) enum Team {
 pub(crate) trait Program {
     fn team(&self) -> Team;
 
-    /// As tables call it.
+    /// Name in tables.
     fn name(&self) -> String;
 
-    /// The settings that are worth trying on a scene; none where it cannot render it.
+    /// The settings to try on a scene; empty if it cannot be rendered.
     fn series(&self, scene: &Scene) -> Vec<Series>;
 
-    /// Gets ready what is not measured, in `folder`.
+    /// Prepares the scene in `folder`, which is not measured.
     fn prepare(&mut self, scene: &Scene, folder: &Path) -> Result<(), BenchError>;
 
-    /// The program as it reads a scene that is ready for it, and answers no ray; `None` where that is not in what rendering takes.
+    /// The cost of reading a prepared scene without tracing a ray; `None` if it is not part of the
+    /// rendering time.
     fn reading(&self, scene: &Scene) -> Option<Command>;
 
-    /// Renders, and tells what that took, reading included.
+    /// Renders, and returns the cost including reading.
     fn render(&self, scene: &Scene, setting: &Setting, folder: &Path) -> Result<(Taken, Image<f32>), BenchError>;
 }
 
-/// What reading a scene takes, the least of some runs; nothing where that is not measured with the rest.
+/// The smallest cost of reading a scene; zero if it is not part of the measurement.
 pub(crate) fn reading(program: &dyn Program, scene: &Scene) -> Result<Taken, BenchError> {
     let mut least = Taken { processor: 0.0, wall: 0.0, peak: 0.0 };
     let Some(mut command) = program.reading(scene) else { return Ok(least) };
@@ -77,7 +78,7 @@ pub(crate) fn reading(program: &dyn Program, scene: &Scene) -> Result<Taken, Ben
 
 const READINGS: u32 = 3;
 
-/// Reads any picture.
+/// Reads a picture of any format.
 pub(crate) fn read_picture(path: &Path) -> Result<Image<f32>, BenchError> {
     let read = read_image(&crate::figure::read(path)?)
         .map_err(|error| BenchError::Read { path: path.to_owned(), reason: error.to_string() })?;

@@ -1,4 +1,5 @@
-//! Real Radiance: `rtrace` with two processes, whose rays a pixel are averaged here, and `rpict`, whose pixels are.
+//! Real Radiance: `rtrace` with two processes, whose rays per pixel are averaged here, and `rpict`,
+//! whose pixels are averaged.
 
 use super::program::{Program, Series, Setting, Team, read_picture};
 use super::scene::{Light, Scene, words};
@@ -11,19 +12,19 @@ use radsight_picture::Image;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// More rays a pixel are traced in turns, so that files stay small.
+/// Larger numbers of rays per pixel are traced in batches, so that files stay small.
 const RAYS_AT_ONCE: u32 = 256;
 
 const HINT: &str = "; RADSIGHT_RADIANCE names a folder with bin and lib";
 
-/// Shadow rays to a random place of every light, none estimated: without bias, and cheap where there are many rays. Which highlights show what is
-/// around (`-st`) is as usual, as with us.
+/// One jittered shadow ray to every light, none estimated: unbiased, and cheap for many rays. The
+/// specular threshold (`-st`) keeps its default, as in ours.
 pub(crate) const UNBIASED: &str = "-dt 0 -ds 0 -dj 1 -aa 0 -ad 1 -as 0";
 
-/// What is usual where values are shared.
+/// Common options with a cache.
 const SOFT: &str = "-dt .05 -ds .2 -dj 1";
 
-/// What is usual for pictures.
+/// Common options for pictures.
 const INTERPOLATED: &str = "-ps 4 -pt .04 -ds .1 -dj .9 -dt .05";
 
 /// Real `rtrace`, or real `rpict`.
@@ -31,9 +32,9 @@ const INTERPOLATED: &str = "-ps 4 -pt .04 -ds .1 -dj .9 -dt .05";
 pub(crate) struct Real<'a> {
     pub(crate) radiance: &'a Radiance,
     pub(crate) kind: RealKind,
-    /// Seconds of processor time after which a process is ended.
+    /// Limit of processor time of a process, seconds.
     limit: u64,
-    /// Of the scene that was prepared last.
+    /// Options of the last prepared scene.
     octree: PathBuf,
 }
 
@@ -57,7 +58,7 @@ impl<'a> Real<'a> {
         Real { radiance, kind, limit, octree: PathBuf::new() }
     }
 
-    /// So many rays a pixel through `rtrace`, each from a random place of the pixel.
+    /// Traces a number of rays per pixel through `rtrace`, each at a random position of the pixel.
     pub(crate) fn trace(
         &self,
         scene: &Scene,
@@ -87,7 +88,7 @@ impl<'a> Real<'a> {
             add(&read(&output)?, now as usize, &mut sums, &mut squares);
         }
         let count = f64::from(rays);
-        // Pictures hold no colour that is less than nothing.
+        // Pictures hold no negative colour.
         let means: Vec<f32> = sums.iter().map(|sum| (sum / count).max(0.0) as f32).collect();
         let errors = sums.iter().zip(&squares).map(|(sum, square)| {
             let variance = (square - sum * sum / count).max(0.0) / (count - 1.0).max(1.0);
@@ -97,7 +98,7 @@ impl<'a> Real<'a> {
     }
 }
 
-/// Adds `rays` values of three floats for each pixel in turn.
+/// Accumulates `rays` values of three floats for each pixel in turn.
 fn add(bytes: &[u8], rays: usize, sums: &mut [f64], squares: &mut [f64]) {
     let floats = bytes.as_chunks::<4>().0;
     for (pixel, values) in floats.chunks(3 * rays).enumerate().take(sums.len() / 3) {
@@ -114,7 +115,7 @@ fn image(scene: &Scene, values: Vec<f32>) -> Result<Image<f32>, BenchError> {
         .map_err(|error| BenchError::Read { path: "rtrace".into(), reason: error.to_string() })
 }
 
-/// Values shared as the options say, for ever more rays.
+/// Options of the ambient cache with increasing numbers of rays.
 const SHARED: [(&str, u32); 7] = [
     ("-aa .3 -ad 64 -as 16", 4),
     ("-aa .25 -ad 128 -as 32", 8),

@@ -1,4 +1,5 @@
-//! What pictures are compared with: many independent pictures without bias, averaged, kept on disk, and compared with real Radiance's.
+//! References: averages of many independent unbiased pictures, stored on disk, and compared with
+//! real Radiance.
 
 use super::accuracy::{Accuracy, BLOCK, Block, blocks, sum};
 use super::own::Own;
@@ -14,30 +15,30 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub(crate) struct Reference {
     pub(crate) image: Image<f32>,
-    /// Its own error, as half of the difference of two independent halves tells it.
+    /// Its own error, estimated as half of the difference of two independent halves.
     pub(crate) noise: f64,
     /// Rays a pixel.
     pub(crate) rays: u64,
-    /// How real Radiance's picture without bias agrees with it.
+    /// Agreement of real Radiance's unbiased picture.
     pub(crate) check: String,
 }
 
-/// When a reference is good enough.
+/// The stopping criterion of a reference.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wanted {
-    /// Noise, as a share.
+    /// Relative noise.
     pub(crate) noise: f64,
-    /// Seconds of processor time that may be spent on each of reference and check.
+    /// Processor time for each of reference and check, seconds.
     pub(crate) seconds: f64,
 }
 
-/// Rays a pixel of a picture that is averaged: more as long as pictures take less than [`SHORT`].
+/// Rays per pixel of one averaged picture; more as long as a picture takes less than [`SHORT`].
 const FIRST_RAYS: u32 = 64;
 const MOST_RAYS: u32 = 4096;
 const SHORT: f64 = 5.0;
 
 impl Reference {
-    /// Reads what was made before, and goes on from there.
+    /// Reads the stored reference and continues from it.
     pub(crate) fn make(
         scene: &Scene,
         own: &Own,
@@ -76,7 +77,7 @@ impl Reference {
 
 /// Two sums of pictures, each of every other one.
 struct Halves {
-    /// Of the files, without their endings.
+    /// Path of the files, without suffix.
     path: PathBuf,
     pictures: u32,
     rays: [u64; 2],
@@ -108,13 +109,17 @@ impl Halves {
     /// `None` before there are two pictures.
     fn noise(&self) -> Option<f64> {
         let [Some(first), Some(second)] = &self.means else { return None };
-        // The two halves have the same number of rays within one picture, so the mean of both has half of their difference.
+        // The two halves have the same number of rays within one picture, so the error of their
+        // mean is half of their difference.
         Some(0.5 * Accuracy::new(first, second).error)
     }
 
     fn mean(&self) -> Result<Image<f32>, BenchError> {
         let [Some(first), Some(second)] = &self.means else {
-            return Err(BenchError::Read { path: self.path.clone(), reason: "no time for a reference".to_owned() });
+            return Err(BenchError::Read {
+                path: self.path.clone(),
+                reason: "the time is too short for a reference".to_owned(),
+            });
         };
         let share = self.rays[1] as f64 / (self.rays[0] + self.rays[1]) as f64;
         let mut mean = first.clone();
@@ -122,7 +127,7 @@ impl Halves {
         Ok(mean)
     }
 
-    /// The errors of the mean, as the halves tell them.
+    /// The errors of the mean, estimated from the halves.
     fn errors(&self) -> Result<Image<f32>, BenchError> {
         let mut errors = self.mean()?;
         if let [Some(first), Some(second)] = &self.means {
@@ -161,11 +166,11 @@ pub(crate) fn put(path: &Path, bytes: &[u8]) -> Result<(), BenchError> {
     fs::write(path, bytes).map_err(|reason| BenchError::Write { path: path.to_owned(), reason })
 }
 
-/// Rays a pixel through real `rtrace` at first, to see how long they take, and at most.
+/// Initial rays per pixel through real `rtrace`, to measure their time, and the largest number.
 const TRIAL: u32 = 2;
 const MOST_TRACED: u32 = 2048;
 
-/// Compares with real Radiance without bias, as exactly as the time allows.
+/// Compares with unbiased real Radiance, as accurately as the time permits.
 fn compare(
     scene: &Scene,
     reference: &Image<f32>,
@@ -182,18 +187,18 @@ fn compare(
     Ok(agreement(reference, noise, &traced, rays))
 }
 
-/// Moves each value of an image towards that of another by a share of the way.
+/// Interpolates each value of an image towards that of another.
 fn blend(image: &mut Image<f32>, other: &Image<f32>, share: f64) {
     for (own, other) in image.data_mut().iter_mut().zip(other.data()) {
         *own = (f64::from(*own) + share * (f64::from(*other) - f64::from(*own))) as f32;
     }
 }
 
-/// Blocks that agree within three standard errors, unless the difference is this share or less.
+/// Blocks agree within three standard errors, or within this relative difference.
 const CLOSE: f64 = 0.005;
 
-/// How many blocks agree. Rare bright rays fall into some blocks and not into others, so the variance of a block is taken as that of the
-/// blocks around it.
+/// Number of blocks that agree. Rare bright rays fall into some blocks and not into others, so the
+/// variance of a block is that of its neighbourhood.
 fn agreement(reference: &Image<f32>, noise: &Image<f32>, traced: &Traced, rays: u32) -> String {
     let columns = reference.width().div_ceil(BLOCK);
     let (mut agreeing, mut count) = (0_u32, 0_u32);
@@ -222,7 +227,7 @@ fn agreement(reference: &Image<f32>, noise: &Image<f32>, traced: &Traced, rays: 
     )
 }
 
-/// The means of each value and its up to eight neighbours in a table of so many columns.
+/// The means of each value and its up to eight neighbours in a table with this many columns.
 fn of_neighbours(values: &[f64], columns: usize) -> Vec<f64> {
     let rows = values.len() / columns;
     (0..values.len())

@@ -1,4 +1,4 @@
-//! What came out: runs by scene and program, and the time that each program takes to an error.
+//! Results: runs by scene and program, and the time of each program to an error.
 
 use super::accuracy::Accuracy;
 use super::program::Team;
@@ -9,10 +9,10 @@ use crate::table::Table;
 use crate::taken::Taken;
 use radsight_picture::Image;
 
-/// Which time is compared.
+/// The compared time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Clock {
-    /// Of all processors: other work on the machine counts little.
+    /// Processor time of all threads: other processes have little influence.
     Processor,
     /// From start to end.
     Wall,
@@ -34,11 +34,11 @@ impl Clock {
     }
 }
 
-/// A picture that was made, and how.
+/// A rendered picture with its settings.
 #[derive(Clone, Debug)]
 pub(crate) struct Run {
     pub(crate) label: String,
-    /// Without reading the scene.
+    /// Cost without reading the scene.
     pub(crate) taken: Taken,
     pub(crate) accuracy: Accuracy,
     pub(crate) picture: Image<f32>,
@@ -54,12 +54,12 @@ pub(crate) struct Entrant {
     pub(crate) runs: Vec<Run>,
 }
 
-/// All about a scene.
+/// The results of a scene.
 #[derive(Debug)]
 pub(crate) struct SceneResult {
     pub(crate) scene: Scene,
     pub(crate) reference: Reference,
-    /// What reading the scene took each program: processor time.
+    /// Processor time of each program for reading the scene.
     pub(crate) read: String,
     pub(crate) entrants: Vec<Entrant>,
 }
@@ -67,19 +67,20 @@ pub(crate) struct SceneResult {
 /// Errors at which times are compared.
 const ERRORS: [f64; 3] = [0.05, 0.02, 0.01];
 
-/// At this error of ours pictures are shown beside each other.
+/// Error of ours at which pictures are shown side by side.
 const SHOWN_ERROR: f64 = 0.05;
 
-/// A time that is known, or how it is bounded or guessed.
+/// A measured, bounded or extrapolated time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Known {
     seconds: f64,
-    /// `<` where even the cheapest run was better, `~` where a series without bias was continued by time ~ 1/error², else nothing.
+    /// `<` if even the cheapest run was better, `~` for extrapolation of an unbiased series by time
+    /// ~ 1/error², else empty.
     mark: &'static str,
 }
 
 impl SceneResult {
-    /// All programs that made pictures.
+    /// All programs that rendered pictures.
     pub(crate) fn programs(&self) -> Vec<String> {
         let mut programs: Vec<String> = Vec::new();
         for entrant in self.entrants.iter().filter(|entrant| !entrant.runs.is_empty()) {
@@ -103,14 +104,14 @@ impl SceneResult {
         within.min_by(|a, b| a.accuracy.error.total_cmp(&b.accuracy.error)).or_else(fastest)
     }
 
-    /// The time of our first run that is good enough to be shown.
+    /// The time of our first run that is accurate enough to be shown.
     pub(crate) fn equal_time(&self, clock: Clock) -> f64 {
         let good = self.runs_of(Team::Radsight).filter(|run| run.accuracy.error <= SHOWN_ERROR);
         let fastest = good.map(|run| clock.of(&run.taken)).fold(f64::INFINITY, f64::min);
         if fastest.is_finite() { fastest } else { 1.0 }
     }
 
-    /// The least time of some programs to an error.
+    /// The smallest time of some programs to an error.
     fn time_to(&self, team: Team, error: f64, clock: Clock) -> Option<Known> {
         let point = |run: &Run| (run.accuracy.error, clock.of(&run.taken));
         match Curve::new(self.runs_of(team).map(point)).time_to(error) {
@@ -124,7 +125,7 @@ impl SceneResult {
         guesses.min_by(f64::total_cmp).map(|seconds| Known { seconds, mark: "~" })
     }
 
-    /// A line for each run, with values that hold commas in quotes.
+    /// One line per run; values with commas are quoted.
     pub(crate) fn to_csv(&self) -> String {
         let mut text = String::new();
         for entrant in &self.entrants {
@@ -157,7 +158,7 @@ percentile_95,worst_block,bias,reference_noise\n";
 #[derive(Debug)]
 pub(crate) struct Summary {
     table: Table,
-    /// Times that real Radiance takes longer, and Mitsuba, at each error.
+    /// Ratios of real Radiance's and Mitsuba's time to ours at each error.
     ratios: [Vec<[Option<f64>; 2]>; 3],
 }
 

@@ -1,52 +1,53 @@
-//! What is rendered.
+//! Scenes of the race.
 
 use crate::error::BenchError;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A scene with a view, ready to be rendered.
+/// A prepared scene with a view.
 #[derive(Clone, Debug)]
 pub(crate) struct Scene {
     pub(crate) name: &'static str,
     pub(crate) what: &'static str,
-    /// Where its files are and its programs run.
+    /// Folder of its files, in which programs run.
     pub(crate) folder: PathBuf,
-    /// The files that make the scene, as `oconv` takes them.
+    /// The files of the scene, as `oconv` takes them.
     pub(crate) files: Vec<String>,
     /// Folders of further files.
     pub(crate) library: Vec<PathBuf>,
-    /// The view, as options.
+    /// The view options.
     pub(crate) view: Vec<String>,
     pub(crate) size: [usize; 2],
-    /// Options that say what is to be computed, to be given to all of Radiance's programs: `-ab` and the like.
+    /// Options that define the computed light, for all of Radiance's programs: `-ab` and so on.
     pub(crate) task: Vec<String>,
-    /// How Radiance can be made to compute it.
+    /// The kind of settings that Radiance needs.
     pub(crate) light: Light,
-    /// Whether Mitsuba has the same materials and lights.
+    /// Whether Mitsuba supports the same materials and lights.
     pub(crate) translated: bool,
 }
 
-/// What makes a scene hard, and so which options are worth trying.
+/// The difficulty of a scene, which selects the settings to try.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Light {
-    /// Only light that comes from its sources straight.
+    /// Direct light only.
     Direct,
-    /// Light by way of diffuse surfaces too.
+    /// Diffuse interreflection.
     Indirect,
 }
 
-/// Pixels along each side, unless a scene says otherwise.
+/// Default width and height, pixels.
 const SIDE: usize = 128;
 
-/// After this many reflections paths of scenes with mirrors end.
+/// Largest number of reflections in scenes with mirrors.
 pub(crate) const LONGEST: &str = "-40";
 
-/// Paths of scenes with indirect light end at random, so that both programs compute the same integral.
+/// Russian roulette in scenes with indirect light, so that both programs compute the same integral.
 const PATHS: &str = "-lr -12 -lw 1e-4";
 
 impl Scene {
-    /// A scene of so many bounces of diffuse light in a folder of its own; `files` and `view` are words with spaces between them.
+    /// A scene with this many diffuse bounces in a separate folder; `files` and `view` are
+    /// separated by spaces.
     pub(crate) fn new(
         name: &'static str,
         what: &'static str,
@@ -69,19 +70,19 @@ impl Scene {
         }
     }
 
-    /// That Mitsuba can render it as well.
+    /// Marks that Mitsuba can render it as well.
     pub(crate) fn translated(mut self) -> Scene {
         self.translated = true;
         self
     }
 
-    /// With options that all of Radiance's programs get.
+    /// Adds options for all of Radiance's programs.
     pub(crate) fn with(mut self, options: &str) -> Scene {
         self.task.extend(words(options));
         self
     }
 
-    /// Lets a program find the scene's files: it runs in the scene's folder, and looks in its other folders before `RAYPATH`'s.
+    /// Sets a program's folder and search path for the scene: its other folders precede `RAYPATH`.
     pub(crate) fn place(&self, command: &mut Command) {
         let given =
             command.get_envs().find(|(name, _)| *name == "RAYPATH").and_then(|(_, value)| value.map(OsString::from));
@@ -93,7 +94,7 @@ impl Scene {
         command.current_dir(&self.folder);
     }
 
-    /// Whether paths are followed until they carry nothing, by way of mirrors and glass.
+    /// Whether paths continue by way of mirrors and glass until their weight is negligible.
     pub(crate) fn has_long_paths(&self) -> bool {
         self.task.iter().any(|word| word == LONGEST)
     }
@@ -105,11 +106,11 @@ impl Scene {
         self.view.iter().cloned().chain(size).collect()
     }
 
-    /// What the reference depends on: the files by their content, as far as they are the scene's own, and all options.
+    /// Identity of the reference: the content of the scene's own files, and all options.
     pub(crate) fn fingerprint(&self) -> Result<u64, BenchError> {
         use std::hash::{DefaultHasher, Hash, Hasher};
         let mut hasher = DefaultHasher::new();
-        // Where generated files stand changes from run to run.
+        // The paths of generated files change between runs.
         let names: Vec<&String> = self.files.iter().filter(|file| Path::new(file).is_relative()).collect();
         (&names, &self.view, &self.size, &self.task).hash(&mut hasher);
         for file in &self.files {

@@ -361,7 +361,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rooms_repeat_with_their_seed_and_hold_all_that_was_promised() {
+    fn rooms_repeat_with_their_seed_and_contain_all_required_parts() {
         let rooms: Vec<Room> = (0..100).map(Room::new).collect();
         assert_eq!(Room::new(3).scene, rooms[3].scene);
         assert_ne!(rooms[3].scene, rooms[4].scene);

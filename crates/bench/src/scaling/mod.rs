@@ -1,4 +1,5 @@
-//! `radsight-bench scaling`: how time and memory grow with triangles, lights, pixels and threads, beside the other programs.
+//! `radsight-bench scaling`: growth of time and memory with triangles, lights, pixels and threads,
+//! with other programs.
 
 mod points;
 mod scenes;
@@ -21,13 +22,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The file that `race` makes a section of its page of.
+/// The file that `race` includes in its page.
 pub(crate) const FILE: &str = "scaling.csv";
 
 /// Measures all series and writes a table and a CSV file.
 pub(crate) fn run(arguments: &Scaling) -> Result<(), BenchError> {
     let temporary = tempfile::tempdir().map_err(|reason| BenchError::Temporary { reason })?;
-    let radiance = if arguments.alone { Err("left out by --alone".to_owned()) } else { Radiance::find() };
+    let radiance = if arguments.alone { Err("omitted by --alone".to_owned()) } else { Radiance::find() };
     let version = radiance.as_ref().map(|radiance| radiance.version().to_owned()).map_err(Clone::clone);
     print(&machine::describe(&Radsight::find(), &version));
     let folder = temporary.path();
@@ -54,14 +55,14 @@ struct Bench<'a> {
     points: Points,
 }
 
-/// Rays that time is measured with.
+/// Number of rays for the measurement of time.
 const RAYS: usize = 200_000;
 
 /// Rays to a floor under lights.
 const FLOOR_RAYS: usize = 4096;
 
 impl Bench<'_> {
-    /// Loading, first hits and memory for ever more triangles.
+    /// Loading, first hits and memory for increasing numbers of triangles.
     fn triangles(&mut self) -> Result<(), BenchError> {
         let rays = random_rays(RAYS);
         let stream = write_rays(self.folder, &rays)?;
@@ -119,7 +120,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// A floor under ever more lights, by the ray.
+    /// A floor under increasing numbers of lights, per ray.
     fn lights(&mut self) -> Result<(), BenchError> {
         let [one, all] = scenes::rays_to_the_floor(self.folder, FLOOR_RAYS)?;
         for lights in [1, 10, 100, 1000, 10_000, 100_000] {
@@ -134,7 +135,7 @@ impl Bench<'_> {
             self.points.push(own, size, 1e6 * seconds / FLOOR_RAYS as f64);
             let real = own.of("real rtrace", own.measure);
             let Some(radiance) = &self.radiance else { continue };
-            // What is kept is the time of a ray, and the budget is for all.
+            // The time per ray is stored, and the budget applies to all.
             if !self.points.may_go_on(real, size, self.arguments.budget * 1e6 / FLOOR_RAYS as f64) {
                 continue;
             }
@@ -149,7 +150,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Pictures of a room with ever more pixels, one ray each.
+    /// Pictures of a room with increasing numbers of pixels, one ray each.
     fn pixels(&mut self) -> Result<(), BenchError> {
         let file = scenes::room(self.folder)?;
         let octree = self.folder.join("room.oct");
@@ -177,7 +178,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// The same picture with ever more threads, by the clock on the wall.
+    /// The same picture with increasing numbers of threads, by wall time.
     fn threads(&mut self) -> Result<(), BenchError> {
         let file = scenes::room(self.folder)?;
         let most = std::thread::available_parallelism().map_or(1, usize::from);
@@ -207,7 +208,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// The medians of what a program takes.
+    /// The medians of a program's costs.
     fn measured(&self, program: &mut Command, input: Option<&Path>) -> Result<Taken, BenchError> {
         let output: PathBuf = self.folder.join("answer");
         let runs: Vec<Taken> = (0..self.arguments.repeat)
@@ -220,5 +221,5 @@ impl Bench<'_> {
 
 const MIB: f64 = (1 << 20) as f64;
 
-/// The script that reads triangles for Embree needs a kilobyte for each.
+/// The script that reads triangles for Embree needs a kilobyte per triangle.
 const MOST_FOR_EMBREE: f64 = 2e6;

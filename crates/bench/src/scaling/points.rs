@@ -1,4 +1,4 @@
-//! What was measured at which size, and how it grows.
+//! Measured values by size, and their growth.
 
 use crate::table::Table;
 use std::fmt::Write as _;
@@ -21,7 +21,7 @@ impl Measure {
     }
 }
 
-/// One program's quantity that grows with something.
+/// One quantity of a program as a function of a size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Series {
     with: &'static str,
@@ -34,7 +34,7 @@ impl Series {
         Series { with, program, measure }
     }
 
-    /// Another program's, or another quantity, that grows with the same.
+    /// Another program's, or another quantity, as a function of the same size.
     pub(super) fn of(self, program: &'static str, measure: Measure) -> Series {
         Series { program, measure, ..self }
     }
@@ -54,13 +54,14 @@ impl Points {
         }
     }
 
-    /// Whether a series is to be measured at another size: its value there, if it grew with the size, is no more than `most`.
+    /// Whether a series should be measured at another size: its extrapolated value there is at most
+    /// `most`.
     pub(super) fn may_go_on(&self, series: Series, size: f64, most: f64) -> bool {
         let last = self.series.iter().find(|known| known.0 == series).and_then(|known| known.1.last());
         last.is_none_or(|[last_size, value]| value * size / last_size <= most)
     }
 
-    /// One line a series.
+    /// One line per series.
     pub(super) fn to_text(&self) -> String {
         let mut table = Table::new(&["with", "what", "program", "grows as", "at size: value"], 5);
         for (series, points) in &self.series {
@@ -78,7 +79,7 @@ impl Points {
         table.to_text()
     }
 
-    /// One line a point.
+    /// One line per point.
     pub(super) fn to_csv(&self) -> String {
         let mut text = "with,what,program,size,value,exponent\n".to_owned();
         for (series, points) in &self.series {
@@ -106,8 +107,8 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The power of the size with which a value grows: a line through the logarithms of the larger half of the points, by least squares. Small
-/// sizes tell of what is constant.
+/// The exponent of growth: a least-squares line through the logarithms of the larger half of the
+/// points. Small sizes are dominated by constant costs.
 fn exponent(points: &[[f64; 2]]) -> Option<f64> {
     let larger = points.get(points.len().saturating_sub(points.len().div_ceil(2).max(2))..)?;
     let logarithms: Vec<[f64; 2]> = larger.iter().map(|point| point.map(f64::ln)).collect();
@@ -119,7 +120,7 @@ fn exponent(points: &[[f64; 2]]) -> Option<f64> {
     Some(spread(1, value) / spread(0, size)).filter(|power| power.is_finite())
 }
 
-/// A section of a page with what a CSV file of [`Points::to_csv`] says; empty without it.
+/// A section of a page with the content of a CSV file of [`Points::to_csv`]; empty without it.
 pub(crate) fn section(csv: &str) -> String {
     let mut lines = csv.lines();
     if lines.next().is_none() {

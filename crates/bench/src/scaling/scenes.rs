@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A unit square under so many small lights, evenly spread.
+/// A unit square under a uniform grid of small lights.
 pub(super) fn floor_under_lights(folder: &Path, lights: u32) -> Result<PathBuf, BenchError> {
     let mut text = "void plastic floor 0 0 5 .5 .5 .5 0 0\nfloor polygon square 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n\
         void light lamp 0 0 3 100 100 100\n"
@@ -19,7 +19,7 @@ pub(super) fn floor_under_lights(folder: &Path, lights: u32) -> Result<PathBuf, 
     write(folder, "lights.rad", text.as_bytes())
 }
 
-/// Streams of one ray and of `count`, from above down to the floor, as single precision numbers.
+/// Streams of one ray and of `count`, from above down to the floor, in single precision.
 pub(super) fn rays_to_the_floor(folder: &Path, count: usize) -> Result<[PathBuf; 2], BenchError> {
     let side = count.isqrt();
     let ray = |index: usize| {

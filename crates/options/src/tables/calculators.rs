@@ -1,4 +1,4 @@
-//! The programs that compute with columns of numbers and with records.
+//! Programs for columns of numbers and for records.
 
 use super::rendering::ONLY_HELP;
 use crate::option::{ProgramOption, attached, beginning, flag, value};
@@ -15,7 +15,7 @@ pub(super) const CNT: Program = Program {
 
 pub(super) const EV: Program = Program {
     name: "ev",
-    summary: "print the values of expressions, one a line",
+    summary: "print the values of expressions, one per line",
     synopsis: "ev expression ..",
     description: "",
     groups: &[ONLY_HELP],
@@ -24,13 +24,13 @@ pub(super) const EV: Program = Program {
 
 pub(super) const HISTO: Program = Program {
     name: "histo",
-    summary: "count how many numbers of each column of standard input lie where",
+    summary: "print histograms of the columns of standard input",
     synopsis: "histo [-c] [-p] min max n, or histo [-c] [-p] imin imax",
     description: "",
     groups: &[
         Group {
             title: "Counts",
-            options: &[beginning("-c", "", "Count all that lie below"), beginning("-p", "", "Print percentages")],
+            options: &[beginning("-c", "", "Print cumulative counts"), beginning("-p", "", "Print percentages")],
         },
         ONLY_HELP,
     ],
@@ -39,15 +39,15 @@ pub(super) const HISTO: Program = Program {
 
 pub(super) const TABFUNC: Program = Program {
     name: "tabfunc",
-    summary: "turn the columns of a table on standard input into functions of one variable",
+    summary: "convert a table on standard input to functions of one variable",
     synopsis: "tabfunc [-i] func1 [func2 ..]",
-    description: "The first column is the variable; 0 for a name leaves a column out.",
+    description: "The first column is the variable; the name 0 skips a column.",
     groups: &[Group { title: "Values", options: &[flag("-i", "Interpolate")] }, ONLY_HELP],
     defaults: &[],
 };
 
-const MOST_READ: ProgramOption = beginning("-in", "N", "Most records read; 0 for all").default("0");
-const MOST_WRITTEN: ProgramOption = beginning("-on", "N", "Most records written; 0 for all").default("0");
+const MOST_READ: ProgramOption = beginning("-in", "N", "Largest number of records read; 0 for all").default("0");
+const MOST_WRITTEN: ProgramOption = beginning("-on", "N", "Largest number of records written; 0 for all").default("0");
 
 pub(super) const TOTAL: Program = Program {
     name: "total",
@@ -59,12 +59,12 @@ pub(super) const TOTAL: Program = Program {
             title: "Results",
             options: &[
                 beginning("-m", "", "Print means"),
-                attached("-s", "E", "Sum up the values' sizes to the power E"),
+                attached("-s", "E", "Sum absolute values to the power E"),
                 beginning("-p", "", "Print products"),
                 beginning("-u", "", "Print the largest values"),
                 beginning("-l", "", "Print the smallest values"),
-                beginning("-r", "", "Go on summing after each result"),
-                attached("-", "COUNT", "Print a result for each COUNT records"),
+                beginning("-r", "", "Continue the sum after each result"),
+                attached("-", "COUNT", "Print a result for every COUNT records"),
             ],
         },
         Group {
@@ -86,8 +86,8 @@ pub(super) const RCALC: Program = Program {
     name: "rcalc",
     summary: "compute records from records",
     synopsis: "rcalc [-b] [-l] [-n] [-p|-P] [-w] [-u] [-tS] [-s svar=sval] [-e expr] [-f source] [-i infmt] [-o outfmt] [file ..]",
-    description: "Columns of the input are $1, $2, …; those of the output are what the definitions give to $1, $2, …; cond above \
-                  zero lets a record pass.",
+    description: "Columns of the input are $1, $2, …; columns of the output are the definitions of $1, $2, …. A record passes \
+                  if cond is above zero.",
     groups: &[
         Group {
             title: "Definitions",
@@ -95,22 +95,18 @@ pub(super) const RCALC: Program = Program {
                 beginning("-e", "EXPR", "Define something"),
                 beginning("-f", "FILE", "Read definitions from a file"),
                 beginning("-s", "NAME=TEXT", "Define a string variable"),
-                beginning("-n", "", "Read nothing, and write one record"),
-                beginning("-w", "", "Accepted, and without effect here"),
-                beginning(
-                    "-u",
-                    "",
-                    "Accepted, and without effect here: what is answered goes out before more is waited for",
-                ),
+                beginning("-n", "", "Read no input and write one record"),
+                beginning("-w", "", "Accepted; has no effect"),
+                beginning("-u", "", "Accepted; output is always flushed before input is awaited"),
             ],
         },
         Group {
             title: "Records",
             options: &[
-                beginning("-b", "", "Take blanks of the input format literally"),
-                beginning("-l", "", "Take the ends of lines as blanks"),
-                beginning("-p", "", "Pass on what the input format does not match"),
-                beginning("-P", "", "Pass on what cond refuses, too"),
+                beginning("-b", "", "Match blanks of the input format literally"),
+                beginning("-l", "", "Treat line ends as blanks"),
+                beginning("-p", "", "Copy input that does not match the format"),
+                beginning("-P", "", "Also copy records that cond rejects"),
                 attached("-t", "C", "Separator of columns").default("a tab"),
                 value("-i", "FORMAT", "Format of input records, as a text or a file"),
                 attached("-i", "{a|f|d|F|D}[N]", "Read columns of text, floats or doubles; capitals swap bytes"),
@@ -127,15 +123,15 @@ pub(super) const RCALC: Program = Program {
 
 pub(super) const RCOLLATE: Program = Program {
     name: "rcollate",
-    summary: "arrange the records of a matrix in other rows and columns",
+    summary: "rearrange the records of a matrix into other rows and columns",
     synopsis: "rcollate [-h[io]][-w][-c][-f[afdb][N]][-t][-ic in_col][-ir in_row][-oc out_col][-or out_row][-o RxC[xR1xC1..]] [input.dat]",
     description: "",
     groups: &[
         Group {
             title: "Matrix",
             options: &[
-                flag("-h", "Neither read nor write a header"),
-                flag("-hi", "Read no header"),
+                flag("-h", "Omit headers of input and output"),
+                flag("-hi", "The input has no header"),
                 flag("-ho", "Write no header"),
                 beginning("-w", "", "Do not print warnings"),
                 beginning("-c", "", "Check that text has numbers"),
@@ -157,16 +153,16 @@ pub(super) const RLAM: Program = Program {
     name: "rlam",
     summary: "join the records of several inputs side by side",
     synopsis: "rlam [-tS] [-u] [-iaN|-ifN|-idN|-iiN|-iwN|-ibN] [-in M] input1 [options] input2 ..",
-    description: "An input is a file, - for standard input, or a command after !. Options hold for the inputs after them.",
+    description: "An input is a file, - for standard input, or a command after !. Options apply to the inputs after them.",
     groups: &[
         Group {
             title: "Records",
             options: &[
-                attached("-t", "S", "What stands before a line; a line break where S is empty").default("a tab"),
+                attached("-t", "S", "Separator before each line; a line break if S is empty").default("a tab"),
                 attached("-i", "{a|f|d|i|w|b}[N]", "Format: N lines, or N numbers of 4, 8, 4, 2 or 1 byte")
                     .default("a1"),
-                value("-in", "M", "Most records; 0 for all").default("0"),
-                flag("-u", "Accepted, and without effect here"),
+                value("-in", "M", "Largest number of records; 0 for all").default("0"),
+                flag("-u", "Accepted; has no effect"),
             ],
         },
         ONLY_HELP,
@@ -178,7 +174,7 @@ pub(super) const RSPLIT: Program = Program {
     name: "rsplit",
     summary: "split records into several outputs",
     synopsis: "rsplit [options] output [options] output …",
-    description: "An output is a file, - for standard output, . for none, or a command after !. Options hold for the outputs after them.",
+    description: "An output is a file, - for standard output, . for none, or a command after !. Options apply to the outputs after them.",
     groups: &[
         Group {
             title: "Input",
@@ -187,19 +183,19 @@ pub(super) const RSPLIT: Program = Program {
                 flag("-iH", "The input has a resolution"),
                 value("-x", "N", "Columns for the resolution"),
                 value("-y", "N", "Rows for the resolution"),
-                value("-on", "N", "Most records; 0 for all").default("0"),
+                value("-on", "N", "Largest number of records; 0 for all").default("0"),
             ],
         },
         Group {
             title: "Outputs",
             options: &[
-                flag("-f", "Write over files that exist"),
-                flag("-a", "Add to files that exist"),
+                flag("-f", "Overwrite existing files"),
+                flag("-a", "Append to existing files"),
                 flag("-oh", "Write a header"),
                 flag("-oH", "Write a resolution"),
                 attached("-o", "{a|f|d|i|w|b}[N]", "Format: N fields of text, or N numbers of 4, 8, 4, 2 or 1 byte")
                     .default("a1"),
-                attached("-t", "C", "What ends a field of text").default("a line break"),
+                attached("-t", "C", "Separator after a field of text").default("a line break"),
             ],
         },
         ONLY_HELP,

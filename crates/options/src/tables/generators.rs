@@ -1,15 +1,15 @@
-//! The programs that make surfaces.
+//! Programs that generate surfaces.
 
 use super::rendering::ONLY_HELP;
 use crate::option::{ProgramOption, beginning, flag, value};
 use crate::program::{Group, Program};
 
-const EXPRESSION: ProgramOption = value("-e", "EXPR", "Define something for the functions");
+const EXPRESSION: ProgramOption = value("-e", "EXPR", "Add definitions for the functions");
 const FUNCTIONS: ProgramOption = value("-f", "FILE", "Read definitions from a file");
 
 pub(super) const GENBEADS: Program = Program {
     name: "genbeads",
-    summary: "make a string of beads along a curve",
+    summary: "generate a string of beads along a curve",
     synopsis: "genbeads material name p0 p1 r0 r1 rad inc",
     description: "",
     groups: &[ONLY_HELP],
@@ -18,15 +18,15 @@ pub(super) const GENBEADS: Program = Program {
 
 pub(super) const GENBLINDS: Program = Program {
     name: "genblinds",
-    summary: "make venetian blinds",
+    summary: "generate venetian blinds",
     synopsis: "genblinds mat name depth width height nslats angle [-r|+r rcurv]",
-    description: "Slats lie along y (width), depth along x, and are spread over height along z. The angle is in degrees.",
+    description: "Slats extend along y (width) and x (depth), and are distributed over height along z. The angle is in degrees.",
     groups: &[
         Group {
             title: "Slats",
             options: &[
-                value("-r", "RADIUS", "Bend slats upwards with this radius of curvature").unit("scene units"),
-                value("+r", "RADIUS", "Bend slats downwards with this radius of curvature").unit("scene units"),
+                value("-r", "RADIUS", "Curve slats upwards with this radius of curvature").unit("scene units"),
+                value("+r", "RADIUS", "Curve slats downwards with this radius of curvature").unit("scene units"),
             ],
         },
         ONLY_HELP,
@@ -36,7 +36,7 @@ pub(super) const GENBLINDS: Program = Program {
 
 pub(super) const GENBOX: Program = Program {
     name: "genbox",
-    summary: "make a box with a corner in the origin",
+    summary: "generate a box with a corner at the origin",
     synopsis: "genbox material name xsize ysize zsize [-i] [-b bevel | -r round [-n nsegs] [-s]] [-o]",
     description: "",
     groups: &[
@@ -46,9 +46,9 @@ pub(super) const GENBOX: Program = Program {
                 beginning("-i", "", "Turn the box inside out"),
                 beginning("-b", "BEVEL", "Bevel the edges").unit("scene units"),
                 beginning("-r", "RADIUS", "Round the edges").unit("scene units"),
-                beginning("-n", "N", "Facets of a rounded edge, a power of two"),
+                beginning("-n", "N", "Number of facets of a rounded edge, a power of two"),
                 beginning("-s", "", "Smooth the facets"),
-                beginning("-o", "", "Write Wavefront text in place of a scene"),
+                beginning("-o", "", "Write Wavefront text instead of a scene"),
             ],
         },
         ONLY_HELP,
@@ -58,7 +58,7 @@ pub(super) const GENBOX: Program = Program {
 
 pub(super) const GENCLOCK: Program = Program {
     name: "genclock",
-    summary: "make a clock on the wall x = 0, facing +x, of radius 1.1",
+    summary: "generate a clock on the wall x = 0, facing +x, of radius 1.1",
     synopsis: "genclock [-f face_mat] [-c case_mat] [-n name] {HH:MM | HH.hh}",
     description: "",
     groups: &[
@@ -77,7 +77,7 @@ pub(super) const GENCLOCK: Program = Program {
 
 pub(super) const GENPRISM: Program = Program {
     name: "genprism",
-    summary: "make a prism over a polygon",
+    summary: "generate a prism over a polygon",
     synopsis: "genprism material name { - | vfile | N v1 v2 .. vN } [-l lvect] [-r radius] [-c] [-e]",
     description: "The polygon's corners lie in the xy plane.",
     groups: &[
@@ -86,8 +86,8 @@ pub(super) const GENPRISM: Program = Program {
             options: &[
                 beginning("-l", "X Y Z", "Extrusion").unit("scene units").default("0 0 1"),
                 beginning("-r", "RADIUS", "Round the edges").unit("scene units").default("0"),
-                beginning("-e", "", "Leave the ends out"),
-                beginning("-c", "", "Do not join the last corner to the first"),
+                beginning("-e", "", "Omit the ends"),
+                beginning("-c", "", "Leave the last corner unconnected to the first"),
             ],
         },
         ONLY_HELP,
@@ -97,7 +97,7 @@ pub(super) const GENPRISM: Program = Program {
 
 pub(super) const GENREV: Program = Program {
     name: "genrev",
-    summary: "make a surface of revolution about the z axis",
+    summary: "generate a surface of revolution about the z axis",
     synopsis: "genrev material name z(t) r(t) nseg [-e expr] [-f file] [-s]",
     description: "",
     groups: &[
@@ -109,7 +109,7 @@ pub(super) const GENREV: Program = Program {
 
 pub(super) const GENSURF: Program = Program {
     name: "gensurf",
-    summary: "make a surface over a grid of s and t, each from 0 to 1",
+    summary: "generate a surface over a grid of s and t, each from 0 to 1",
     synopsis: "gensurf material name x(s,t) y(s,t) z(s,t) m n [-s] [-o] [-i] [-e expr] [-f file]",
     description: "",
     groups: &[
@@ -119,8 +119,8 @@ pub(super) const GENSURF: Program = Program {
                 EXPRESSION,
                 FUNCTIONS,
                 flag("-s", "Smooth the surface"),
-                flag("-o", "Write Wavefront text in place of a scene"),
-                flag("-i", "Turn the surface round"),
+                flag("-o", "Write Wavefront text instead of a scene"),
+                flag("-i", "Reverse the surface"),
             ],
         },
         ONLY_HELP,
@@ -130,7 +130,7 @@ pub(super) const GENSURF: Program = Program {
 
 pub(super) const GENWORM: Program = Program {
     name: "genworm",
-    summary: "make a worm of spheres, cylinders and cones along a curve",
+    summary: "generate a worm of spheres, cylinders and cones along a curve",
     synopsis: "genworm material name x(t) y(t) z(t) r(t) nseg [-e expr] [-f file]",
     description: "",
     groups: &[Group { title: "Functions", options: &[EXPRESSION, FUNCTIONS] }, ONLY_HELP],

@@ -1,43 +1,43 @@
-//! The programs that combine matrices.
+//! Programs for matrices.
 
 use super::rendering::ONLY_HELP;
 use crate::option::{ProgramOption, attached, flag, value};
 use crate::program::{Group, Program};
 
-const FORMAT: ProgramOption = attached("-f", "FORMAT", "Format of the result: a text, f floats, d doubles, c pixels");
+const FORMAT: ProgramOption = attached("-f", "FORMAT", "Output format: a text, f floats, d doubles, c pixels");
 const FACTORS: ProgramOption = value(
     "-s",
     "F",
-    "Multiply the next matrix, or after the last one the result, by one factor or one for each component",
+    "Multiply the next matrix, or the result if after the last one, by one factor or one per component",
 );
 const COMPONENTS: ProgramOption = value(
     "-c",
     "COEFFICIENTS|LETTERS|FILE",
-    "Make other components of the next matrix, or after the last one of the result",
+    "Transform the components of the next matrix, or of the result if after the last one",
 );
-const ALL_COMPONENTS: ProgramOption = value("-C", "LETTERS|FILE", "The same for all matrices that follow");
+const ALL_COMPONENTS: ProgramOption = value("-C", "LETTERS|FILE", "The same for all matrices after it");
 
 pub(super) const DCTIMESTEP: Program = Program {
     name: "dctimestep",
-    summary: "multiply daylight coefficients by skies, of one moment or many",
+    summary: "multiply daylight coefficients by the skies of one or many time steps",
     synopsis: "dctimestep [options] coefficients [sky] | dctimestep [options] view BSDF daylight [sky]",
-    description: "Coefficients are a matrix, or pictures with their number in the name (dc%03d.hdr).",
+    description: "Coefficients are a matrix, or pictures numbered by their name (dc%03d.hdr).",
     groups: &[
         Group {
             title: "Sky and result",
             options: &[
-                value("-n", "STEPS", "Moments of a sky that is text without a header"),
-                flag("-h", "Leave the header out"),
+                value("-n", "STEPS", "Number of time steps of a sky without a header"),
+                flag("-h", "Omit the header"),
                 attached("-i", "FORMAT", "Format of the sky: a text, f floats, d doubles"),
-                value("-o", "FILE", "Write the result here; with %04d in the name a file for each moment"),
+                value("-o", "FILE", "Output file; a name with %04d makes one file per time step"),
                 flag("-oa", "Write text"),
                 flag("-of", "Write floats"),
                 flag("-od", "Write doubles"),
                 flag("-oc", "Write pixels"),
                 value("-x", "COLUMNS", "Columns of the result's pictures"),
                 value("-y", "ROWS", "Rows of the result's pictures"),
-                value("-N", "N", "Accepted, and without effect here"),
-                value("-m", "MB", "Accepted, and without effect here"),
+                value("-N", "N", "Accepted; has no effect"),
+                value("-m", "MB", "Accepted; has no effect"),
             ],
         },
         ONLY_HELP,
@@ -49,20 +49,20 @@ pub(super) const RMTXOP: Program = Program {
     name: "rmtxop",
     summary: "add, multiply and transpose matrices",
     synopsis: "rmtxop [-v] [-f FORMAT] [-t] [-s F …] [-c …] [-C …] [-rf|-rb] matrix [. + * / matrix] …",
-    description: "Options change the matrix that follows, after the last one the result. A full stop is the matrix product, also \
-                  where nothing is said; + * / go element by element. A BSDF file (.xml) is its transmission.",
+    description: "Options apply to the next matrix, or to the result if after the last one. A full stop is the matrix product, \
+                  the default; + * / are element-wise. A BSDF file (.xml) stands for its transmission.",
     groups: &[
         Group {
             title: "Result and matrices",
             options: &[
-                flag("-v", "Accepted, and without effect here"),
+                flag("-v", "Accepted; has no effect"),
                 FORMAT,
                 flag("-t", "Transpose the next matrix"),
                 FACTORS,
                 COMPONENTS,
                 ALL_COMPONENTS,
-                flag("-rf", "Take the reflection from the front of the next BSDF"),
-                flag("-rb", "Take the reflection from the back of the next BSDF"),
+                flag("-rf", "Use the front reflection of the next BSDF"),
+                flag("-rb", "Use the back reflection of the next BSDF"),
             ],
         },
         ONLY_HELP,
@@ -74,14 +74,14 @@ pub(super) const RCOMB: Program = Program {
     name: "rcomb",
     summary: "combine matrices and pictures by functions of their elements",
     synopsis: "rcomb [-h] [-w] [-f FORMAT] [-n N] [-e definitions] [-f file] [-s F …] [-c …] [-C …] matrix … [-m[t] matrix]",
-    description: "co(component), co or ro go bo are what comes out, the sums where nothing is defined.",
+    description: "co(component), co or ro go bo define the output; the default is the sum.",
     groups: &[
         Group {
             title: "Result and matrices",
             options: &[
-                flag("-h", "Leave the headers of the inputs out"),
+                flag("-h", "Omit the headers of the inputs"),
                 flag("-w", "Do not print warnings"),
-                value("-n", "N", "Threads; accepted, and without effect here"),
+                value("-n", "N", "Number of threads; accepted, but has no effect"),
                 value("-e", "DEFINITIONS", "Define something"),
                 value("-f", "FILE", "Read definitions from a file"),
                 FORMAT,

@@ -1,4 +1,4 @@
-//! The tables: a file for each kind of program.
+//! The tables: one file per kind of program.
 
 mod calculators;
 mod converters;

@@ -1,4 +1,4 @@
-//! The programs that change pictures.
+//! Programs that process pictures.
 
 use super::rendering::{ONLY_HELP, VIEW};
 use crate::option::{attached, beginning, flag, signed, switch, value};
@@ -6,25 +6,25 @@ use crate::program::{Group, Program};
 
 pub(super) const FALSECOLOR: Program = Program {
     name: "falsecolor",
-    summary: "show the brightness of a picture as colours, contours or bands, with a legend",
+    summary: "map the brightness of a picture to colours, contours or bands, with a legend",
     synopsis: "falsecolor [options] [-i picture]",
-    description: "Without -i the picture stands on standard input.",
+    description: "Without -i the picture is read from standard input.",
     groups: &[
         Group {
             title: "Pictures",
             options: &[
                 value("-i", "FILE", "The picture"),
-                value("-p", "FILE", "A picture behind contours"),
+                value("-p", "FILE", "Background picture of contours"),
                 beginning("-ip", "FILE", "The same picture for both").aliases(&["-pi"]),
             ],
         },
         Group {
             title: "Scale",
             options: &[
-                beginning("-s", "TOP|auto", "Top of the scale").unit("the unit of the label").default("1000"),
-                beginning("-log", "DECADES", "Make the scale logarithmic, over so many decades"),
-                beginning("-m", "FACTOR", "Factor from the picture's values to the scale's").default("179"),
-                beginning("-n", "N", "Divisions of the legend").default("8"),
+                beginning("-s", "TOP|auto", "Top of the scale").unit("as labelled").default("1000"),
+                beginning("-log", "DECADES", "Logarithmic scale over this many decades"),
+                beginning("-m", "FACTOR", "Factor from picture values to scale values").default("179"),
+                beginning("-n", "N", "Number of divisions of the legend").default("8"),
             ],
         },
         Group {
@@ -32,11 +32,11 @@ pub(super) const FALSECOLOR: Program = Program {
             options: &[
                 value("-pal", "NAME", "Palette: def, spec, pm3d, hot, eco or tbo").default("def"),
                 beginning("-palettes", "", "Show all palettes instead"),
-                attached("-spec", "", "Has gone; use -pal spec"),
+                attached("-spec", "", "Removed; use -pal spec"),
                 beginning("-cl", "", "Draw contour lines"),
                 beginning("-cb", "", "Draw contour bands"),
                 beginning("-cp", "", "Draw steps of even colour"),
-                beginning("-c0", "", "Draw no colours"),
+                beginning("-c0", "", "Use no colours"),
                 beginning("-r", "EXPRESSION", "Red as a function of v, from 0 to 1 along the scale"),
                 beginning("-g", "EXPRESSION", "Green, likewise"),
                 beginning("-b", "EXPRESSION", "Blue, likewise"),
@@ -46,11 +46,11 @@ pub(super) const FALSECOLOR: Program = Program {
             title: "Legend and marks",
             options: &[
                 value("-l", "LABEL", "Text above the legend").default("cd/m2"),
-                beginning("-d", "N", "Most digits behind the point").default("3"),
+                beginning("-d", "N", "Largest number of decimals").default("3"),
                 beginning("-lw", "N", "Width of the legend; 0 for none").unit("pixels").default("100"),
                 beginning("-lh", "N", "Height of the legend; 0 for none").unit("pixels").default("200"),
                 beginning("-e", "", "Mark the darkest and the brightest pixel"),
-                value("-odim", "COLUMNS ROWS", "Write so many values over the picture"),
+                value("-odim", "COLUMNS ROWS", "Print this many values on the picture"),
                 beginning("-orct", "LEFT LOWER RIGHT UPPER", "The part of the picture for -odim").unit("pixels"),
             ],
         },
@@ -68,14 +68,18 @@ pub(super) const GETINFO: Program = Program {
         Group {
             title: "What is printed or changed",
             options: &[
-                beginning("-d", "", "Print the size of pictures instead"),
-                beginning("+d", "", "Print the size of pictures, too"),
-                value("-a", "LINE", "Add lines to the header of standard input; stands last"),
-                value("-r", "LINE", "Replace lines of the header of standard input; NAME= alone removes; stands last"),
+                beginning("-d", "", "Print only the size of pictures"),
+                beginning("+d", "", "Also print the size of pictures"),
+                value("-a", "LINE", "Add lines to the header of standard input; must be the last option"),
+                value(
+                    "-r",
+                    "LINE",
+                    "Replace lines of the header of standard input; NAME= alone removes; must be the last option",
+                ),
                 value(
                     "-c",
                     "COMMAND",
-                    "Let a command have all but the header of standard input, and add it there; stands last",
+                    "Pipe standard input without its header through a command, and record the command in the header; must be the last option",
                 ),
             ],
         },
@@ -88,17 +92,17 @@ pub(super) const PCOMB: Program = Program {
     name: "pcomb",
     summary: "combine pictures by functions of their pixels",
     synopsis: "pcomb [-h] [-w] [-ff|-fc] [-x N] [-y N] [-f file] [-e definitions] [[-o] [-s F] [-c R G B] picture …]",
-    description: "ro go bo or lo are what comes out, the sums where nothing is defined; ri(n) gi(n) bi(n) li(n) are the inputs, \
-                  with offsets as second and third argument.",
+    description: "ro go bo or lo define the output; the default is the sum. ri(n) gi(n) bi(n) li(n) are the inputs, with optional \
+                  pixel offsets as second and third argument.",
     groups: &[
         Group {
             title: "Result",
             options: &[
-                beginning("-h", "", "Leave the headers of the inputs out"),
+                beginning("-h", "", "Omit the headers of the inputs"),
                 beginning("-w", "", "Do not print warnings"),
                 value("-x", "N", "Columns of the result; an expression of xmax and ymax"),
                 value("-y", "N", "Rows of the result; an expression of xmax and ymax"),
-                attached("-f", "f|c", "Write floats, or as usual pixels of four bytes"),
+                attached("-f", "f|c", "Write floats, or four-byte pixels (default)"),
                 value("-f", "FILE", "Read definitions from a file"),
                 value("-e", "DEFINITIONS", "Define something"),
             ],
@@ -118,18 +122,18 @@ pub(super) const PCOMB: Program = Program {
 
 pub(super) const PCOMPOS: Program = Program {
     name: "pcompos",
-    summary: "put pictures side by side and over one another",
+    summary: "compose pictures side by side and on top of each other",
     synopsis: "pcompos [-h] [-x N] [-y N] [-b R G B] [-lh H] [-la] [[-t L] [+t L] [=SS] [-l label] picture x y] …",
-    description: "With -a the pictures stand in columns and have no places of their own. A picture that begins with ! is a command.",
+    description: "With -a pictures are arranged in columns and have no positions. A picture that begins with ! is a command.",
     groups: &[
         Group {
             title: "Result",
             options: &[
-                flag("-h", "Leave the headers of the inputs out"),
+                flag("-h", "Omit the headers of the inputs"),
                 value("-x", "N", "Columns of the result").unit("pixels"),
                 value("-y", "N", "Rows of the result").unit("pixels"),
-                value("-b", "R G B", "Colour of what no picture covers").default("0 0 0"),
-                value("-a", "N", "Place the pictures in N columns; a negative N fills rows from the top"),
+                value("-b", "R G B", "Background colour").default("0 0 0"),
+                value("-a", "N", "Arrange the pictures in N columns; a negative N fills rows from the top"),
                 value("-s", "N", "Space between columns").unit("pixels").default("0"),
                 value("-o", "X Y", "Lower left corner of the first picture").unit("pixels").default("0 0"),
                 flag("-la", "Label each picture with its name"),
@@ -139,13 +143,13 @@ pub(super) const PCOMPOS: Program = Program {
         Group {
             title: "Before a picture",
             options: &[
-                beginning("-t", "L", "Show only what is brighter than this"),
-                beginning("+t", "L", "Show only what is darker than this"),
+                beginning("-t", "L", "Show only pixels brighter than this"),
+                beginning("+t", "L", "Show only pixels darker than this"),
                 value("-l", "LABEL", "Label the picture"),
                 attached(
                     "=",
                     "SS",
-                    "For each axis, the corner that x and y mean: - the lower, + the upper, 0 the middle",
+                    "For each axis, the anchor of x and y: - the lower side, + the upper side, 0 the centre",
                 )
                 .default("--"),
             ],
@@ -157,20 +161,20 @@ pub(super) const PCOMPOS: Program = Program {
 
 pub(super) const PCOND: Program = Program {
     name: "pcond",
-    summary: "show a picture on a display as the eye would see the scene",
+    summary: "tone map a picture as an observer would see the scene",
     synopsis: "pcond [options] [input [output]]",
     description: "",
     groups: &[
         Group {
             title: "The eye",
             options: &[
-                switch("-h", "Imitate all limits of the eye").default("-"),
-                switch("-a", "Imitate the loss of acuity in the dark").default("-"),
+                switch("-h", "Simulate all limits of the eye").default("-"),
+                switch("-a", "Simulate the loss of acuity in the dark").default("-"),
                 switch("-v", "Add veiling glare").default("-"),
-                switch("-s", "Use the eye's sensitivity to contrast").default("-"),
-                switch("-c", "Imitate the loss of colour in the dark").default("-"),
-                switch("-w", "Weight the middle of the picture").default("-"),
-                value("-i", "F", "Read fixations from standard input, which count as a share F"),
+                switch("-s", "Simulate the contrast sensitivity of the eye").default("-"),
+                switch("-c", "Simulate the loss of colour in the dark").default("-"),
+                switch("-w", "Weight the centre of the picture").default("-"),
+                value("-i", "F", "Read fixation points from standard input, with a weight F"),
                 switch("-I", "Read a histogram from standard input").default("-"),
             ],
         },
@@ -178,18 +182,18 @@ pub(super) const PCOND: Program = Program {
             title: "Exposure",
             options: &[
                 switch("-l", "Use a linear exposure").default("-"),
-                value("-e", "E", "Use a linear exposure of this factor, or with a sign of so many stops"),
-                value("-x", "FILE", "Also write the mapping that was used"),
+                value("-e", "E", "Use a linear exposure factor; with a sign, stops"),
+                value("-x", "FILE", "Also write the mapping to a file"),
             ],
         },
         Group {
             title: "The display",
             options: &[
                 value("-u", "L", "Largest luminance").unit("cd/m²").default("100"),
-                value("-d", "R", "Largest over smallest luminance").default("100"),
+                value("-d", "R", "Dynamic range: largest divided by smallest luminance").default("100"),
                 value("-p", "RX RY GX GY BX BY WX WY", "Primaries and white"),
                 value("-f", "FILE", "Calibration by macbethcal"),
-                value("-m", "FILE", "Map of colours"),
+                value("-m", "FILE", "Colour warp"),
             ],
         },
         ONLY_HELP,
@@ -207,7 +211,7 @@ pub(super) const PEXTREM: Program = Program {
             title: "Values",
             options: &[
                 flag("-o", "Undo the exposures"),
-                flag("-O", "Undo the exposures, and give XYZE pictures in W/(sr·m²) too"),
+                flag("-O", "Undo the exposures, and print XYZE pictures in W/(sr·m²), too"),
             ],
         },
         ONLY_HELP,
@@ -224,26 +228,26 @@ pub(super) const PFILT: Program = Program {
         Group {
             title: "Passes and exposure",
             options: &[
-                flag("-1", "Read the picture once; the exposure is that of -e alone"),
-                flag("-2", "Read the picture twice, and make its mean brightness 0.5"),
-                value("-e", "E", "Factor of the exposure, or with a sign stops").default("1"),
+                flag("-1", "Read the picture once; only -e sets the exposure"),
+                flag("-2", "Read the picture twice, and scale its mean brightness to 0.5"),
+                value("-e", "E", "Exposure factor; with a sign, stops").default("1"),
                 value("-er", "E", "The same of red"),
                 value("-eg", "E", "The same of green"),
                 value("-eb", "E", "The same of blue"),
-                value("-t", "LAMP", "Make the light of this lamp white"),
-                value("-f", "FILE", "Table of lamps for -t").default("lamp.tab"),
+                value("-t", "LAMP", "Balance the light of this lamp to white"),
+                value("-f", "FILE", "Lamp table for -t").default("lamp.tab"),
             ],
         },
         Group {
             title: "Size",
             options: &[
-                value("-x", "N|/R", "Columns, or the factor by which they shrink"),
-                value("-y", "N|/R", "Rows, or the factor by which they shrink"),
-                value("-p", "A", "Height over width of a pixel; 0 keeps what fills the size"),
-                flag("-c", "Do not record the shape of pixels"),
-                flag("-b", "Average with a box filter, as usual"),
-                value("-r", "R", "Average with a Gaussian filter of this radius").unit("output pixels").default("0"),
-                value("-m", "F", "As -r, with at most this share of an output pixel from one input pixel"),
+                value("-x", "N|/R", "Columns, or /N to reduce them by a factor N"),
+                value("-y", "N|/R", "Rows, or /N to reduce them by a factor N"),
+                value("-p", "A", "Pixel aspect, height divided by width; 0 to fill the size"),
+                flag("-c", "Do not record the pixel aspect"),
+                flag("-b", "Use a box filter (default)"),
+                value("-r", "R", "Use a Gaussian filter of this radius").unit("output pixels").default("0"),
+                value("-m", "F", "As -r, with a limit on the share of an output pixel from one input pixel"),
             ],
         },
         Group {
@@ -251,8 +255,8 @@ pub(super) const PFILT: Program = Program {
             options: &[
                 value("-n", "N", "Points of a star").default("0"),
                 value("-s", "S", "Spread of a star").default("0.0001"),
-                value("-h", "L", "Brightness from which a pixel is hot").unit("W/(sr·m²)").default("100"),
-                flag("-a", "Average hot pixels, too"),
+                value("-h", "L", "Brightness threshold of hot pixels").unit("W/(sr·m²)").default("100"),
+                flag("-a", "Include hot pixels in the average"),
             ],
         },
         ONLY_HELP,
@@ -281,7 +285,7 @@ pub(super) const PFLIP: Program = Program {
 
 pub(super) const PROTATE: Program = Program {
     name: "protate",
-    summary: "turn a picture by 90° clockwise",
+    summary: "rotate a picture by 90° clockwise",
     synopsis: "protate [-r] [-c] picture [output]",
     description: "",
     groups: &[
@@ -299,9 +303,9 @@ pub(super) const PROTATE: Program = Program {
 
 pub(super) const PINTERP: Program = Program {
     name: "pinterp",
-    summary: "make views from pictures of other views and their distances",
+    summary: "synthesise views from pictures of other views and their distances",
     synopsis: "pinterp [view options] [options] picture distances …",
-    description: "Distances are a file of rpict -z, or one number for all pixels.",
+    description: "Distances are a file from rpict -z, or one number for all pixels.",
     groups: &[
         VIEW,
         Group {
@@ -309,14 +313,14 @@ pub(super) const PINTERP: Program = Program {
             options: &[
                 value("-x", "N", "Most columns").unit("pixels").default("512"),
                 value("-y", "N", "Most rows").unit("pixels").default("512"),
-                value("-pa", "A", "Height over width of a pixel").default("1"),
+                value("-pa", "A", "Pixel aspect, height divided by width").default("1"),
                 value("-z", "FILE", "Also write distances").unit("scene units"),
-                value("-e", "E", "Factor of the exposure, or with a sign stops").default("1"),
+                value("-e", "E", "Exposure factor; with a sign, stops").default("1"),
                 value("-t", "EPS", "Relative difference of distances within one surface").default("0.02"),
-                flag("-a", "Average pixels that show the same"),
+                flag("-a", "Average pixels of the same surface"),
                 flag("-q", "Do not average"),
                 flag("-B", "Average over all views of standard input"),
-                flag("-n", "Take distances along the view's direction"),
+                flag("-n", "Measure distances along the view direction"),
             ],
         },
         Group {
@@ -325,11 +329,11 @@ pub(super) const PINTERP: Program = Program {
                 flag("-f0", "Fill no gaps"),
                 flag("-ff", "Fill gaps between pixels of one surface"),
                 flag("-fb", "Fill gaps behind edges"),
-                flag("-fa", "Fill both, as usual"),
-                value("-fs", "N", "Reach over which gaps are filled; 0 for any").unit("pixels").default("0"),
-                value("-fc", "R G B", "Colour of the rest").default("0 0 0"),
-                value("-fz", "Z", "Distance of the rest").unit("scene units"),
-                value("-fr", "OPTIONS", "Trace rays for the rest: options and the scene of rtrace, in one word"),
+                flag("-fa", "Fill both (default)"),
+                value("-fs", "N", "Largest width of filled gaps; 0 for no limit").unit("pixels").default("0"),
+                value("-fc", "R G B", "Colour of the remaining pixels").default("0 0 0"),
+                value("-fz", "Z", "Distance of the remaining pixels").unit("scene units"),
+                value("-fr", "OPTIONS", "Trace rays for the remaining pixels: rtrace's options and scene, in one word"),
             ],
         },
         ONLY_HELP,
@@ -349,12 +353,12 @@ pub(super) const PSIGN: Program = Program {
                 value("-cb", "R G B", "Colour of the background").default("1 1 1"),
                 value("-cf", "R G B", "Colour of the letters").default("0 0 0"),
                 value("-f", "FONT", "Font file").default("helvet.fnt"),
-                flag("-dr", "Write to the right, as usual"),
+                flag("-dr", "Write to the right (default)"),
                 flag("-du", "Write upwards"),
                 flag("-dl", "Write to the left, upside down"),
                 flag("-dd", "Write downwards"),
                 value("-h", "N", "Height of a letter").unit("pixels").default("32"),
-                value("-a", "A", "Height over width of a letter").default("1.67"),
+                value("-a", "A", "Height divided by width of a letter").default("1.67"),
                 value("-s", "S", "Space between letters").unit("letter widths").default("0"),
                 value("-x", "N", "Columns of the picture").unit("pixels"),
                 value("-y", "N", "Rows of the picture").unit("pixels"),
@@ -367,18 +371,18 @@ pub(super) const PSIGN: Program = Program {
 
 pub(super) const PVALUE: Program = Program {
     name: "pvalue",
-    summary: "print a picture as numbers, or make one of numbers",
+    summary: "print a picture as numbers, or convert numbers to a picture",
     synopsis: "pvalue [options] [file] | pvalue -r [options] [file | red green blue]",
     description: "",
     groups: &[
         Group {
             title: "Direction and header",
             options: &[
-                signed("-r", "", "Make a picture of numbers"),
-                signed("-h", "", "Leave the header out"),
-                signed("-H", "", "Leave the resolution out"),
-                signed("-s", "N", "Skip so many bytes of the input").unit("bytes"),
-                signed("-u", "", "Leave repeated pixels out; with -r write no run-lengths"),
+                signed("-r", "", "Convert numbers to a picture"),
+                signed("-h", "", "Omit the header"),
+                signed("-H", "", "Omit the resolution"),
+                signed("-s", "N", "Skip this many bytes of the input").unit("bytes"),
+                signed("-u", "", "Omit repeated pixels; with -r write no run-length encoding"),
                 beginning("-x", "N", "Columns of a picture without resolution").unit("pixels").aliases(&["+x", "-X", "+X"]),
                 beginning("-y", "N", "Rows of a picture without resolution").unit("pixels").aliases(&["+y", "-Y", "+Y"]),
             ],
@@ -387,18 +391,18 @@ pub(super) const PVALUE: Program = Program {
             title: "Values",
             options: &[
                 signed("-o", "", "Undo the exposures"),
-                signed("-O", "", "Undo the exposures, and give XYZE pictures in W/(sr·m²) too"),
+                signed("-O", "", "Undo the exposures, and print XYZE pictures in W/(sr·m²), too"),
                 signed("-g", "GAMMA", "Gamma of the numbers").default("1"),
-                signed("-e", "E", "Factor of the exposure, or with a sign stops").default("1"),
+                signed("-e", "E", "Exposure factor; with a sign, stops").default("1"),
                 signed("-R", "", "Write blue first"),
-                signed("-n", "", "Write components one after another"),
-                signed("-b", "", "Write the brightness alone"),
-                beginning("-pr", "", "Write red alone").aliases(&["+pr", "-pR", "+pR"]),
-                beginning("-pg", "", "Write green alone").aliases(&["+pg", "-pG", "+pG"]),
-                beginning("-pb", "", "Write blue alone").aliases(&["+pb", "-pB", "+pB"]),
-                beginning("-pX", "", "Make an XYZE picture").aliases(&["+pX", "-px", "+px"]),
-                signed("-p", "RX RY GX GY BX BY WX WY", "Primaries and white of the picture that is made"),
-                attached("-d", "[FORM]", "Leave positions out; form of numbers: a text, i integers, b bytes, w words, f floats, d doubles; capitals swap bytes")
+                signed("-n", "", "Write components as planes, one after another"),
+                signed("-b", "", "Write only brightness"),
+                beginning("-pr", "", "Write only red").aliases(&["+pr", "-pR", "+pR"]),
+                beginning("-pg", "", "Write only green").aliases(&["+pg", "-pG", "+pG"]),
+                beginning("-pb", "", "Write only blue").aliases(&["+pb", "-pB", "+pB"]),
+                beginning("-pX", "", "Write an XYZE picture").aliases(&["+pX", "-px", "+px"]),
+                signed("-p", "RX RY GX GY BX BY WX WY", "Primaries and white of the picture"),
+                attached("-d", "[FORM]", "Omit positions; number format: a text, i integers, b bytes, w words, f floats, d doubles; capitals swap bytes")
                     .aliases(&["+d"]),
             ],
         },

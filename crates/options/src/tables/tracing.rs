@@ -1,126 +1,121 @@
-//! The programs that trace rays.
+//! Programs that trace rays.
 
 use super::rendering::{ANSWERS, DEFINITIONS, ONLY_HELP, READING, RENDERING, SAMPLING, TRUST, VIEW};
 use crate::option::Listing::{Computed, Fixed, Switch, SwitchOn, Whole};
 use crate::option::{ProgramOption, attached, flag, switch, value};
 use crate::program::{Group, Program};
 
-const COMMAND_LINE: &str = "Among the options @FILE stands for the words of a file, and $NAME for those of a variable of the \
-                            environment.";
+const COMMAND_LINE: &str = "@FILE is replaced by the options in a file, and $NAME by those in an environment variable.";
 
-pub(super) const RPICT: Program =
-    Program {
-        name: "rpict",
-        summary: "render a Radiance picture of a scene",
-        synopsis: "rpict [options] [octree | scene …]",
-        description: COMMAND_LINE,
-        groups: &[
-            VIEW,
-            Group {
-                title: "Picture",
-                options: &[
-                    value("-x", "N", "Most columns").unit("pixels").default("512").listed(Computed),
-                    value("-y", "N", "Most rows").unit("pixels").default("512").listed(Computed),
-                    flag("-pRGB", "Write red, green and blue").listed(Computed),
-                    flag("-pXYZ", "Write CIE X, Y and Z"),
-                    PRIMARIES,
-                    value("-pa", "A", "Height over width of a pixel; 0 for whatever fills the size")
-                        .default("1")
-                        .listed(Fixed("\t\t\t", "pixel aspect ratio")),
-                    value(
-                        "-pj",
-                        "J",
-                        "Side of the square in which the rays of a pixel are spread; 1 with --error or --samples",
-                    )
-                    .unit("pixels")
-                    .default("0.67")
-                    .listed(Computed),
-                    value("-pm", "M", "Share of the time between two frames during which the view moves")
-                        .default("0")
-                        .listed(Fixed("\t\t\t", "pixel motion")),
-                    value("-pd", "D", "Diameter of the aperture; 0 for a pinhole")
-                        .unit("scene units")
-                        .default("0")
-                        .listed(Fixed("\t\t\t", "pixel depth-of-field")),
-                    value("-ps", "N", "Pixels between the first samples of a quick picture")
-                        .default("4")
-                        .listed(Whole(9, "\t\t\t", "pixel sample")),
-                    value("-pt", "T", "Contrast below which pixels between samples are interpolated")
-                        .default("0.05")
-                        .listed(Fixed("\t\t\t", "pixel threshold")),
-                    switch("-co", "Spectral pictures; -co+ is refused, as in Radiance"),
-                    flag("-ff", "Write floats in place of pixels of four bytes"),
-                    value("-S", "N", "Number of the first frame of a sequence, whose views stand on standard input"),
-                ],
-            },
-            Group {
-                title: "Running",
-                options: &[
-                    value("-t", "S", "Time between reports of progress; 0 for none")
-                        .unit("s")
-                        .default("0")
-                        .listed(Computed),
-                    switch("-w", "Print warnings")
-                        .default("+")
-                        .listed(Switch(["warning messages off", "warning messages on"])),
-                    value("-n", "N", "Threads").aliases(&["--threads"]),
-                    value("--time-limit", "S", "Stop work on an asked error after this time").unit("s"),
-                    value("-P", "FILE", "Keep the command line in a file, or do again what it says").aliases(&["-PP"]),
-                ],
-            },
-            Group {
-                title: "Files",
-                options: &[
-                    value("-o", "FILE", "Write the picture here; %d stands for the number of a frame"),
-                    value("-z", "FILE", "Also write the distances of the surfaces, as raw floats").unit("scene units"),
-                    value("-r", "FILE", "Recover the rows of an earlier picture"),
-                    value("-ro", "FILE", "Recover the rows of a picture, and finish it in place"),
-                    value(
-                        "-e",
-                        "FILE|DEFINITION",
-                        "Send messages to a file; or define something for the functions of the scene",
-                    ),
-                    value("--error-map", "FILE", "Also write the estimated relative error of each pixel"),
-                    value("--ray-map", "FILE", "Also write the number of rays of each pixel"),
-                    value("--record", "OUT.json", "Also write how the picture was made"),
-                ],
-            },
-            RENDERING,
-            SAMPLING,
-            DEFINITIONS,
-            READING,
-            ANSWERS,
-        ],
-        defaults: &[
-            ("-u", "-"),
-            ("-dt", "0.05"),
-            ("-dc", "0.5"),
-            ("-ds", "0.25"),
-            ("-dr", "1"),
-            ("-aa", "0.2"),
-            ("-ar", "64"),
-            ("-ad", "512"),
-            ("-as", "128"),
-            ("-lr", "7"),
-        ],
-    };
+pub(super) const RPICT: Program = Program {
+    name: "rpict",
+    summary: "render a Radiance picture of a scene",
+    synopsis: "rpict [options] [octree | scene …]",
+    description: COMMAND_LINE,
+    groups: &[
+        VIEW,
+        Group {
+            title: "Picture",
+            options: &[
+                value("-x", "N", "Most columns").unit("pixels").default("512").listed(Computed),
+                value("-y", "N", "Most rows").unit("pixels").default("512").listed(Computed),
+                flag("-pRGB", "Write red, green and blue").listed(Computed),
+                flag("-pXYZ", "Write CIE X, Y and Z"),
+                PRIMARIES,
+                value("-pa", "A", "Pixel aspect, height divided by width; 0 to fill the size")
+                    .default("1")
+                    .listed(Fixed("\t\t\t", "pixel aspect ratio")),
+                value(
+                    "-pj",
+                    "J",
+                    "Side of the square in a pixel over which its rays are jittered; 1 with --error or --samples",
+                )
+                .unit("pixels")
+                .default("0.67")
+                .listed(Computed),
+                value("-pm", "M", "Motion blur: share of the time between two frames during which the view moves")
+                    .default("0")
+                    .listed(Fixed("\t\t\t", "pixel motion")),
+                value("-pd", "D", "Diameter of the aperture; 0 for a pinhole")
+                    .unit("scene units")
+                    .default("0")
+                    .listed(Fixed("\t\t\t", "pixel depth-of-field")),
+                value("-ps", "N", "Spacing of the first samples of a preview").default("4").listed(Whole(
+                    9,
+                    "\t\t\t",
+                    "pixel sample",
+                )),
+                value("-pt", "T", "Contrast below which pixels are interpolated")
+                    .default("0.05")
+                    .listed(Fixed("\t\t\t", "pixel threshold")),
+                switch("-co", "Spectral pictures; -co+ is an error, as in Radiance"),
+                flag("-ff", "Write floats instead of four-byte pixels"),
+                value("-S", "N", "Number of the first frame of a sequence, whose views are read from standard input"),
+            ],
+        },
+        Group {
+            title: "Running",
+            options: &[
+                value("-t", "S", "Time between progress reports; 0 for none").unit("s").default("0").listed(Computed),
+                switch("-w", "Print warnings")
+                    .default("+")
+                    .listed(Switch(["warning messages off", "warning messages on"])),
+                value("-n", "N", "Threads").aliases(&["--threads"]),
+                value("--time-limit", "S", "Stop the refinement to a requested error after this time").unit("s"),
+                value("-P", "FILE", "Store the command line in a file, or repeat a stored one").aliases(&["-PP"]),
+            ],
+        },
+        Group {
+            title: "Files",
+            options: &[
+                value("-o", "FILE", "Output picture; %d is replaced by the frame number"),
+                value("-z", "FILE", "Also write surface distances, as raw floats").unit("scene units"),
+                value("-r", "FILE", "Recover rows from an earlier picture"),
+                value("-ro", "FILE", "Recover rows from a picture, and finish it in place"),
+                value(
+                    "-e",
+                    "FILE|DEFINITION",
+                    "Write messages to a file; or add definitions for the functions of the scene",
+                ),
+                value("--error-map", "FILE", "Also write the estimated relative error of each pixel"),
+                value("--ray-map", "FILE", "Also write the number of rays of each pixel"),
+                value("--record", "OUT.json", "Also write a record of how the picture was made"),
+            ],
+        },
+        RENDERING,
+        SAMPLING,
+        DEFINITIONS,
+        READING,
+        ANSWERS,
+    ],
+    defaults: &[
+        ("-u", "-"),
+        ("-dt", "0.05"),
+        ("-dc", "0.5"),
+        ("-ds", "0.25"),
+        ("-dr", "1"),
+        ("-aa", "0.2"),
+        ("-ar", "64"),
+        ("-ad", "512"),
+        ("-as", "128"),
+        ("-lr", "7"),
+    ],
+};
 
 const PRIMARIES: ProgramOption =
     value("-pc", "RX RY GX GY BX BY WX WY", "Write red, green and blue of these primaries and this white");
 
 const WARNINGS: ProgramOption =
     switch("-w", "Print warnings").default("+").listed(Switch(["warning messages off", "warning messages on"]));
-const IMMEDIATE: ProgramOption = switch("-I", "Take the rays as points and normals, and give their irradiance")
+const IMMEDIATE: ProgramOption = switch("-I", "Read points and normals, and compute their irradiance")
     .default("-")
     .listed(SwitchOn("immediate irradiance on"));
-const THREADS: ProgramOption =
-    value("-n", "N", "Threads; one for each processor where nothing is said").listed(Computed);
-const COLUMNS: ProgramOption = value("-x", "N", "Columns for the header; alone, records after which output is sent on")
-    .default("0")
-    .listed(Computed);
+const THREADS: ProgramOption = value("-n", "N", "Number of threads; one per processor by default").listed(Computed);
+const COLUMNS: ProgramOption =
+    value("-x", "N", "Columns for the header; alone, number of records between flushes").default("0").listed(Computed);
 const ROWS: ProgramOption =
     value("-y", "N", "Rows for the header, and the number of records").default("0").listed(Computed);
-const LIMIT: ProgramOption = switch("-ld", "End rays where their directions end")
+const LIMIT: ProgramOption = switch("-ld", "Limit rays to the length of their direction vectors")
     .default("-")
     .listed(Switch(["limit distance off", "limit distance on"]));
 const HEADER: ProgramOption =
@@ -148,27 +143,27 @@ pub(super) const RTRACE: Program = Program {
                 attached(
                     "-o",
                     "SPEC",
-                    "What is written of each ray: o origin, d direction, v value, V contribution, w weight, W coefficient, \
+                    "Output of each ray: o origin, d direction, v value, V contribution, w weight, W coefficient, \
                      l length, L first length, c local coordinates, p point, n normal, N unperturbed normal, s surface, \
-                     m modifier, M material, r mirrored part, R its length, x the rest, X its length, ~ a tilde; t or T in \
-                     front: the whole ray tree",
+                     m modifier, M material, r mirrored part, R its length, x unmirrored part, X its length, ~ a tilde; t or T as \
+                     prefix: the whole ray tree",
                 )
                 .default("v")
                 .listed(Computed),
                 flag("-pRGB", "Write red, green and blue").listed(Computed),
-                flag("-pXYZ", "Write CIE X, Y and Z").unit("lm/W times the unit of the value"),
+                flag("-pXYZ", "Write CIE X, Y and Z").unit("unit of the value times lm/W"),
                 flag("-pY", "Write luminance").unit("cd/m²"),
                 flag("-pS", "Write scotopic luminance"),
                 flag("-pM", "Write melanopic luminance"),
                 flag("-pA", "Write the mean of red, green and blue"),
                 PRIMARIES,
                 switch("-co", "Write all spectral bands").listed(Computed),
-                value("-e", "FILE|DEFINITION", "Send messages to a file; or define something for the functions of the scene"),
+                value("-e", "FILE|DEFINITION", "Write messages to a file; or add definitions for the functions of the scene"),
                 value("-ti", "NAME", "End ray trees at surfaces with this modifier"),
-                value("-te", "NAME", "End ray trees at all surfaces but those with this modifier"),
-                value("-tI", "FILE", "As -ti, for all modifiers that a file names"),
-                value("-tE", "FILE", "As -te, for all modifiers that a file names"),
-                value("-P", "FILE", "Keep the command line in a file, or do again what it says").aliases(&["-PP"]),
+                value("-te", "NAME", "End ray trees at all surfaces except those with this modifier"),
+                value("-tI", "FILE", "As -ti, for all modifiers listed in a file"),
+                value("-tE", "FILE", "As -te, for all modifiers listed in a file"),
+                value("-P", "FILE", "Store the command line in a file, or repeat a stored one").aliases(&["-PP"]),
             ],
         },
         RENDERING,
@@ -182,29 +177,29 @@ pub(super) const RTRACE: Program = Program {
 
 pub(super) const RCONTRIB: Program = Program {
     name: "rcontrib",
-    summary: "find how much each light or material contributes to rays from standard input",
+    summary: "compute the contributions of lights or materials to rays from standard input",
     synopsis: "rcontrib [options] { -M FILE | -m NAME } … octree | scene …",
     description: COMMAND_LINE,
     groups: &[
         Group {
             title: "Contributions",
             options: &[
-                value("-c", "N", "Rays that are summed up in a record; 0 for all").default("1").listed(Computed),
-                switch("-V", "Write contributions in place of coefficients")
+                value("-c", "N", "Number of rays accumulated per record; 0 for all").default("1").listed(Computed),
+                switch("-V", "Write contributions instead of coefficients")
                     .default("-")
                     .listed(Switch(["output coefficients", "output contributions"])),
                 value("-m", "NAME", "Track the surfaces with this modifier"),
-                value("-M", "FILE", "Track all modifiers that a file names"),
+                value("-M", "FILE", "Track all modifiers listed in a file"),
                 value(
                     "-o",
                     "FILE",
-                    "Output of the modifiers that follow, with %s for the name and %d for the bin; !COMMAND pipes",
+                    "Output of the following modifiers, with %s for the name and %d for the bin; !COMMAND pipes",
                 ),
-                value("-b", "EXPRESSION", "Bin of a ray, for the modifiers that follow"),
+                value("-b", "EXPRESSION", "Bin of a ray, for the following modifiers"),
                 value("-bn", "N", "Number of bins"),
                 value("-p", "NAME=VALUE,…", "Parameters of the bins"),
                 value("-f", "FILE", "Read definitions for bins from a file"),
-                value("-e", "DEFINITIONS", "Define something for bins"),
+                value("-e", "DEFINITIONS", "Add definitions for bins"),
             ],
         },
         Group {
@@ -223,9 +218,9 @@ pub(super) const RCONTRIB: Program = Program {
                 )
                 .default("aa")
                 .listed(Computed),
-                switch("-fo", "Write over files that exist").default("-"),
-                switch("-r", "Go on with records that the files have already").default("-"),
-                value("-t", "S", "Time between reports; accepted, and without effect here")
+                switch("-fo", "Overwrite existing files").default("-"),
+                switch("-r", "Recover records from existing files").default("-"),
+                value("-t", "S", "Time between reports; accepted, but has no effect")
                     .unit("s")
                     .default("0")
                     .listed(Computed),
@@ -236,8 +231,8 @@ pub(super) const RCONTRIB: Program = Program {
         Group {
             title: "Sampling (radsight's own)",
             options: &[
-                value("--samples", "N", "Paths that each ray stands for, in place of -ad"),
-                value("--error", "E", "An asked error, which is refused"),
+                value("--samples", "N", "Number of paths per ray, instead of -ad"),
+                value("--error", "E", "Requested error; not supported"),
             ],
         },
         READING,
@@ -258,17 +253,17 @@ pub(super) const RCONTRIB: Program = Program {
 
 pub(super) const MKILLUM: Program = Program {
     name: "mkillum",
-    summary: "turn windows and other surfaces into lights with the light that they pass on",
+    summary: "convert windows and other surfaces to light sources",
     synopsis: "mkillum [options] octree | scene … [ < FILE … ]",
-    description: "Comments #@mkillum in the files set, for the surfaces that follow: m=MATERIAL, f=DATA FILE, c=n|a|d colour, \
-                  d=DIRECTIONS, s=SAMPLES, b=LEAST BRIGHTNESS, l+ or l-, i=NAME or e=NAME or a or n, o=OUTPUT.",
+    description: "Comments #@mkillum in the files set options of the following surfaces: m=MATERIAL, f=DATA FILE, c=n|a|d colour, \
+                  d=DIRECTIONS, s=SAMPLES, b=SMALLEST BRIGHTNESS, l+ or l-, i=NAME or e=NAME or a or n, o=OUTPUT.",
     groups: &[
         Group {
             title: "Running",
             options: &[
                 flag("-w", "Do not print warnings"),
-                value("-n", "N", "Threads; one for each processor where nothing is said"),
-                value("-e", "DEFINITION", "Define something for the functions of the scene"),
+                value("-n", "N", "Number of threads; one per processor by default"),
+                value("-e", "DEFINITION", "Add definitions for the functions of the scene"),
             ],
         },
         RENDERING,
@@ -277,7 +272,7 @@ pub(super) const MKILLUM: Program = Program {
         READING,
         Group {
             title: "Answers",
-            options: &[flag("-defaults", "Print the options as they stand, then end"), super::rendering::HELP],
+            options: &[flag("-defaults", "Print the current options and exit"), super::rendering::HELP],
         },
     ],
     defaults: &[("-dj", "0.5"), ("-dr", "3"), ("-ab", "2")],
@@ -287,21 +282,21 @@ pub(super) const RFLUXMTX: Program = Program {
     name: "rfluxmtx",
     summary: "compute the flux matrix from a sender to receivers",
     synopsis: "rfluxmtx [options] { sender | - } receiver [-i octree] [scene …]",
-    description: "The options of rcontrib not listed here are passed on to it. Comments #@rfluxmtx in the files of sender and \
-                  receivers choose their bases.",
+    description: "Options of rcontrib that are not listed here are passed to it. Comments #@rfluxmtx in the files of sender and \
+                  receivers select their bases.",
     groups: &[
         Group {
             title: "Flux matrices",
             options: &[
-                switch("-fo", "Write over files that exist").default("-"),
-                flag("-v", "Say what is run"),
-                value("-bj", "EXPRESSION", "Place in its patch at which a direction counts"),
-                value("-c", "N", "Rays for each direction of the sender, or in a record").default("10000"),
+                switch("-fo", "Overwrite existing files").default("-"),
+                flag("-v", "Print commands"),
+                value("-bj", "EXPRESSION", "Position of a direction within its patch"),
+                value("-c", "N", "Number of rays per sender direction, or per record").default("10000"),
                 value("-x", "N", "Columns of rays from standard input"),
                 value("-y", "N", "Rows of rays from standard input"),
-                switch("-I", "Take the rays as points and normals; for rays from standard input alone"),
-                switch("-i", "Give the irradiance of surfaces; for rays from standard input alone"),
-                switch("-ld", "End rays where their directions end"),
+                switch("-I", "Read points and normals; only for rays from standard input"),
+                switch("-i", "Compute the irradiance of surfaces; only for rays from standard input"),
+                switch("-ld", "Limit rays to the length of their direction vectors"),
                 attached(
                     "-f",
                     "IO",
@@ -311,52 +306,55 @@ pub(super) const RFLUXMTX: Program = Program {
             ],
         },
         Group {
-            title: "Passed on to rcontrib",
+            title: "Passed to rcontrib",
             options: &[
                 value("-f", "FILE", "Read definitions for bins from a file"),
-                value("-e", "DEFINITIONS", "Define something for bins"),
-                value("-o", "FILE", "Output of receivers that name none"),
+                value("-e", "DEFINITIONS", "Add definitions for bins"),
+                value("-o", "FILE", "Output of receivers without their own"),
                 value("-n", "N", "Threads"),
-                value("-t", "S", "Time between reports; accepted, and without effect here").unit("s"),
+                value("-t", "S", "Time between reports; accepted, but has no effect").unit("s"),
                 switch("-w", "Print warnings").default("+"),
-                switch("-V", "Write contributions in place of coefficients").default("-"),
+                switch("-V", "Write contributions instead of coefficients").default("-"),
                 switch("-h", "Write a header").default("+"),
-                switch("-r", "Go on with records that the files have already").default("-"),
-                switch("-u", "Sample without correlation; accepted, and without effect here").default("+"),
+                switch("-r", "Recover records from existing files").default("-"),
+                switch("-u", "Sample without correlation; accepted, but has no effect").default("+"),
                 switch("-bv", "Show the back faces of surfaces").default("+"),
-                switch("-dv", "Show the lights themselves").default("+"),
-                value("-dt", "T", "Threshold of direct light; accepted, and without effect here"),
-                value("-dc", "C", "Certainty of direct light; accepted, and without effect here"),
-                value("-dj", "J", "Jitter of the points on lights; accepted, and without effect here"),
-                value("-ds", "S", "Size over distance above which a light is sampled in parts"),
-                value("-dr", "N", "Mirror reflections through which a light is followed"),
-                value("-dp", "D", "Density of the pretest; accepted, and without effect here"),
-                value("-ss", "S", "Rays for each highlight; without effect where many rays are averaged"),
-                value("-st", "T", "Reflectance below which a lobe is not sampled").default("0.02"),
-                value("-av", "R G B", "Ambient radiance where nothing is gathered").unit("W/(sr·m²)").default("0 0 0"),
-                value("-aw", "N", "Weight of the ambient value; accepted, and without effect here"),
+                switch("-dv", "Make light sources visible").default("+"),
+                value("-dt", "T", "Threshold of direct light; accepted, but has no effect"),
+                value("-dc", "C", "Certainty of direct light; accepted, but has no effect"),
+                value("-dj", "J", "Jitter of light samples; accepted, but has no effect"),
+                value("-ds", "S", "Ratio of size to distance above which a light is subdivided"),
+                value("-dr", "N", "Depth of virtual sources: number of mirror reflections"),
+                value("-dp", "D", "Density of the pretest; accepted, but has no effect"),
+                value("-ss", "S", "Number of samples per highlight; has no effect where many rays are averaged"),
+                value("-st", "T", "Specular threshold: reflectance below which a lobe is not sampled").default("0.02"),
+                value("-av", "R G B", "Ambient value: radiance used where indirect light is not computed")
+                    .unit("W/(sr·m²)")
+                    .default("0 0 0"),
+                value("-aw", "N", "Weight of the ambient value; accepted, but has no effect"),
                 value("-ab", "N", "Diffuse bounces").default("1"),
-                value("-aa", "ACC", "Accuracy of the irradiance cache; accepted, and without effect here"),
-                value("-ar", "RES", "Resolution of the irradiance cache; accepted, and without effect here"),
-                value("-ad", "N", "Paths that each ray stands for, shared among the rays of a record").default("350"),
-                value("-as", "N", "Further rays; accepted, and without effect here"),
-                value("-ae", "NAME", "Gather no ambient light on surfaces with this modifier"),
-                value("-ai", "NAME", "Gather ambient light on surfaces with this modifier alone"),
-                value("-aE", "FILE", "As -ae, for all modifiers that a file names"),
-                value("-aI", "FILE", "As -ai, for all modifiers that a file names"),
-                value("-af", "FILE", "File for an irradiance cache; accepted, and without effect here"),
-                value("-ap", "FILE", "Photon maps, which are refused: there are none here"),
-                value("-am", "R", "Search radius of photon maps; accepted, and without effect here"),
-                value("-me", "R G B", "Extinction of the mist that fills the scene").unit("1/scene unit"),
+                value("-aa", "ACC", "Accuracy of the irradiance cache; accepted, but has no effect"),
+                value("-ar", "RES", "Resolution of the irradiance cache; accepted, but has no effect"),
+                value("-ad", "N", "Number of paths per ray, shared among the rays of a record").default("350"),
+                value("-as", "N", "Additional samples; accepted, but has no effect"),
+                value("-ae", "NAME", "Exclude surfaces with this modifier from the ambient calculation"),
+                value("-ai", "NAME", "Include only surfaces with this modifier in the ambient calculation"),
+                value("-aE", "FILE", "As -ae, for all modifiers listed in a file"),
+                value("-aI", "FILE", "As -ai, for all modifiers listed in a file"),
+                value("-af", "FILE", "File for an irradiance cache; accepted, but has no effect"),
+                value("-ap", "FILE", "Photon map; not supported"),
+                value("-am", "R", "Search radius of photon maps; accepted, but has no effect"),
+                value("-me", "R G B", "Extinction coefficient of the mist that fills the scene").unit("1/scene unit"),
                 value("-ma", "R G B", "Scattering albedo of that mist"),
                 value("-mg", "G", "Scattering eccentricity of that mist, from 0 to 1"),
                 value("-ms", "L", "Distance between samples in mist").unit("scene units"),
-                value("-cs", "N", "Spectral bands that are traced").default("3"),
+                value("-cs", "N", "Number of spectral bands").default("3"),
                 value("-cw", "FIRST LAST", "Range of the bands").unit("nm").default("380 780"),
-                value("-lr", "N", "Reflections after which a ray ends; 0 or less for Russian roulette").default("-10"),
+                value("-lr", "N", "Largest number of reflections of a ray; 0 or less for Russian roulette")
+                    .default("-10"),
                 value("-lw", "W", "Weight below which a ray ends").default("2e-3"),
-                value("--samples", "N", "Paths that each ray stands for"),
-                value("--seed", "N", "Choose the sample sequence").default("0"),
+                value("--samples", "N", "Number of paths per ray"),
+                value("--seed", "N", "Seed of the sample sequence").default("0"),
             ],
         },
         TRUST,
@@ -375,18 +373,18 @@ pub(super) const VWRAYS: Program = Program {
             title: "Rays",
             options: &[
                 attached("-f", "FORMAT", "Format of the rays: a text, f floats, d doubles").default("a"),
-                flag("-d", "Print the size of the picture as options of rtrace instead"),
+                flag("-d", "Print only the size of the picture, as options of rtrace"),
                 flag("-i", "Read the coordinates of pixels from standard input"),
-                flag("-u", "Send each record on before more is read"),
+                flag("-u", "Flush each record before reading more"),
                 value("-x", "N", "Most columns").unit("pixels").default("512"),
                 value("-y", "N", "Most rows").unit("pixels").default("512"),
-                value("-c", "N", "Rays for each pixel").default("1"),
-                value("-pa", "A", "Height over width of a pixel").default("1"),
-                value("-pj", "J", "Side of the square in which the rays of a pixel are spread")
+                value("-c", "N", "Number of rays per pixel").default("1"),
+                value("-pa", "A", "Pixel aspect, height divided by width").default("1"),
+                value("-pj", "J", "Side of the square in a pixel over which its rays are jittered")
                     .unit("pixels")
                     .default("0"),
                 value("-pd", "D", "Diameter of the aperture").unit("scene units").default("0"),
-                value("--seed", "N", "Choose the sample sequence").default("0"),
+                value("--seed", "N", "Seed of the sample sequence").default("0"),
             ],
         },
         VIEW,

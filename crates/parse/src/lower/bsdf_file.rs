@@ -8,7 +8,7 @@ use radsight_loader::{FileKind, Loaded, Loader};
 use radsight_measured::{MeasuredBsdf, Mistake, Side};
 use std::sync::Arc;
 
-/// More than this share of the light is suspect.
+/// Largest plausible share of scattered light; more gives a warning.
 const MOST_SCATTERED: f64 = 1.01;
 
 impl Reader<'_> {
@@ -41,22 +41,23 @@ impl Reader<'_> {
         match MeasuredBsdf::read(&loaded.bytes) {
             Ok(reading) => {
                 if !reading.warnings.is_empty() {
-                    self.tell_mistakes(loaded, &reading.warnings, file.span, Diagnostic::warning);
+                    self.report_mistakes(loaded, &reading.warnings, file.span, Diagnostic::warning);
                 }
                 self.warn_of_gains(&reading.bsdf, file);
                 Some(Arc::new(reading.bsdf))
             }
             Err(mistake) => {
-                // Whatever should have written the file failed, so nothing excuses it.
+                // The program that should have written the file failed; this is an error even in
+                // tolerant mode.
                 self.is_inexcusable |= matches!(mistake, Mistake::NoXml { .. });
-                self.tell_mistakes(loaded, &[mistake], file.span, Diagnostic::error);
+                self.report_mistakes(loaded, &[mistake], file.span, Diagnostic::error);
                 None
             }
         }
     }
 
-    /// The text is kept only where there is something to say about it.
-    fn tell_mistakes(&mut self, file: Loaded, mistakes: &[Mistake], span: Span, severity: fn(String) -> Diagnostic) {
+    /// Reports the mistakes in a BSDF file. The text is kept only if there are any.
+    fn report_mistakes(&mut self, file: Loaded, mistakes: &[Mistake], span: Span, severity: fn(String) -> Diagnostic) {
         let source = self.sources.add(file.path, file.bytes, Some(span));
         for mistake in mistakes {
             let place = mistake.place();

@@ -8,11 +8,11 @@ use radsight_ir::{Axis, DataGrid, Handle};
 use radsight_loader::{FileKind, Loader};
 use std::sync::Arc;
 
-/// Tables have no more dimensions than this; Radiance's own limit is 6.
+/// Largest number of dimensions of a table. Radiance's own limit is 6.
 const MOST_DIMENSIONS: usize = 16;
 
 impl Reader<'_> {
-    /// The table in a file, which is loaded at its first use. `None` after a mistake, which was reported.
+    /// The table of a file, loaded at its first use. `None` after a mistake, which was reported.
     pub(super) fn grid(&mut self, file: &RawWord) -> Option<Handle<DataGrid>> {
         if let Some(known) = self.grids.get(&file.text) {
             return *known;
@@ -42,10 +42,11 @@ impl Reader<'_> {
     }
 }
 
-/// Reads a table: the number of dimensions, an axis each (first, last, count; first = last: the points follow), the values.
+/// Reads a table: the number of dimensions, one line per axis (first, last, count; if first = last,
+/// the coordinates follow), then the values.
 ///
 /// # Errors
-/// The first mistake, with its place.
+/// The first mistake, with its position.
 fn read_grid(file: &str, text: &[u8], source: SourceId) -> Result<(DataGrid, Option<Diagnostic>), Diagnostic> {
     let mut words = DataWords { text, at: 0, source };
     let dimensions = words.integer("the number of dimensions")?;
@@ -59,9 +60,9 @@ fn read_grid(file: &str, text: &[u8], source: SourceId) -> Result<(DataGrid, Opt
         let axis = words.axis(axis)?;
         let left = text.len() - words.at;
         size = size.saturating_mul(axis.count());
-        // A value takes a byte and the space before it.
+        // A value takes at least two bytes: a digit and a space before it.
         if size > left / 2 + 1 {
-            return Err(words.error(format!("{size} values or more must follow, but only {left} bytes do")));
+            return Err(words.error(format!("at least {size} values must follow, but only {left} bytes are left")));
         }
         axes.push(axis);
     }
@@ -107,7 +108,11 @@ impl<'t> DataWords<'t> {
         let count = self.integer(&format!("the number of points of axis {number}"))?;
         let left = self.text.len() - self.at;
         if count < 2 || count > left as i64 / 2 + 1 {
-            let expected = if count < 2 { "at least 2".to_owned() } else { format!("what fits into {left} bytes") };
+            let expected = if count < 2 {
+                "at least 2".to_owned()
+            } else {
+                format!("a count that fits into the remaining {left} bytes")
+            };
             return Err(self.error(format!("axis {number} has {count} points, expected {expected}")));
         }
         if first != last {
@@ -115,7 +120,7 @@ impl<'t> DataWords<'t> {
         }
         let mut points: Vec<f64> = Vec::with_capacity(count as usize);
         for point in 1..=count {
-            let value = self.real(|| format!("point {point} of {count} of axis {number}"))?;
+            let value = self.real(|| format!("coordinate {point} of {count} of axis {number}"))?;
             points.push(value);
             let is_monotonic = match points[..] {
                 [.., a, b, c] => a != b && b != c && (a < b) == (b < c),
@@ -123,7 +128,9 @@ impl<'t> DataWords<'t> {
                 _ => true,
             };
             if !is_monotonic {
-                let message = format!("point {point} of axis {number} is {value}: the points neither rise nor fall");
+                let message = format!(
+                    "coordinate {point} of axis {number} is {value}, but coordinates must only rise or only fall"
+                );
                 return Err(self.error(message));
             }
         }
@@ -192,9 +199,12 @@ mod tests {
             ("1.5", "the number of dimensions is \"1.5\", expected an integer"),
             ("99", "the number of dimensions is 99, expected 1 to 16"),
             ("1 0 1 1 5", "axis 1 has 1 points, expected at least 2"),
-            ("1 0 1 1000000000 5", "axis 1 has 1000000000 points, expected what fits into 2 bytes"),
-            ("2 0 1 9 0 1 9 1 2 3 4 5 6 7 8 9 1 2 3", "81 values or more must follow, but only 24 bytes do"),
-            ("1 0 0 3 1 5 2 1 1 1", "point 3 of axis 1 is 2: the points neither rise nor fall"),
+            (
+                "1 0 1 1000000000 5",
+                "axis 1 has 1000000000 points, expected a count that fits into the remaining 2 bytes",
+            ),
+            ("2 0 1 9 0 1 9 1 2 3 4 5 6 7 8 9 1 2 3", "at least 81 values must follow, but only 24 bytes are left"),
+            ("1 0 0 3 1 5 2 1 1 1", "coordinate 3 of axis 1 is 2, but coordinates must only rise or only fall"),
             ("1 0 1 2 3", "the data end where value 2 of 2 was expected"),
             ("1 0 1 2 3 nan", "value 2 of 2 is \"nan\", expected a finite number"),
         ] {

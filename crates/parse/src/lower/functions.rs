@@ -1,4 +1,4 @@
-//! Function files, expressions and the transforms behind them.
+//! Compiles function files and expressions, and reads the transforms after them.
 
 use super::modifiers::{Raw, RawWord};
 use super::reader::Reader;
@@ -10,22 +10,23 @@ use radsight_loader::{FileKind, LoadError, Loader};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// The function language, as far as this scene uses it.
+/// The compiled functions of the scene.
 #[derive(Default)]
 pub(super) struct Functions {
     definitions: Option<Definitions>,
-    /// Files that could not be read: said once, and no program is made with them.
+    /// Files that could not be read. Each is reported once, and no program uses it.
     failed: HashSet<Scope>,
-    /// What was compiled: copies of a modifier in an array differ only in their transform.
+    /// Compiled programs. Copies of a modifier in an array share one, since they differ only in
+    /// their transform.
     programs: HashMap<ProgramKey, Arc<Program>>,
 }
 
-/// All that a program depends on.
+/// Everything that determines a program.
 #[derive(PartialEq, Eq, Hash)]
 struct ProgramKey {
     scope: Scope,
     roots: Vec<(RootWord, String)>,
-    /// The bits of the real arguments.
+    /// The real arguments, as bits.
     reals: Vec<u64>,
 }
 
@@ -37,14 +38,15 @@ impl ProgramKey {
     }
 }
 
-/// A string argument that is compiled.
+/// A string argument to compile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum RootWord {
     /// An expression, by the index of the string.
     Expression(usize),
-    /// A function of so many arguments, by the index of its name.
+    /// A function with this many arguments, by the index of its name.
     Function(usize, u16),
-    /// A function of red, green and blue. Green's and blue's may also take a single argument, the band of their own.
+    /// A function of red, green and blue, by index and band. The functions of green and blue may
+    /// take one argument instead: their own band.
     Band(usize, usize),
     /// A function, or `0` for none.
     FunctionOrZero(usize, u16),
@@ -61,7 +63,7 @@ impl RootWord {
     }
 }
 
-/// The strings of a modifier that has functions.
+/// The layout of the string arguments of a modifier with functions.
 pub(super) struct CallForm<'a> {
     /// Index of the function file.
     pub(super) file: usize,
@@ -69,7 +71,7 @@ pub(super) struct CallForm<'a> {
 }
 
 impl Reader<'_> {
-    /// Compiles what a modifier computes. `None` after a mistake, which was reported.
+    /// Compiles the functions of a modifier. `None` after a mistake, which was reported.
     pub(super) fn call(&mut self, raw: &Raw, form: &CallForm<'_>) -> Option<FunctionCall> {
         let last = form.roots.iter().map(|root| root.index()).max().unwrap_or(0).max(form.file);
         if last >= raw.strings.len() {
@@ -93,13 +95,14 @@ impl Reader<'_> {
         Some(FunctionCall { program, to_scene, words, numbers: raw.reals.clone() })
     }
 
-    /// The words before the transform, and where it leads, with what the including texts do.
+    /// Splits the string arguments into those before the transform and the transform, combined with
+    /// the placement of the including files.
     pub(super) fn split_transform(&mut self, raw: &Raw, from: usize) -> Option<(Vec<String>, Transform)> {
         let rest = &raw.strings[from.min(raw.strings.len())..];
         let at = rest.iter().position(|word| begins_transform(&word.text)).unwrap_or(rest.len());
         if let [first, ..] = &rest[..at] {
             let last = &rest[at - 1];
-            let message = format!("{} does nothing with \"{}\"", raw.kind, first.text);
+            let message = format!("{} ignores \"{}\"", raw.kind, first.text);
             self.log.push(Diagnostic::warning(message).at(first.span.to(last.span)));
         }
         let words: Vec<&str> = rest[at..].iter().map(|word| &*word.text).collect();
@@ -117,7 +120,7 @@ impl Reader<'_> {
         Some((kept, read.transform.then(&raw.transform)))
     }
 
-    /// Loads the definitions that the options give.
+    /// Loads the definitions from [`super::ReadOptions::definitions`].
     fn define_given(&mut self) {
         let options = self.options;
         let mut definitions = Definitions::with_initial_library();
@@ -131,7 +134,7 @@ impl Reader<'_> {
         self.functions.definitions = Some(definitions);
     }
 
-    /// The scope of a function file, which is loaded at its first use.
+    /// The scope of a function file, loaded at its first use.
     fn function_file(&mut self, file: &RawWord) -> Option<Scope> {
         let scope = Scope::of_file(&file.text);
         if self.functions.failed.contains(&scope) {
@@ -175,7 +178,8 @@ impl Reader<'_> {
                 self.define_band(&raw.strings[index], band, scope);
             }
         }
-        let definitions = self.functions.definitions.as_ref().expect("a function file was just looked up");
+        let definitions =
+            self.functions.definitions.as_ref().expect("the scope of a function file was returned a moment ago");
         let wrappers: Vec<Option<String>> = roots
             .iter()
             .map(|root| match *root {
@@ -223,8 +227,8 @@ impl Reader<'_> {
         Root::Expression { text: &word.text, span }
     }
 
-    /// Green's and blue's function may take one argument instead of three; then it is their own band. All roots of a
-    /// picture or table take three, so a function of three is made of it.
+    /// The functions of green and blue may take one argument, their own band, instead of three. All
+    /// root functions of a picture or table take three, so this wraps a one-argument function.
     fn define_band(&mut self, word: &RawWord, band: usize, scope: &Scope) {
         let Some(definitions) = &mut self.functions.definitions else { return };
         let is_narrow = definitions.function_arity(&word.text, scope).is_some_and(|arity| arity < 3);

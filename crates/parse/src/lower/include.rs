@@ -1,4 +1,4 @@
-//! Commands inside scene text, and the texts that they bring in.
+//! Commands in scene text, and the texts that they include.
 
 use super::reader::{Context, Here, Reader};
 use crate::commands::{DirectoryLoader, command_line, directory_of};
@@ -14,16 +14,18 @@ use std::ops::Range;
 use std::rc::Rc;
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// Texts bring in texts no deeper than this.
+/// Largest depth of inclusion.
 const MAX_DEPTH: usize = 64;
 
-/// Texts that stand deeper in others than this are few, whatever the scene places in how many copies.
+/// Depth of inclusion beyond which the number of readings is limited. Ordinary scenes stay below
+/// it, however many copies they place.
 const DEEP: usize = 8;
 
-/// So many of them are read in one scene: each may bring in others again, and so double the work.
+/// Largest number of readings beyond depth [`DEEP`]. Each reading may include others, so the work
+/// could double at each level.
 const MOST_DEEP_READINGS: usize = 1 << 16;
 
-/// Serves the files that commands of the scene wrote, then what the user's loader has.
+/// Serves the files that commands of the scene wrote, then those of the user's loader.
 pub(super) struct SceneLoader<'a> {
     loader: &'a dyn Loader,
     written: RwLock<HashMap<String, Vec<u8>>>,
@@ -61,23 +63,24 @@ impl Loader for SceneLoader<'_> {
     }
 }
 
-/// All the texts of a scene that commands bring in may together have so many bytes.
+/// Largest total size of all included texts, bytes.
 const MOST_BYTES: usize = 4 << 30;
 
-/// The texts that were brought in, and what is being read.
+/// The included texts, and the stack of texts being read.
 #[derive(Default)]
 pub(super) struct Inclusions {
     texts: HashMap<TextKey, Text>,
-    /// What is being read, outermost first.
+    /// The texts being read, outermost first.
     active: Vec<TextKey>,
-    /// What was found to include itself; it is not read again, or the ways around the cycle would have no end.
+    /// Texts that include themselves. They are not read again, since the number of paths through a
+    /// cycle is unbounded.
     cyclic: HashSet<TextKey>,
     readings: usize,
     deep_readings: usize,
     bytes: usize,
 }
 
-/// A file or a command, as asked for in a directory.
+/// A file or a command, with the directory from which it was requested.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct TextKey {
     directory: String,
@@ -88,16 +91,16 @@ struct TextKey {
 struct Text {
     bytes: Arc<[u8]>,
     path: String,
-    /// The source under which it was first read.
+    /// The source under which the text was first read.
     first: Option<SourceId>,
     document: Option<Rc<Document>>,
 }
 
-/// A command line and where it stands.
+/// A command line and its position.
 struct CommandLine {
     line: String,
     source: SourceId,
-    /// Of the byte after the `!`.
+    /// Offset of the byte after the `!`.
     start: u32,
 }
 
@@ -138,7 +141,7 @@ impl XformCall {
 }
 
 impl Reader<'_> {
-    /// A `!` line: what the command prints is read in its place.
+    /// Reads the output of a `!` line in its place.
     pub(super) fn command(&mut self, place: Place, here: Here<'_>) {
         let text = Arc::clone(self.sources.text(here.source));
         let line = command_line(&text[place.start as usize..place.end as usize]);
@@ -153,7 +156,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `xform`, without going through text.
+    /// Applies `xform` without writing and parsing text.
     fn place_copies(&mut self, call: XformCall, command: &CommandLine, here: Here<'_>) {
         let directory = here.context.directory.clone();
         let shared = Rc::clone(&self.loader);
@@ -182,15 +185,16 @@ impl Reader<'_> {
             self.place_copy(&placed, &loader, here, &mut readings)
         });
         if let Err(error) = result
-            && !is_already_told(&error)
+            && !is_already_reported(&error)
         {
             let range = word_range(&call.words, error.argument());
-            self.tell_failure(&error, command.span(range));
+            self.report_failure(&error, command.span(range));
         }
     }
 
-    /// A command that fails gives nothing, and reading goes on; one that may not run at all is an error.
-    fn tell_failure(&mut self, error: &Error, span: Span) {
+    /// Reports a failed command. Its output is empty and reading goes on; a command that is not
+    /// permitted is an error.
+    fn report_failure(&mut self, error: &Error, span: Span) {
         let may_not_run = match error {
             Error::Load(error) => matches!(error, LoadError::CommandRefused { .. }),
             Error::Syntax(_) => true,
@@ -200,7 +204,7 @@ impl Reader<'_> {
         if may_not_run { self.log.push(diagnostic) } else { self.push_tolerated(diagnostic) }
     }
 
-    /// One copy of all the files. An error ends the array.
+    /// Places one copy of all the files. An error ends the array.
     fn place_copy(
         &mut self,
         placed: &PlacedCopy<'_>,
@@ -217,9 +221,9 @@ impl Reader<'_> {
         let is_array = call.is_array();
         if copy.files.is_empty() {
             let Some(key) = standard_input else {
-                let missing = "xform reads a file, and none is named";
+                let missing = "xform names no file to read";
                 self.push_tolerated(Diagnostic::error(missing).at(command.whole()));
-                return Err(already_told());
+                return Err(already_reported());
             };
             let context = Context::new(placement, here.context.directory.clone());
             self.include_reading(key, &context, command.whole(), is_array, readings);
@@ -229,7 +233,7 @@ impl Reader<'_> {
             let span = command.span(word_range(&call.words, Some(*origin)));
             let key = TextKey { directory: here.context.directory.clone(), name: name.clone() };
             if !self.load(&key, loader, span) {
-                return Err(already_told());
+                return Err(already_reported());
             }
             let path = &self.inclusions.texts[&key].path;
             let directory = if copy.runs_commands { directory_of(path) } else { here.context.directory.clone() };
@@ -240,10 +244,10 @@ impl Reader<'_> {
     }
 
     fn unless_stopped(&self) -> Result<(), Error> {
-        if self.is_stopped { Err(already_told()) } else { Ok(()) }
+        if self.is_stopped { Err(already_reported()) } else { Ok(()) }
     }
 
-    /// Includes a text; all copies of one array share a source.
+    /// Includes a text. All copies of one array share a source.
     fn include_reading(
         &mut self,
         key: &TextKey,
@@ -264,7 +268,7 @@ impl Reader<'_> {
         self.include(key, source, context, span, is_array);
     }
 
-    /// Reads a text in place of what asked for it.
+    /// Reads a text in place of the line that requested it.
     fn include(&mut self, key: &TextKey, source: SourceId, context: &Context, span: Span, is_array: bool) {
         if self.inclusions.active.contains(key) {
             let message = format!("\"{}\" includes itself", key.name);
@@ -276,7 +280,7 @@ impl Reader<'_> {
         }
         self.inclusions.readings += 1;
         if self.inclusions.readings > MAX_COPIES {
-            let message = format!("the scene brings in files and commands more than {MAX_COPIES} times");
+            let message = format!("the scene includes files and commands more than {MAX_COPIES} times");
             return self.stop(Diagnostic::error(message).at(span));
         }
         if self.inclusions.active.len() >= MAX_DEPTH {
@@ -305,7 +309,7 @@ impl Reader<'_> {
         self.inclusions.active.pop();
     }
 
-    /// A new source for one more reading of a text.
+    /// A new source for another reading of a text.
     fn source_of(&mut self, key: &TextKey, name: &str, span: Span) -> SourceId {
         let text = self.inclusions.texts.get_mut(key).expect("the text was loaded just before");
         let source = self.sources.add(name, Arc::clone(&text.bytes), Some(span));
@@ -316,7 +320,8 @@ impl Reader<'_> {
         source
     }
 
-    /// Reads a file that an octree names. Without it the octree is not what it was, so unlike a command it may not fail.
+    /// Reads a file that an octree names. Unlike a failed command, a missing file is an error: the
+    /// octree would not be the one that was compiled.
     pub(super) fn include_file(&mut self, name: &str, context: &Context, span: Span) {
         let key = TextKey { directory: context.directory.clone(), name: name.to_owned() };
         if !self.inclusions.texts.contains_key(&key) {
@@ -336,19 +341,19 @@ impl Reader<'_> {
         self.include(&key, source, context, span, false);
     }
 
-    /// Counts bytes that the scene brings in; reading stops when there are too many.
+    /// Counts bytes of included texts. Reading stops when the limit is exceeded.
     pub(super) fn count_bytes(&mut self, count: usize, span: Option<Span>) -> bool {
         self.inclusions.bytes = self.inclusions.bytes.saturating_add(count);
         let is_right = self.inclusions.bytes <= MOST_BYTES;
         if !is_right {
-            let message = format!("the files and commands of the scene give more than {MOST_BYTES} bytes");
+            let message = format!("the files and commands of the scene yield more than {MOST_BYTES} bytes");
             let error = Diagnostic::error(message);
             self.stop(span.map_or(error.clone(), |span| error.at(span)));
         }
         is_right
     }
 
-    /// Loads a file, unless it was loaded before.
+    /// Loads a file unless it was loaded before.
     fn load(&mut self, key: &TextKey, loader: &dyn Loader, span: Span) -> bool {
         if self.inclusions.texts.contains_key(key) {
             return true;
@@ -356,13 +361,13 @@ impl Reader<'_> {
         match loader.load(&key.name, FileKind::Scene) {
             Ok(loaded) => self.keep(key, loaded.bytes, loaded.path, span),
             Err(error) => {
-                self.tell_failure(&Error::Load(error), span);
+                self.report_failure(&Error::Load(error), span);
                 false
             }
         }
     }
 
-    /// Runs a command, unless it was run before.
+    /// Runs a command unless it was run before.
     fn run(&mut self, key: &TextKey, line: &str, command: &CommandLine) -> bool {
         if self.inclusions.texts.contains_key(key) {
             return true;
@@ -380,7 +385,7 @@ impl Reader<'_> {
                 self.keep(key, output.standard_output, key.name.clone(), command.whole())
             }
             Err(PipelineError { range, error }) => {
-                self.tell_failure(&error, command.span(range));
+                self.report_failure(&error, command.span(range));
                 false
             }
         }
@@ -396,7 +401,7 @@ impl Reader<'_> {
     }
 }
 
-/// What is needed to place one copy.
+/// The data needed to place one copy.
 struct PlacedCopy<'a> {
     copy: &'a Copy,
     call: &'a XformCall,
@@ -404,7 +409,7 @@ struct PlacedCopy<'a> {
     standard_input: Option<&'a TextKey>,
 }
 
-/// A command line up to its last pipe, of which nothing but white space and continuation lines follow.
+/// A command line up to its last pipe, if only white space and continuation lines follow that.
 fn before_pipe(line: &str) -> &str {
     let without_blank = |text| {
         let mut text: &str = text;
@@ -421,16 +426,16 @@ fn before_pipe(line: &str) -> &str {
     without_blank(text.strip_suffix('|').unwrap_or(text))
 }
 
-/// Ends an array after its error was reported.
-fn already_told() -> Error {
+/// An error that ends an array and is not printed, because it was reported already.
+fn already_reported() -> Error {
     Error::Impossible { program: "xform".to_owned(), mistake: String::new() }
 }
 
-fn is_already_told(error: &Error) -> bool {
+fn is_already_reported(error: &Error) -> bool {
     matches!(error, Error::Impossible { mistake, .. } if mistake.is_empty())
 }
 
-/// The range of a word; that of the last one if it is missing.
+/// The range of a word, or of the last word if the index is missing.
 fn word_range(words: &[Word], index: Option<usize>) -> Range<usize> {
     let index = index.unwrap_or(0);
     match (words.get(index), words.last()) {

@@ -1,24 +1,26 @@
-//! Collects messages: each once, and not without end.
+//! Collects diagnostics: each once, up to a limit.
 
 use radsight_diag::{Diagnostic, Severity, SourceId};
 use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// More messages than this are only counted.
+/// Number of messages beyond which further ones are only counted.
 const MOST_MESSAGES: usize = 1000;
 
 #[derive(Debug, Default)]
 pub(crate) struct Log {
     pub(crate) diagnostics: Vec<Diagnostic>,
-    /// How many messages were left out.
+    /// Number of messages that were left out.
     pub(crate) omitted: usize,
     seen: HashSet<u64>,
-    /// The same text may be read many times, each time as another source.
+    /// Maps each source to the first one with the same text: a text may be read many times, each
+    /// time as another source.
     first_reading: HashMap<SourceId, SourceId>,
 }
 
 impl Log {
-    /// Says that a source has the same text as an earlier one, so that a mistake in it is told once.
+    /// Declares that a source has the same text as an earlier one, so that a mistake in it is
+    /// reported once.
     pub(crate) fn same_text(&mut self, source: SourceId, first: SourceId) {
         self.first_reading.insert(source, first);
     }
@@ -38,7 +40,7 @@ impl Log {
         } else if diagnostic.severity == Severity::Error
             && let Some(warning) = self.diagnostics.iter_mut().rev().find(|other| other.severity < Severity::Error)
         {
-            // An error is never lost behind warnings.
+            // When the log is full, an error replaces a warning.
             *warning = diagnostic;
             self.omitted += 1;
         } else {
@@ -46,7 +48,8 @@ impl Log {
         }
     }
 
-    /// Makes warnings of the errors from a number of messages on; gives the first of them.
+    /// Turns the errors from message number `count` on into warnings, and returns the first of
+    /// them.
     pub(crate) fn tolerate_since(&mut self, count: usize) -> Option<String> {
         let new = self.diagnostics.get_mut(count..).unwrap_or_default();
         new.iter_mut().for_each(|diagnostic| diagnostic.severity = diagnostic.severity.min(Severity::Warning));

@@ -11,17 +11,18 @@ use radsight_ir::{
     ModifierKind, Prism, PrismFace, Rgb, ScatteringFunction, ScatteringRole, Substitute, Translucent,
 };
 
-/// The handle in the scene of a modifier as written.
+/// Maps a modifier as written to its handle in the scene.
 pub(super) type Lowered<'a> = dyn Fn(RawHandle) -> Option<ModifierHandle> + 'a;
 
-/// Radiance's default index of refraction for `glass`.
+/// Radiance's default index of refraction of `glass`.
 const GLASS_INDEX: f64 = 1.52;
 
-/// Radiance takes angles and lengths below this for zero.
+/// Radiance treats angles and lengths below this as zero.
 const TINY: f64 = 1e-6;
 
 impl Reader<'_> {
-    /// What a modifier does. The argument counts were checked. `None` after a mistake, which was reported.
+    /// Lowers a modifier whose argument counts were checked. `None` after a mistake, which was
+    /// reported.
     pub(super) fn lower_kind(&mut self, raw: &Raw, at: &Lowered<'_>) -> Option<ModifierKind> {
         match raw.kind.role() {
             crate::Role::Material => self.material(raw, at).map(ModifierKind::Material),
@@ -32,9 +33,9 @@ impl Reader<'_> {
         }
     }
 
-    /// An error about a type that radsight does not know yet.
+    /// Reports a type that radsight does not support yet.
     pub(super) fn not_yet<T>(&mut self, raw: &Raw) -> Option<T> {
-        let message = format!("{} \"{}\" cannot be read yet", raw.kind, self.scene.names.get(raw.name));
+        let message = format!("{} \"{}\" is not supported yet", raw.kind, self.scene.names.get(raw.name));
         self.log.push(Diagnostic::error(message).at(raw.kind_span));
         self.is_inexcusable = true;
         None
@@ -118,7 +119,7 @@ impl Reader<'_> {
         })
     }
 
-    /// A call whose first strings are expressions, followed by the function file.
+    /// A function call: the first `count` strings are expressions, followed by the function file.
     pub(super) fn expressions(&mut self, raw: &Raw, count: usize) -> Option<radsight_ir::FunctionCall> {
         let roots: Vec<RootWord> = (0..count).map(RootWord::Expression).collect();
         self.call(raw, &CallForm { file: count, roots: &roots })
@@ -186,7 +187,7 @@ impl Reader<'_> {
     }
 }
 
-/// Three bands from an index on.
+/// Three bands, starting at an index.
 pub(super) fn rgb(reals: &[f64], first: usize) -> Rgb {
     Rgb([reals[first], reals[first + 1], reals[first + 2]])
 }
@@ -218,7 +219,8 @@ fn mist(raw: &Raw) -> Mist {
     }
 }
 
-/// What stands in for an `illum` or `mirror` that is seen. A name that means nothing lets rays pass, as in Radiance.
+/// The material that replaces an `illum` or `mirror` seen directly. An undefined name makes the
+/// surface invisible, as in Radiance.
 fn substitute(raw: &Raw, at: &Lowered<'_>) -> Substitute {
     match raw.references.first() {
         None => Substitute::Own,

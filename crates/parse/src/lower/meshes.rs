@@ -1,4 +1,4 @@
-//! Meshes, with the materials that their files bring.
+//! Meshes, with the materials inside their files.
 
 use super::modifiers::{RawHandle, RawWord};
 use super::objects::scene_text;
@@ -16,16 +16,16 @@ use std::sync::Arc;
 /// The meshes of a scene.
 #[derive(Default)]
 pub(super) struct Meshes {
-    /// By the name of the file; `None` for those that could not be read.
+    /// By file name; `None` for those that could not be read.
     by_file: HashMap<String, Option<Handle<Mesh>>>,
-    /// By the index of the mesh.
+    /// By mesh index.
     materials: Vec<Materials>,
 }
 
 /// The materials of a mesh, until their handles are known.
 struct Materials {
     modifiers: Vec<Option<RawHandle>>,
-    /// For each triangle, an index into the above.
+    /// For each triangle, an index into the materials above.
     of_triangles: Vec<Option<u32>>,
 }
 
@@ -55,7 +55,8 @@ impl Reader<'_> {
         Ok(self.scene.meshes.add(mesh(&file.text, &read)))
     }
 
-    /// The modifiers inside a file. They may use those of the scene, but the scene cannot use them.
+    /// The modifiers inside a mesh file. They may use those of the scene, but the scene cannot use
+    /// them.
     fn embedded_modifiers(&mut self, path: &str, objects: &[Object<'_>], span: Span) -> Vec<Option<RawHandle>> {
         if objects.is_empty() {
             return Vec::new();
@@ -89,7 +90,7 @@ impl Reader<'_> {
         handles
     }
 
-    /// The modifiers that meshes bring and some surface shows.
+    /// The modifiers of meshes that some surface shows.
     pub(super) fn materials_of_meshes(&self) -> Vec<RawHandle> {
         let mut is_shown = vec![false; self.meshes.materials.len()];
         for (surface, modifier) in self.scene.surfaces.items().iter().zip(&self.surface_modifiers) {
@@ -107,7 +108,7 @@ impl Reader<'_> {
         modifiers.collect()
     }
 
-    /// Tells the triangles of meshes the handles of their modifiers.
+    /// Sets the modifier handles of the triangles of all meshes.
     pub(super) fn finish_meshes(&mut self, at: &dyn Fn(RawHandle) -> Option<ModifierHandle>) {
         let materials = std::mem::take(&mut self.meshes.materials);
         for (mesh, materials) in self.scene.meshes.items_mut().iter_mut().zip(materials) {
@@ -135,7 +136,7 @@ fn mesh(file: &str, read: &MeshFile<'_>) -> Mesh {
     }
 }
 
-/// Whether all three vertices have something.
+/// Whether all three vertices have an attribute.
 fn have_all<T>(of_vertices: &[Option<T>], vertices: [u32; 3]) -> bool {
     vertices.iter().all(|&vertex| of_vertices.get(vertex as usize).is_some_and(Option::is_some))
 }

@@ -1,4 +1,4 @@
-//! Modifiers as they were written, until all texts are read and it is known which of them are used.
+//! Modifiers as written, kept until all texts are read and the used ones are known.
 
 use super::materials::Lowered;
 use super::reader::{Here, Reader};
@@ -10,36 +10,37 @@ use radsight_diag::{Diagnostic, Severity, Span, hint_nearest};
 use radsight_ir::{Material, Modifier, ModifierHandle, ModifierKind, NameId, Transform};
 use std::collections::{HashMap, HashSet};
 
-/// Names a modifier as written.
+/// Identifies a modifier as written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct RawHandle(u32);
 
-/// A modifier as written, with what its names meant where it stood.
+/// A modifier as written. Its names are resolved as they stood at that point of the text.
 #[derive(Clone, Debug)]
 pub(super) struct Raw {
     pub(super) kind: Kind,
     pub(super) name: NameId,
-    /// The whole primitive.
+    /// The span of the whole primitive.
     pub(super) span: Span,
-    /// The word that names the type.
+    /// The span of the type.
     pub(super) kind_span: Span,
     pub(super) parent: Option<RawHandle>,
     pub(super) strings: Vec<RawWord>,
-    /// Placed.
+    /// The real arguments after placement.
     pub(super) reals: Vec<f64>,
-    /// Where the three counts stand.
+    /// The spans of the three counts.
     pub(super) counts: [Span; 3],
-    /// For types that take a transform: what the texts that include it do.
+    /// For types that take a transform: the transform of the including texts.
     pub(super) transform: Transform,
-    /// The modifiers that string arguments name, in order.
+    /// The modifiers named by string arguments, in order.
     pub(super) references: Vec<Reference>,
-    /// The name of what an alias stands for.
+    /// The name of an alias's target.
     pub(super) original: Option<NameId>,
 }
 
 impl Raw {
-    /// Whether it does the same as another, wherever that stands. Radiance too keeps the first of such definitions: an array
-    /// of files that bring their materials along has each material once.
+    /// Whether it equals another definition, wherever that stands. Like Radiance, we keep the first
+    /// of equal definitions: an array of files that define their own materials has each material
+    /// once.
     fn does_the_same(&self, other: &Raw) -> bool {
         self.kind == other.kind
             && self.parent == other.parent
@@ -57,7 +58,7 @@ pub(super) struct RawWord {
     pub(super) span: Span,
 }
 
-/// What a string argument that names a modifier means.
+/// The modifier that a string argument names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reference {
     Void,
@@ -67,16 +68,16 @@ pub(super) enum Reference {
     Undefined,
 }
 
-/// All modifiers, and what each name means now.
+/// All modifiers, and the current meaning of each name.
 #[derive(Default)]
 pub(super) struct ModifierTable {
     raws: Vec<Raw>,
     names: HashMap<Vec<u8>, RawHandle>,
-    /// Names that meant nothing where they stood.
+    /// Names that were undefined where they were used.
     undefined: Vec<(String, Span)>,
-    /// What names meant before they were defined in the scope that is open.
+    /// The meanings of names before the open scope redefined them.
     hidden: Option<Vec<(Vec<u8>, Option<RawHandle>)>>,
-    /// The name asked for last; neighbours in a file often share a modifier.
+    /// The last name looked up; neighbours in a file often share a modifier.
     last: Option<(Vec<u8>, RawHandle)>,
 }
 
@@ -100,12 +101,12 @@ impl ModifierTable {
         }
     }
 
-    /// Names that are defined from now on are forgotten by [`Self::close_scope`].
+    /// Opens a scope: [`Self::close_scope`] forgets names defined from here on.
     pub(super) fn open_scope(&mut self) {
         self.hidden = Some(Vec::new());
     }
 
-    /// Names mean again what they meant before.
+    /// Closes the scope: names mean again what they meant before.
     pub(super) fn close_scope(&mut self) {
         for (name, before) in self.hidden.take().into_iter().flatten().rev() {
             match before {
@@ -123,7 +124,7 @@ impl ModifierTable {
 
     fn undefined(&mut self, name: &[u8], span: Span) -> Diagnostic {
         const MOST_NAMES: usize = 20_000;
-        // To look for the nearest name takes long, and nobody reads so many hints.
+        // The search for similar names is slow, and a user reads few hints.
         const MOST_HINTS: usize = 100;
         let name = String::from_utf8_lossy(name);
         if self.undefined.len() < MOST_NAMES {
@@ -153,7 +154,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What the word before a type means; mistakes are reported and count as `void`.
+    /// The modifier named before a type. Mistakes are reported and count as `void`.
     fn parent(&mut self, name: &[u8], span: Span) -> Option<RawHandle> {
         match name {
             b"void" => None,
@@ -164,14 +165,14 @@ impl Reader<'_> {
             _ => {
                 let found = self.modifiers.find(name);
                 if found.is_none() {
-                    self.tell_undefined(name, span, Severity::Error);
+                    self.report_undefined(name, span, Severity::Error);
                 }
                 found
             }
         }
     }
 
-    /// A modifier other than an alias.
+    /// Defines a modifier other than an alias.
     pub(super) fn define(&mut self, primitive: &Primitive<'_>, here: Here<'_>) {
         let parent = self.parent(&primitive.text(primitive.modifier), here.span(primitive.modifier.place()));
         let name = primitive.text(primitive.name);
@@ -189,7 +190,7 @@ impl Reader<'_> {
         self.modifiers.set(&name, handle);
     }
 
-    /// A primitive as written, placed, without what its strings refer to.
+    /// A primitive as written, after placement, with its string references unresolved.
     pub(super) fn raw(&mut self, primitive: &Primitive<'_>, parent: Option<RawHandle>, here: Here<'_>) -> Raw {
         let placement = &here.context.placement;
         let mut reals = Vec::with_capacity(primitive.reals.len());
@@ -214,14 +215,15 @@ impl Reader<'_> {
         }
     }
 
-    /// Another name: a copy under its own modifier, or under that of its target. It has a place of its own in the order of modifiers,
-    /// which decides between surfaces that lie on each other.
+    /// Defines another name: a copy of the target under the alias's modifier or the target's own.
+    /// The copy has its own position in the order of modifiers, which decides between coincident
+    /// surfaces.
     pub(super) fn define_alias(&mut self, alias: &Alias<'_>, here: Here<'_>) {
         let name = alias.text(alias.name);
         let target_name = alias.text(alias.target);
         let target_span = here.span(alias.target.place());
         let Some(target) = self.modifiers.find(&target_name) else {
-            return self.tell_undefined(&target_name, target_span, Severity::Error);
+            return self.report_undefined(&target_name, target_span, Severity::Error);
         };
         if !self.is_good_name(&name, here.span(alias.name.place())) {
             return;
@@ -255,7 +257,7 @@ impl Reader<'_> {
         false
     }
 
-    /// Integer arguments are an error for every type.
+    /// Reports integer arguments, which no type takes.
     pub(super) fn has_integers(&mut self, primitive: &Primitive<'_>, here: Here<'_>) -> bool {
         let [_, count, _] = primitive.counts;
         if primitive.integers.is_empty() {
@@ -287,23 +289,23 @@ impl Reader<'_> {
         if let Some(handle) = self.modifiers.find(word.text.as_bytes()) {
             return Reference::To(handle);
         }
-        // Radiance goes on without it in these types.
+        // Radiance ignores a missing modifier in these types.
         let is_needless = matches!(kind, Kind::Illum | Kind::Mirror | Kind::Antimatter);
         let severity = if is_needless { Severity::Warning } else { Severity::Error };
-        self.tell_undefined(word.text.as_bytes(), word.span, severity);
+        self.report_undefined(word.text.as_bytes(), word.span, severity);
         Reference::Undefined
     }
 
-    /// Says that a name means nothing, where that matters.
-    fn tell_undefined(&mut self, name: &[u8], span: Span, severity: Severity) {
-        if self.options.purpose != Purpose::Places {
+    /// Reports an undefined name, where it matters.
+    fn report_undefined(&mut self, name: &[u8], span: Span, severity: Severity) {
+        if self.options.purpose != Purpose::Bounds {
             let mut diagnostic = self.modifiers.undefined(name, span);
             diagnostic.severity = severity;
             self.log.push(diagnostic);
         }
     }
 
-    /// Says where a name was defined later than it was used.
+    /// Adds a hint where a name is defined after its use.
     fn explain_forward_references(&mut self) {
         let undefined: HashMap<Span, &String> =
             self.modifiers.undefined.iter().map(|(name, span)| (*span, name)).collect();
@@ -315,12 +317,12 @@ impl Reader<'_> {
         }
     }
 
-    /// Puts the modifiers that are used into the scene, and tells the surfaces their handles.
+    /// Puts the used modifiers into the scene and sets the handles of the surfaces.
     pub(super) fn lower_modifiers(&mut self) {
         self.explain_forward_references();
         let raws = std::mem::take(&mut self.modifiers.raws);
         let used = match (self.options.purpose, self.options.unused) {
-            (Purpose::Octree | Purpose::Places, _) => vec![false; raws.len()],
+            (Purpose::Octree | Purpose::Bounds, _) => vec![false; raws.len()],
             (Purpose::Render, UnusedModifiers::Lower) => vec![true; raws.len()],
             (Purpose::Render, UnusedModifiers::Skip) => self.used(&raws),
         };
@@ -357,7 +359,7 @@ impl Reader<'_> {
         self.finish_meshes(&|raw| handles[raw.0 as usize]);
     }
 
-    /// What one modifier does; where that is wrong and tolerated, it is said to be unusable.
+    /// Lowers one modifier. A tolerated mistake makes it [`radsight_ir::Material::Unusable`].
     fn lower_modifier(&mut self, raw: &Raw, at: &Lowered<'_>) -> Option<ModifierKind> {
         let messages = self.log.diagnostics.len();
         self.is_inexcusable = false;
@@ -374,7 +376,8 @@ impl Reader<'_> {
         Some(ModifierKind::Material(Material::Unusable { reason }))
     }
 
-    /// Which modifiers some surface needs, directly or through others. What is needed always stands before.
+    /// Which modifiers are used by a surface, directly or through others. A modifier always stands
+    /// after those it uses.
     fn used(&self, raws: &[Raw]) -> Vec<bool> {
         let mut used = vec![false; raws.len()];
         for handle in self.surface_modifiers.iter().flatten().chain(&self.materials_of_meshes()) {
@@ -396,7 +399,8 @@ impl Reader<'_> {
         used
     }
 
-    /// Which modifiers `#@radsight brdf` and `--brdf` replace, by index, and by which replacement.
+    /// Which modifiers `#@radsight brdf` and `--brdf` replace: from modifier index to replacement
+    /// index.
     fn find_replaced(&mut self, raws: &[Raw]) -> HashMap<usize, usize> {
         let mut replaced = HashMap::new();
         for (at, replacement) in self.replacements.iter().enumerate() {
@@ -444,7 +448,7 @@ impl Reader<'_> {
                 self.log.push(error);
                 is_right = false;
             } else if right == Count::Ignored && found > 0 && !takes_some_strings(raw.kind, found) {
-                let message = format!("{kind} \"{name}\" does nothing with its {found} {group} argument{plural}");
+                let message = format!("{kind} \"{name}\" ignores its {found} {group} argument{plural}");
                 self.log.push(Diagnostic::warning(message).at(span));
             }
         }
@@ -466,7 +470,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Where a real argument stands.
+    /// The span of a real argument.
     pub(super) fn real_span(&self, raw: &Raw, index: usize) -> Span {
         let count = raw.counts[2];
         let text = self.sources.text(count.source);
@@ -476,7 +480,7 @@ impl Reader<'_> {
     }
 }
 
-/// Types whose string arguments may be left out but mean something.
+/// Types whose string arguments may be omitted but have a meaning.
 fn takes_some_strings(kind: Kind, found: usize) -> bool {
     matches!(kind, Kind::Illum | Kind::Mirror) && found == 1
 }

@@ -1,4 +1,5 @@
-//! The numbers that Radiance gives the primitives of a scene, and the primitives themselves for a frozen octree.
+//! The numbers that Radiance assigns to primitives, and the primitives themselves for a frozen
+//! octree.
 
 use super::reader::{Here, Reader};
 use crate::Kind;
@@ -7,18 +8,19 @@ use crate::transform_words;
 use radsight_formats::Object;
 use std::collections::HashMap;
 
-/// Numbers of primitives: in the order of the texts, from 0, modifiers and aliases included, and all that commands print.
+/// The numbers of primitives: in the order of the texts, from 0, including modifiers, aliases and
+/// the output of commands.
 #[derive(Clone, Debug, Default)]
 pub struct Numbering {
-    /// How many primitives there are.
+    /// Number of primitives.
     pub count: usize,
     /// The number of each surface of the scene.
     pub of_surfaces: Vec<u32>,
-    /// The primitives, placed, if they were asked for ([`super::KeepPrimitives::Yes`]).
+    /// The primitives after placement, if [`super::KeepPrimitives::Yes`] requests them.
     pub primitives: Vec<Object<'static>>,
 }
 
-/// What is needed to number while a text is read.
+/// The numbering state while a text is read.
 #[derive(Default)]
 pub(super) struct Numberer {
     pub(super) numbering: Numbering,
@@ -39,7 +41,7 @@ impl Numberer {
         self.modifiers.as_ref().and_then(|modifiers| modifiers.get(name)).copied()
     }
 
-    /// The next surface of the scene is the primitive that was numbered last.
+    /// Assigns the number of the last primitive to the next surface of the scene.
     pub(super) fn note_surface(&mut self) {
         self.numbering.of_surfaces.push(self.numbering.count.saturating_sub(1) as u32);
     }
@@ -80,7 +82,8 @@ impl Reader<'_> {
         self.numberer.keep(Object { kind: kind.into(), modifier, name: name.into(), strings, reals }, is_modifier);
     }
 
-    /// An alias with the same modifier as its target has the target for its modifier; others have its name for a string.
+    /// Numbers an alias. An alias whose modifier equals its target's has the target as modifier;
+    /// others hold its name as a string argument.
     pub(super) fn number_alias(&mut self, alias: &Alias<'_>) {
         self.numberer.numbering.count += 1;
         if self.numberer.modifiers.is_none() {

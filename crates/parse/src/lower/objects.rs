@@ -1,10 +1,12 @@
-//! The primitives inside compiled files, as scene text: what is wrong with one can then be shown like any other mistake.
+//! Writes the primitives of compiled files as scene text, so that mistakes in them are reported
+//! like any other.
 
 use crate::write::Quoted;
 use radsight_formats::Object;
 use std::fmt::Write;
 
-/// One item of scene text for each object. A name means the object of that name that was read last, as in any scene text.
+/// One item of scene text per object. A name refers to the object of that name read last, as in any
+/// scene text.
 pub(super) fn scene_text(objects: &[Object<'_>]) -> String {
     let mut text = String::new();
     for object in objects {

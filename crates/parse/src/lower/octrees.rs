@@ -1,4 +1,4 @@
-//! Octrees: as scenes of their own, and placed by `instance`.
+//! Octrees: as whole scenes, and as instances.
 
 use super::meshes::Meshes;
 use super::modifiers::{ModifierTable, RawHandle, RawWord};
@@ -15,21 +15,21 @@ use std::collections::HashMap;
 use std::mem::take;
 use std::sync::Arc;
 
-/// Scenes place scenes no deeper than this.
+/// Largest depth of nested instances.
 const MAX_DEPTH: usize = 64;
 
-/// The octrees that a scene and those that it places are made of.
+/// The octrees used by the scene and by its instances.
 #[derive(Default)]
 pub(super) struct Octrees {
-    /// Those of the scene that is being read, by the name of the file; `None` for those that could not be read.
+    /// Octrees of the scene being read, by file name; `None` for those that could not be read.
     by_file: HashMap<String, Option<Handle<OctreeScene>>>,
-    /// Those of all scenes.
+    /// Octrees of all scenes, by file name.
     read: HashMap<String, Option<(Cube, Arc<Scene>)>>,
-    /// What is being read, outermost first.
+    /// The octrees being read, outermost first.
     active: Vec<String>,
 }
 
-/// What belongs to one scene, put aside while a scene that it places is read.
+/// The state of one scene, put aside while one of its instances is read.
 #[derive(Default)]
 struct Aside {
     scene: Scene,
@@ -45,12 +45,12 @@ struct Aside {
 }
 
 impl Reader<'_> {
-    /// Whether the scene that is being read is not placed by another one.
+    /// Whether the scene being read is the outermost one.
     pub(super) fn is_outermost(&self) -> bool {
         self.octrees.active.is_empty()
     }
 
-    /// An octree as the scene, or a part of it.
+    /// Reads an octree as the scene or a part of it.
     pub(super) fn read_octree(&mut self, path: &str, bytes: &[u8]) {
         match Octree::read(bytes) {
             Ok(octree) => {
@@ -63,7 +63,8 @@ impl Reader<'_> {
         }
     }
 
-    /// A placed octree, loaded at its first use. `None` after a mistake, which was reported.
+    /// The octree of an instance, loaded at its first use. `None` after a mistake, which was
+    /// reported.
     pub(super) fn octree(&mut self, file: &RawWord) -> Option<Handle<OctreeScene>> {
         if let Some(known) = self.octrees.by_file.get(&file.text) {
             return *known;
@@ -84,11 +85,13 @@ impl Reader<'_> {
 
     fn placed_scene(&mut self, file: &RawWord) -> Option<(Cube, Arc<Scene>)> {
         if self.octrees.active.contains(&file.text) {
-            self.log.push(Diagnostic::error(format!("octree \"{}\" places itself", file.text)).at(file.span));
+            self.log.push(
+                Diagnostic::error(format!("octree \"{}\" contains itself as an instance", file.text)).at(file.span),
+            );
             return None;
         }
         if self.octrees.active.len() >= MAX_DEPTH {
-            let message = format!("octrees place each other more than {MAX_DEPTH} deep");
+            let message = format!("instances of octrees are nested more than {MAX_DEPTH} deep");
             self.stop(Diagnostic::error(message).at(file.span));
             return None;
         }
@@ -118,7 +121,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads another scene in between.
+    /// Reads another scene with fresh state, then restores the state of the current one.
     fn read_aside(&mut self, read: impl FnOnce(&mut Self)) -> Scene {
         let mut outer = Aside::default();
         self.exchange(&mut outer);

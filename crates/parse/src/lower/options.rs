@@ -1,4 +1,4 @@
-//! What is read, how, and what comes of it.
+//! Inputs, options and result of reading a scene.
 
 use super::{BrdfReplacement, Numbering};
 use radsight_diag::{Diagnostic, Severity, SourceMap};
@@ -6,14 +6,14 @@ use radsight_ir::Scene;
 use radsight_picture::Header;
 use std::sync::Arc;
 
-/// One of the texts that make up a scene.
+/// One input of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// A file by its name; with `!` in front, the output of a command.
+    /// A file by name, or the output of a command after `!`.
     File(String),
     /// A text given directly.
     Text {
-        /// For messages.
+        /// The name used in messages.
         name: String,
         /// The text; shared, so that a large one is not copied.
         text: Arc<[u8]>,
@@ -23,22 +23,24 @@ pub enum Input {
 /// How a scene is read.
 #[derive(Clone, Debug)]
 pub struct ReadOptions {
-    /// What the scene is read for. Default: to be rendered.
+    /// The purpose of reading. Default: rendering.
     pub purpose: Purpose,
-    /// What becomes of modifiers that no surface uses. Default: they are skipped.
+    /// How modifiers without a surface are treated. Default: they are skipped.
     pub unused: UnusedModifiers,
-    /// What becomes of mistakes that real Radiance reads past. Default: they are warnings.
+    /// How mistakes that real Radiance tolerates are treated. Default: as warnings.
     pub tolerance: Tolerance,
-    /// Materials to be replaced by models from shared libraries, as `--brdf` gives them. Default: none.
+    /// Materials replaced by models from shared libraries, as in `--brdf`. Default: none.
     pub brdf: Vec<BrdfReplacement>,
-    /// Texts of definitions that all functions of the scene may use, by their names for messages (Radiance's `-f` and `-e`). Default: none.
+    /// Texts of definitions that all functions of the scene may use, with their names for messages
+    /// (Radiance's `-f` and `-e`). Default: none.
     pub definitions: Vec<(String, Arc<[u8]>)>,
-    /// Texts with more bytes are forgotten once they were read, unless a message is about them; later messages about them
-    /// then have line and column, but do not show the line. Default: 16 MiB.
+    /// Texts longer than this are dropped after reading unless a message refers to them. Later
+    /// messages about them give line and column but do not show the line. Bytes; default: 16 MiB.
     pub longest_kept_text: usize,
-    /// Whether the primitives are kept as lists of words and numbers beside the scene. Default: no.
+    /// Whether to keep the primitives as lists of words and numbers beside the scene. Default: no.
     pub primitives: KeepPrimitives,
-    /// The most surfaces that a scene may have; more is an error instead of an exhausted machine. Default: 50 million.
+    /// Largest number of surfaces; more is an error instead of exhausted memory. Default: 50
+    /// million.
     pub most_surfaces: usize,
 }
 
@@ -57,75 +59,80 @@ impl Default for ReadOptions {
     }
 }
 
-/// What a scene is read for: what it must have, and what of it is left alone, as Radiance's programs do.
+/// The purpose of reading a scene: which parts are required and which are ignored, as in Radiance's
+/// programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Purpose {
-    /// To be rendered: everything that surfaces use is read, and a scene of empty files is an error, since the
-    /// program that should have written them failed.
+    /// Rendering: everything that surfaces use is read. A scene of empty files is an error, since
+    /// the program that should have written them failed.
     #[default]
     Render,
-    /// For an octree: names must be defined, but the files of modifiers are left alone, and all may be empty.
+    /// An octree: names must be defined, but the files of modifiers are not read, and all inputs
+    /// may be empty.
     Octree,
-    /// For the places of surfaces: modifiers need not be defined either.
-    Places,
+    /// Bounding boxes: modifiers need not be defined.
+    Bounds,
 }
 
-/// Whether the primitives of a scene are kept as they will stand in a frozen octree.
+/// Whether to keep the primitives in the form of a frozen octree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum KeepPrimitives {
-    /// They are not.
+    /// Do not keep them.
     #[default]
     No,
-    /// They are, in [`Numbering::primitives`].
+    /// Keep them in [`Numbering::primitives`].
     Yes,
 }
 
-/// What becomes of modifiers that no surface uses.
+/// How modifiers without a surface are treated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UnusedModifiers {
-    /// They are not in the scene, their files are not loaded, and what is wrong with them is a warning.
+    /// They are left out of the scene, their files are not loaded, and mistakes in them are
+    /// warnings.
     #[default]
     Skip,
-    /// They are treated as if they were used.
+    /// They are treated as if a surface used them.
     Lower,
 }
 
-/// What becomes of mistakes that real Radiance reads past: a command that fails, and a modifier whose arguments, functions
-/// or files are wrong, as long as no ray meets it.
+/// How mistakes that real Radiance tolerates are treated: failed commands, and modifiers with wrong
+/// arguments, functions or files that no ray meets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tolerance {
-    /// They are warnings; the modifier becomes [`radsight_ir::Material::Unusable`].
+    /// As warnings; the modifier becomes [`radsight_ir::Material::Unusable`].
     #[default]
     AsRadiance,
-    /// They are errors.
+    /// As errors.
     Strict,
 }
 
-/// What came of reading.
+/// The result of reading.
 #[derive(Debug)]
 pub struct Read {
-    /// The scene; incomplete if there are errors.
+    /// The scene; incomplete after errors.
     pub scene: Scene,
     /// All texts that were read.
     pub sources: SourceMap,
     /// The numbers of the primitives.
     pub numbering: Numbering,
-    /// The headers of the octrees among the inputs: how they came to be, for the header of what is made of them.
+    /// The headers of the octrees among the inputs: the commands that made them, for the header of
+    /// the output.
     pub history: Header,
-    /// What is wrong or suspect, in the order in which it was found.
+    /// Errors, warnings and notes, in the order in which they were found.
     pub diagnostics: Vec<Diagnostic>,
-    /// How many further messages were left out.
+    /// Number of further diagnostics that were left out.
     pub omitted: usize,
 }
 
 impl Read {
-    /// Whether anything is wrong.
+    /// Whether there is any error.
     #[must_use]
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 
-    /// The messages as text for people: errors first, at most `most` messages, then how many more there are.
+    /// The diagnostics as text: errors first, at most `most` of them, then the number of the
+    /// others.
     #[must_use]
     pub fn render(&self, most: usize) -> String {
         let mut ordered: Vec<&Diagnostic> = self.diagnostics.iter().collect();

@@ -77,8 +77,8 @@ impl Reader<'_> {
         Some(Mixture { arms: MixtureArms { foreground: arm(0), background: arm(1) }, amount })
     }
 
-    /// Functions of values, the files of the values, the function file, and a coordinate for each axis; the last `hidden`
-    /// axes have no coordinate.
+    /// A call with functions of values, data files, a function file, and one coordinate for each
+    /// axis but the last `hidden` ones.
     fn grid_call(&mut self, raw: &Raw, functions: &[RootWord], files: &[usize], hidden: usize) -> Option<GridCall> {
         let mut grids: Vec<Handle<DataGrid>> = Vec::with_capacity(files.len());
         for &file in files {
@@ -101,7 +101,7 @@ impl Reader<'_> {
         Some(GridCall { call, grids })
     }
 
-    /// Functions of a colour, the picture, the function file, and the coordinates u and v.
+    /// A call with functions of a colour, a picture, a function file, and the coordinates u and v.
     fn picture_call(&mut self, raw: &Raw, functions: &[RootWord], file: usize) -> Option<PictureCall> {
         let picture = self.picture(&raw.strings[file])?;
         let coordinates = [RootWord::Expression(file + 2), RootWord::Expression(file + 3)];
@@ -125,13 +125,14 @@ impl Reader<'_> {
     }
 }
 
-/// Samples at equal steps between two wavelengths; each stands for the step around it.
+/// Samples at equal steps between two wavelengths, nm. Each sample represents the step around it.
 fn spectrum([first, last]: [f64; 2], values: Vec<f64>) -> Spectrum {
     let half_step = 0.5 * (last - first) / (values.len() as f64 - 1.0);
     Spectrum { range_nm: [first - half_step, last + half_step], values }
 }
 
-/// A spectrum with irregular points at twice as many equal steps, by straight lines.
+/// Resamples a spectrum with irregular wavelengths at twice as many equal steps, by linear
+/// interpolation.
 fn resampled(points: &[f64], values: &[f64]) -> Spectrum {
     let (first, last) = (points[0], points[points.len() - 1]);
     let count = 2 * points.len();

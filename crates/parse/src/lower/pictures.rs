@@ -8,7 +8,8 @@ use radsight_loader::{FileKind, Loader};
 use radsight_picture::{Encoding, Image, Picture};
 
 impl Reader<'_> {
-    /// A picture in red, green and blue, loaded at its first use. `None` after a mistake, which was reported.
+    /// A picture in red, green and blue, loaded at its first use. `None` after a mistake, which was
+    /// reported.
     pub(super) fn picture(&mut self, file: &RawWord) -> Option<Handle<PictureData>> {
         if let Some(known) = self.pictures.get(&file.text) {
             return *known;
@@ -23,7 +24,7 @@ impl Reader<'_> {
             }
             other => Err(format!("\"{}\" is a picture in {}, expected red, green and blue", file.text, other.name())),
         });
-        let handle = self.told(picture, file);
+        let handle = self.report_error(picture, file);
         self.pictures.insert(file.text.clone(), handle);
         handle
     }
@@ -49,7 +50,7 @@ impl Reader<'_> {
             }
             other => Err(format!("\"{}\" is a picture in {}, expected spectra", file.text, other.name())),
         });
-        let handle = self.told(grid, file);
+        let handle = self.report_error(grid, file);
         self.grids.insert(file.text.clone(), handle);
         handle
     }
@@ -59,12 +60,13 @@ impl Reader<'_> {
         Picture::read(&loaded.bytes).map_err(|error| format!("\"{}\": {error}", loaded.path))
     }
 
-    fn told<T>(&mut self, result: Result<T, String>, file: &RawWord) -> Option<T> {
+    fn report_error<T>(&mut self, result: Result<T, String>, file: &RawWord) -> Option<T> {
         result.map_err(|message| self.log.push(Diagnostic::error(message).at(file.span))).ok()
     }
 }
 
-/// Coordinates of the last column and the top row: the shorter side, with the pixels' own shape, is 1.
+/// The coordinates u and v of the last column and the top row. The shorter side, measured with the
+/// pixel aspect, is 1.
 fn extent(picture: &Picture) -> Result<[f64; 2], String> {
     let aspect = picture.header().pixel_aspect().map_err(|error| error.to_string())?;
     if !(aspect.is_finite() && aspect > 0.0) {

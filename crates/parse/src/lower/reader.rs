@@ -1,4 +1,4 @@
-//! Walks over the texts of a scene and hands each item to what knows it.
+//! Walks over the texts of a scene and passes each item to its handler.
 
 use super::functions::Functions;
 use super::include::{Inclusions, SceneLoader};
@@ -21,7 +21,7 @@ use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Everything that reading needs and makes.
+/// The state of reading and its results so far.
 pub(super) struct Reader<'a> {
     pub(super) loader: Rc<SceneLoader<'a>>,
     pub(super) options: &'a ReadOptions,
@@ -29,19 +29,19 @@ pub(super) struct Reader<'a> {
     pub(super) scene: Scene,
     pub(super) log: Log,
     pub(super) modifiers: ModifierTable,
-    /// The modifier of each surface; they get their handles when all texts were read.
+    /// The modifier of each surface. Handles are assigned when all texts are read.
     pub(super) surface_modifiers: Vec<Option<RawHandle>>,
     pub(super) inclusions: Inclusions,
     pub(super) functions: Functions,
-    /// Tables by the name of their file; `None` for those that could not be read.
+    /// Tables by file name; `None` for those that could not be read.
     pub(super) grids: HashMap<String, Option<Handle<DataGrid>>>,
-    /// Likewise.
+    /// Pictures, likewise.
     pub(super) pictures: HashMap<String, Option<Handle<PictureData>>>,
-    /// Likewise.
+    /// Fonts, likewise.
     pub(super) fonts: HashMap<String, Option<Handle<Font>>>,
-    /// Likewise.
+    /// BSDFs, likewise.
     pub(super) bsdfs: HashMap<String, Option<Handle<BsdfData>>>,
-    /// Those of all scenes.
+    /// BSDF files of all scenes.
     pub(super) bsdf_files: HashMap<String, Option<Arc<MeasuredBsdf>>>,
     pub(super) meshes: Meshes,
     pub(super) octrees: Octrees,
@@ -49,25 +49,25 @@ pub(super) struct Reader<'a> {
     /// The headers of octrees among the inputs.
     pub(super) history: Header,
     pub(super) replacements: Vec<BrdfReplacement>,
-    /// Which of the replacements found their material, by index.
+    /// Indices of the replacements that found their material.
     pub(super) replaced: HashSet<usize>,
-    /// Nothing excuses what is wrong with the modifier being lowered: it is of a kind that cannot be read yet, or its
-    /// file was never written.
+    /// The modifier being lowered has a mistake that is never tolerated: its type is not supported
+    /// yet, or its file was never written.
     pub(super) is_inexcusable: bool,
-    /// A limit was hit: nothing more is read.
+    /// A limit was exceeded: reading stops.
     pub(super) is_stopped: bool,
-    /// Texts to be forgotten in the end.
+    /// Long texts to be dropped at the end.
     pub(super) long_texts: Vec<SourceId>,
     /// Reused for the placed arguments of surfaces.
     pub(super) placed: Vec<f64>,
 }
 
-/// How the items of a text are to be taken.
+/// How the items of a text are placed.
 pub(super) struct Context {
     pub(super) placement: Placement,
-    /// Whether the placement leaves numbers alone.
+    /// Whether the placement changes no numbers.
     pub(super) is_plain: bool,
-    /// Where commands look for files first.
+    /// The directory that commands search first.
     pub(super) directory: String,
 }
 
@@ -136,7 +136,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A file that stands for itself: scene text or an octree.
+    /// Reads a whole file: scene text or an octree.
     fn read_whole(&mut self, name: &str, bytes: &Arc<[u8]>) {
         if Octree::is_octree(bytes) {
             return self.read_octree(name, bytes);
@@ -146,7 +146,7 @@ impl<'a> Reader<'a> {
         self.walk(Here { source, context: &context });
     }
 
-    /// A renderer that gets nothing at all reads what a failed `oconv` has left: an octree that is none.
+    /// Reports empty inputs of a renderer: they are what a failed `oconv` leaves behind.
     pub(super) fn refuse_empty_files(&mut self, inputs: &[Input]) {
         if self.options.purpose != Purpose::Render {
             return;
@@ -166,7 +166,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads a text from its start to its end.
+    /// Reads a text from start to end.
     pub(super) fn walk(&mut self, here: Here<'_>) {
         let text = Arc::clone(self.sources.text(here.source));
         if text.len() > self.options.longest_kept_text {
@@ -231,7 +231,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A comment that begins with `#@radsight` is meant for us.
+    /// Reads a directive: a comment that begins with `#@radsight`.
     fn comment(&mut self, place: Place, here: Here<'_>) {
         const MARK: &[u8] = b"#@radsight";
         let text = Arc::clone(self.sources.text(here.source));
@@ -272,7 +272,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// An error that real Radiance would only warn of, or not find before a ray meets it.
+    /// Reports an error that real Radiance only warns of, or does not find before a ray meets it.
     pub(super) fn push_tolerated(&mut self, mut error: Diagnostic) {
         if self.options.tolerance == Tolerance::AsRadiance {
             error.severity = error.severity.min(Severity::Warning);
@@ -280,7 +280,7 @@ impl<'a> Reader<'a> {
         self.log.push(error);
     }
 
-    /// Gives up after a limit was hit.
+    /// Stops reading after a limit was exceeded.
     pub(super) fn stop(&mut self, diagnostic: Diagnostic) {
         if !self.is_stopped {
             self.log.push(diagnostic);

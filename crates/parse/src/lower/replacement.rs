@@ -1,9 +1,9 @@
-//! Materials that are replaced by models from shared libraries.
+//! Materials replaced by models from shared libraries.
 
 use crate::syntax::parse_real;
 use radsight_diag::Span;
 
-/// Says which material becomes which model.
+/// A material and the model that replaces it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrdfReplacement {
     /// The material's name.
@@ -12,21 +12,22 @@ pub struct BrdfReplacement {
     pub library: String,
     /// Model in the library.
     pub model: String,
-    /// Further words.
+    /// String parameters of the model.
     pub words: Vec<String>,
-    /// Parameters.
+    /// Numeric parameters of the model.
     pub numbers: Vec<f64>,
-    /// Where it was asked for, if in a scene.
+    /// Span of the directive, if it stands in a scene.
     pub span: Option<Span>,
-    /// Where library, model, words and numbers stand, if in a scene.
+    /// Spans of library, model, words and numbers, if they stand in a scene.
     pub tokens: Vec<Span>,
 }
 
 impl BrdfReplacement {
-    /// Reads the form of the option `--brdf`: `material=library:model(number,…)`; the parentheses may be left out.
+    /// Parses the argument of `--brdf`: `material=library:model(number,…)`. The parentheses may be
+    /// omitted.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// A message that names the mistake.
     pub fn parse(text: &str) -> Result<Self, String> {
         let expected = "expected material=library:model(number,…)";
         let (material, rest) = text.split_once('=').ok_or_else(|| format!("\"{text}\" has no \"=\", {expected}"))?;
@@ -45,10 +46,10 @@ impl BrdfReplacement {
         Self::from_words([material, library, model].map(str::trim).into_iter().chain(parameters))
     }
 
-    /// Reads `material library model`, further words, and numbers.
+    /// Parses `material library model`, string parameters, and numbers.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// A message that names the mistake.
     pub(crate) fn from_words<'a>(mut all: impl Iterator<Item = &'a str>) -> Result<Self, String> {
         let mut next = |what: &str| all.next().map(str::to_owned).ok_or_else(|| format!("missing {what}"));
         let (material, library, model) = (next("material")?, next("library")?, next("model")?);

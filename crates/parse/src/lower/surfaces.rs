@@ -8,12 +8,12 @@ use glam::DVec3;
 use radsight_diag::Diagnostic;
 use radsight_ir::{Cone, Facing, Ring, Shape, SolidAngle, Source, Sphere, Surface};
 
-/// Radiance takes lengths below this for zero.
+/// Radiance treats lengths below this as zero.
 const TINY: f64 = 1e-6;
 
-/// Why a surface has no shape.
+/// Why a surface cannot be built.
 enum Refusal {
-    /// Radiance leaves it out with a warning, and so do we.
+    /// It is left out with a warning, as in Radiance.
     LeftOut(&'static str),
     /// It is an error.
     Wrong(String),
@@ -43,7 +43,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether there may be no more surfaces; reading stops then.
+    /// Whether the number of surfaces has reached its limit. If so, reading stops.
     pub(super) fn has_most_surfaces(&mut self, primitive: &Primitive<'_>, here: Here<'_>) -> bool {
         let is_full = self.surface_modifiers.len() >= self.options.most_surfaces;
         if is_full {
@@ -135,7 +135,7 @@ impl Reader<'_> {
                 self.ring(DVec3::from_slice(place), DVec3::from_slice(&place[3..]), [*first, *second])
             }
             (Kind::Source, &[x, y, z, degrees]) => self.source(DVec3::new(x, y, z), degrees),
-            _ => Err(Refusal::Wrong("cannot be read yet".to_owned())),
+            _ => Err(Refusal::Wrong("is not supported yet".to_owned())),
         }
     }
 
@@ -144,7 +144,7 @@ impl Reader<'_> {
         let full = || Refusal::Wrong("does not fit: the scene has 2^32 vertices".to_owned());
         let end = u32::try_from(start + coordinates.len() / 3).map_err(|_| full())?;
         let (first, last) = (DVec3::from_slice(coordinates), DVec3::from_slice(&coordinates[coordinates.len() - 3..]));
-        // A last vertex that repeats the first one is not counted.
+        // A last vertex equal to the first one closes the polygon and is dropped.
         let is_closed = coordinates.len() > 9 && first.distance_squared(last) <= TINY * TINY;
         let kept = if is_closed { &coordinates[..coordinates.len() - 3] } else { coordinates };
         self.scene.vertices.extend(kept.chunks_exact(3).map(DVec3::from_slice));
@@ -161,7 +161,7 @@ impl Reader<'_> {
     ) -> Result<Shape, Refusal> {
         let [first, second] = radii.map(sign);
         if first + second == 0 {
-            return Err(Refusal::LeftOut("has no proper radius"));
+            return Err(Refusal::LeftOut("has radii that are zero or of opposite signs"));
         }
         if base == apex {
             return Err(Refusal::LeftOut("has no length"));
@@ -171,7 +171,7 @@ impl Reader<'_> {
             self.warn_of_flip(primitive, here);
             facing = facing.flipped();
         }
-        // What Radiance takes for zero or for equal is so here too.
+        // Treat as zero or equal what Radiance treats so.
         let [mut base_radius, mut apex_radius] = radii.map(|radius| if sign(radius) == 0 { 0.0 } else { radius.abs() });
         if (base_radius - apex_radius).abs() <= TINY {
             apex_radius = base_radius.max(apex_radius);
@@ -185,7 +185,7 @@ impl Reader<'_> {
         let signs = radii.map(sign);
         let (inner, outer) = (radii[0].min(radii[1]), radii[0].max(radii[1]));
         if signs.contains(&-1) || signs == [0, 0] || outer - inner <= TINY {
-            return Err(Refusal::LeftOut("has no proper radii"));
+            return Err(Refusal::LeftOut("has radii that enclose no area"));
         }
         let normal = normal.try_normalize().ok_or(Refusal::LeftOut("has no direction"))?;
         let ring = Ring { center, normal, inner_radius: inner.max(0.0), outer_radius: outer };
@@ -194,7 +194,7 @@ impl Reader<'_> {
 
     fn source(&mut self, direction: DVec3, degrees: f64) -> Result<Shape, Refusal> {
         let direction = direction.try_normalize().ok_or(Refusal::Wrong("has no direction".to_owned()))?;
-        // The floats of a compiled octree can be a little above what was written.
+        // The floats of a compiled octree can slightly exceed the angle as written.
         let full_angle = degrees.min(360.0).to_radians();
         if 0.5 * full_angle <= TINY || degrees > 360.0 + ROUNDING {
             return Err(Refusal::Wrong(format!("has the angle {degrees}, expected degrees above 0, at most 360")));
@@ -204,7 +204,7 @@ impl Reader<'_> {
     }
 }
 
-/// Degrees that an octree's own floats may add.
+/// Largest error of an octree's floats, degrees.
 const ROUNDING: f64 = 1e-5;
 
 fn facing(kind: Kind) -> Facing {
@@ -214,7 +214,7 @@ fn facing(kind: Kind) -> Facing {
     }
 }
 
-/// −1, 0 or 1, with what Radiance takes for zero.
+/// The sign of a length as −1, 0 or 1, with Radiance's tolerance.
 fn sign(length: f64) -> i32 {
     i32::from(length > TINY) - i32::from(length < -TINY)
 }

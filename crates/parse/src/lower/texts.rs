@@ -9,16 +9,16 @@ use radsight_formats::{Font as FontFile, library};
 use radsight_ir::{Font, Glyph, Handle, Rgb, TextPattern};
 use radsight_loader::{FileKind, LoadError, Loader};
 
-/// Where the arguments of a type stand.
+/// Positions of the arguments of a text pattern.
 struct TextForm {
-    /// Index of the font among the strings; the text follows.
+    /// Index of the font among the strings; the text follows it.
     font: usize,
     /// Index of the spacing among the real arguments.
     spacing: usize,
 }
 
 impl Reader<'_> {
-    /// The text of `brighttext`, `colortext` or `mixtext`. The argument counts were checked.
+    /// Lowers `brighttext`, `colortext` or `mixtext`, whose argument counts were checked.
     pub(super) fn text(&mut self, raw: &Raw) -> Option<TextPattern> {
         let form = match raw.kind {
             Kind::MixText => TextForm { font: 2, spacing: 9 },
@@ -29,7 +29,9 @@ impl Reader<'_> {
         let [origin, right, down] = [0, 3, 6].map(|first| DVec3::from_slice(&reals[first..]));
         if down.cross(right).cross(down).length_squared() <= 1e-24 {
             let (kind, name) = (raw.kind, self.scene.names.get(raw.name));
-            let message = format!("{kind} \"{name}\" has motion vectors that span no plane");
+            let message = format!(
+                "{kind} \"{name}\" has parallel or zero right and down vectors, expected vectors that span a plane"
+            );
             let span = self.real_span(raw, 3);
             self.log.push(Diagnostic::error(message).at(span));
             return None;
@@ -52,7 +54,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The lines of a text: those of a file, or one of the words behind a place holder.
+    /// The lines of a text: those of a file, or the words after a placeholder as one line.
     fn lines(&mut self, raw: &Raw, first: usize) -> Option<Vec<Vec<u8>>> {
         let [file, words @ ..] = &raw.strings[first..] else { return None };
         if !words.is_empty() {

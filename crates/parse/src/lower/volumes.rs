@@ -1,4 +1,4 @@
-//! Placed files: `mesh` and `instance`.
+//! Instances of files: `mesh` and `instance`.
 
 use super::reader::{Here, Reader};
 use crate::Kind;

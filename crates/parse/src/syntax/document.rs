@@ -1,4 +1,4 @@
-//! A parsed text that is kept.
+//! A parsed text in memory.
 
 use super::{Alias, Item, Items, Place, Primitive, SyntaxError, Word};
 use crate::Kind;
@@ -38,7 +38,7 @@ struct PrimitiveRecord {
 }
 
 impl Document {
-    /// Reads a whole text.
+    /// Parses a whole text.
     #[must_use]
     pub fn parse(text: Arc<[u8]>) -> Self {
         let mut document = Document {

@@ -1,4 +1,4 @@
-//! What can be wrong with the form of scene text.
+//! Syntax errors of scene text.
 
 use super::Place;
 use crate::Kind;
@@ -25,59 +25,59 @@ impl Section {
     }
 }
 
-/// A mistake and its place.
+/// A mistake and its position.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SyntaxError {
-    /// Where.
+    /// Its position.
     pub place: Place,
-    /// What.
+    /// The mistake.
     pub mistake: Mistake,
-    /// What to do about it.
+    /// How to correct it.
     pub hint: Option<String>,
 }
 
-/// What is wrong with the form of a text.
+/// The kinds of syntax errors.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Mistake {
     /// The text ends inside a primitive.
     #[error("the text ends where {expected} was expected")]
     EndOfText {
-        /// In words.
+        /// What was expected.
         expected: String,
     },
     /// The second word of a primitive is not a type.
     #[error("unknown type \"{word}\"")]
     UnknownType {
-        /// As written.
+        /// The word as written.
         word: String,
     },
-    /// Something stands between two primitives.
+    /// A word stands between two primitives.
     #[error("expected a primitive, found \"{word}\"")]
     StrayWord {
-        /// As written.
+        /// The word as written.
         word: String,
     },
-    /// A count is not a number of things.
+    /// A count is not a non-negative integer.
     #[error("expected the number of {} arguments of {primitive}, found \"{word}\"", section.words())]
     BadCount {
         /// Which arguments.
         section: Section,
         /// Type and name.
         primitive: String,
-        /// As written.
+        /// The word as written.
         word: String,
     },
-    /// A count is larger than what the rest of the text can hold.
-    #[error("{primitive} announces {count} {} arguments, but only {bytes} bytes follow", section.words())]
+    /// A count exceeds what the rest of the text can hold.
+    #[error("{primitive} declares {count} {} arguments, but only {bytes} bytes follow", section.words())]
     CountTooLarge {
         /// Which arguments.
         section: Section,
         /// Type and name.
         primitive: String,
-        /// As written.
+        /// The count as written.
         count: u64,
-        /// How many bytes the text still has.
+        /// Number of remaining bytes.
         bytes: usize,
     },
     /// An argument is not a number.
@@ -85,28 +85,28 @@ pub enum Mistake {
     BadArgument {
         /// Integers or reals.
         section: Section,
-        /// From 1.
+        /// Index of the argument, from 1.
         number: usize,
-        /// How many are announced.
+        /// Declared number of arguments.
         count: usize,
         /// Type and name.
         primitive: String,
-        /// As written.
+        /// The word as written.
         word: String,
     },
     /// A number is too large for the machine.
     #[error("number \"{word}\" is too large")]
     TooLarge {
-        /// As written.
+        /// The number as written.
         word: String,
     },
-    /// A word is quoted and the quote does not end.
+    /// A quoted word has no closing quote.
     #[error("the quote is never closed")]
     UnclosedQuote,
-    /// The text cannot be addressed with 32 bits.
-    #[error("the text has {bytes} bytes, more than the {} that can be read", super::MAX_TEXT_BYTES)]
+    /// The text is longer than 32-bit offsets can address.
+    #[error("the text has {bytes} bytes, expected at most {}", super::MAX_TEXT_BYTES)]
     TextTooLong {
-        /// Its length.
+        /// Its length in bytes.
         bytes: usize,
     },
 }
@@ -121,13 +121,13 @@ impl SyntaxError {
         self
     }
 
-    /// An error about a word where a type should be.
+    /// An error about a word in place of a type.
     pub(super) fn unknown_type(place: Place, word: String) -> Self {
         let hint = hint_nearest(&word, Kind::ALL.iter().map(|kind| kind.name()));
         SyntaxError::new(place, Mistake::UnknownType { word }).maybe_hint(hint)
     }
 
-    /// For the user.
+    /// The diagnostic for the user.
     #[must_use]
     pub fn diagnostic(&self, source: SourceId) -> Diagnostic {
         let span = Span { source, start: self.place.start, end: self.place.end };

@@ -1,4 +1,4 @@
-//! What scene text consists of.
+//! The items of scene text.
 
 use super::lexer;
 use std::borrow::Cow;
@@ -14,18 +14,18 @@ pub struct Word {
     pub start: u32,
     /// One past the last byte.
     pub end: u32,
-    /// Whether quotes have to be taken away.
+    /// Whether the word contains quotes to be removed.
     pub is_quoted: bool,
 }
 
 impl Word {
-    /// Where it stands, quotes included.
+    /// Its range, including quotes.
     #[must_use]
     pub fn place(self) -> Place {
         self.start..self.end
     }
 
-    /// What it says, without its quotes. `text` is the whole text.
+    /// Its characters without quotes. `text` is the whole text.
     #[must_use]
     pub fn of(self, text: &[u8]) -> Cow<'_, [u8]> {
         let raw = &text[self.start as usize..self.end as usize];
@@ -50,18 +50,18 @@ pub enum Item<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Alias<'a> {
     pub(super) whole: &'a [u8],
-    /// What modifies the new name; `inherit` for the target's own modifier.
+    /// The modifier of the new name; `inherit` for the target's own modifier.
     pub modifier: Word,
     /// The word `alias`.
     pub kind: Word,
     /// The new name.
     pub name: Word,
-    /// What it stands for.
+    /// The target.
     pub target: Word,
 }
 
 impl<'a> Alias<'a> {
-    /// What a word of it says.
+    /// The characters of one of its words.
     #[must_use]
     pub fn text(&self, word: Word) -> Cow<'a, [u8]> {
         word.of(self.whole)
@@ -72,9 +72,9 @@ impl<'a> Alias<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Primitive<'a> {
     pub(super) whole: &'a [u8],
-    /// What modifies it.
+    /// Its modifier.
     pub modifier: Word,
-    /// Its type; one of the known ones.
+    /// Its type.
     pub kind: crate::Kind,
     /// The word that names the type.
     pub kind_word: Word,
@@ -93,19 +93,19 @@ pub struct Primitive<'a> {
 }
 
 impl<'a> Primitive<'a> {
-    /// What a word of it says.
+    /// The characters of one of its words.
     #[must_use]
     pub fn text(&self, word: Word) -> Cow<'a, [u8]> {
         word.of(self.whole)
     }
 
-    /// Where it stands, from the modifier to the last argument.
+    /// Its range, from the modifier to the last argument.
     #[must_use]
     pub fn place(&self) -> Place {
         self.modifier.start..self.end
     }
 
-    /// Where a real argument stands; found again by reading on from the count.
+    /// The range of a real argument, found by scanning from the count.
     #[must_use]
     pub fn real_place(&self, index: usize) -> Place {
         let [_, _, count] = self.counts;

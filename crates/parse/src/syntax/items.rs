@@ -1,4 +1,4 @@
-//! The walk over a text, one item after the other.
+//! Iterates over the items of a text.
 
 use super::error::{Mistake, Section};
 use super::lexer::{self, is_space};
@@ -7,13 +7,13 @@ use super::{Alias, Item, Primitive, SyntaxError, Word};
 use crate::Kind;
 use radsight_diag::hint_nearest;
 
-/// Places are 32 bit numbers; longer texts are refused.
+/// Longest text that 32-bit offsets can address, bytes.
 pub const MAX_TEXT_BYTES: usize = u32::MAX as usize - 1;
 
-/// Walks over scene text.
+/// Iterates over the items of scene text.
 ///
-/// An item borrows the walk's buffers, so it is used before the next one is asked for. After an error the walk goes on at
-/// the next place that looks like the start of an item.
+/// An item borrows the iterator's buffers, so the caller must use it before the next call. After an
+/// error, the iterator resumes at the next position that looks like the start of an item.
 #[derive(Debug)]
 pub struct Items<'t> {
     whole: &'t [u8],
@@ -21,11 +21,11 @@ pub struct Items<'t> {
     strings: Vec<Word>,
     integers: Vec<i64>,
     reals: Vec<f64>,
-    /// Type and name of the primitive before, and how many reals it has: for a hint.
+    /// Type, name and number of real arguments of the previous primitive, for a hint.
     before: Option<(Kind, Word, usize)>,
 }
 
-/// The three words that begin a primitive.
+/// The three words at the start of a primitive.
 struct Head {
     modifier: Word,
     kind_word: Word,
@@ -34,7 +34,7 @@ struct Head {
 }
 
 impl<'t> Items<'t> {
-    /// Begins at the start of a text.
+    /// Starts at the beginning of a text.
     ///
     /// # Errors
     /// When the text is longer than [`MAX_TEXT_BYTES`].
@@ -55,14 +55,14 @@ impl<'t> Items<'t> {
             b'!' => lexer::command(self.rest),
             _ => return Some(self.primitive()),
         };
-        let (rest, line) = line.expect("the first byte was looked at");
+        let (rest, line) = line.expect("the first byte was checked");
         let end = self.offset(rest);
         let place = end - line.len() as u32..end;
         self.rest = rest;
         Some(Ok(if line[0] == b'#' { Item::Comment(place) } else { Item::Command(place) }))
     }
 
-    /// How many bytes are still to be read.
+    /// Number of bytes left.
     #[must_use]
     pub fn remaining_bytes(&self) -> usize {
         self.rest.len()
@@ -97,7 +97,7 @@ impl<'t> Items<'t> {
     fn read_primitive(&mut self) -> Result<Read<'t>, SyntaxError> {
         let head = self.head()?;
         if head.kind == Kind::Alias {
-            let target = self.word(|_| "what an alias stands for".to_owned())?;
+            let target = self.word(|_| "the target of an alias".to_owned())?;
             let Head { modifier, kind_word, name, .. } = head;
             return Ok(Read::Alias(Alias { whole: self.whole, modifier, kind: kind_word, name, target }));
         }
@@ -130,14 +130,14 @@ impl<'t> Items<'t> {
             Ok(word) => word,
             Err(_) => return Err(self.stray(modifier, before)),
         };
-        let said = kind_word.of(self.whole);
-        let Some(kind) = Kind::from_word(&said) else {
+        let unquoted = kind_word.of(self.whole);
+        let Some(kind) = Kind::from_word(&unquoted) else {
             self.rest = first;
             let modifier_said = modifier.of(self.whole);
-            if parse_real(&modifier_said).is_some() || looks_like_head(first) {
+            if parse_real(&modifier_said).is_some() || resembles_head(first) {
                 return Err(self.stray(modifier, before));
             }
-            return Err(SyntaxError::unknown_type(kind_word.place(), lossy(&said)));
+            return Err(SyntaxError::unknown_type(kind_word.place(), lossy(&unquoted)));
         };
         let name = self.word(|_| format!("the name of a {kind}"))?;
         Ok(Head { modifier, kind_word, kind, name })
@@ -145,12 +145,12 @@ impl<'t> Items<'t> {
 
     /// An error about a word between two primitives.
     fn stray(&self, word: Word, before: Option<(Kind, Word, usize)>) -> SyntaxError {
-        let said = word.of(self.whole);
-        let hint = before.filter(|_| parse_real(&said).is_some()).map(|(kind, name, reals)| {
+        let unquoted = word.of(self.whole);
+        let hint = before.filter(|_| parse_real(&unquoted).is_some()).map(|(kind, name, reals)| {
             let name = lossy(&name.of(self.whole));
-            format!("{kind} \"{name}\" announces {reals} real arguments; is the count too small?")
+            format!("{kind} \"{name}\" declares {reals} real arguments; is the count too small?")
         });
-        SyntaxError::new(word.place(), Mistake::StrayWord { word: lossy(&said) }).maybe_hint(hint)
+        SyntaxError::new(word.place(), Mistake::StrayWord { word: lossy(&unquoted) }).maybe_hint(hint)
     }
 
     #[inline]
@@ -184,20 +184,21 @@ impl<'t> Items<'t> {
         SyntaxError::new(last..last + 1, Mistake::EndOfText { expected })
     }
 
-    /// The count of a group of arguments, checked against what the text can hold.
+    /// Reads the count of an argument group and checks it against the length of the remaining text.
     fn count(&mut self, head: &Head, section: Section) -> Result<(Word, usize), SyntaxError> {
         let start = self.rest;
         let expected =
             |items: &Self| format!("the number of {} arguments of {}", section_word(section), items.called(head));
         let word = self.word(expected)?;
-        let said = word.of(self.whole);
-        let count = parse_integer(&said).and_then(|count| u64::try_from(count).ok());
+        let unquoted = word.of(self.whole);
+        let count = parse_integer(&unquoted).and_then(|count| u64::try_from(count).ok());
         let Some(count) = count else {
             self.rest = start;
-            let mistake = Mistake::BadCount { section, primitive: self.called(head), word: lossy(&said) };
-            return Err(SyntaxError::new(word.place(), mistake).maybe_hint(self.count_hint(&said, word)));
+            let mistake = Mistake::BadCount { section, primitive: self.called(head), word: lossy(&unquoted) };
+            return Err(SyntaxError::new(word.place(), mistake).maybe_hint(self.count_hint(&unquoted, word)));
         };
-        // Every argument takes a byte and the space before it. A small count that cannot be met is found when the text ends.
+        // Each argument takes at least two bytes. A small count that is not met is found at the end
+        // of the text.
         let bytes = self.rest.len();
         if count > 1000 && count > bytes as u64 / 2 {
             let mistake = Mistake::CountTooLarge { section, primitive: self.called(head), count, bytes };
@@ -206,19 +207,19 @@ impl<'t> Items<'t> {
         Ok((word, count as usize))
     }
 
-    fn count_hint(&self, said: &[u8], word: Word) -> Option<String> {
-        if said.starts_with(b"#") {
+    fn count_hint(&self, unquoted: &[u8], word: Word) -> Option<String> {
+        if unquoted.starts_with(b"#") {
             return Some("a comment cannot stand inside a primitive".to_owned());
         }
-        let is_head = looks_like_head(&self.whole[word.end as usize..]);
+        let is_head = resembles_head(&self.whole[word.end as usize..]);
         is_head.then(|| "three counts follow the name: strings, integers, reals, each 0 if there are none".to_owned())
     }
 
     fn integer(&mut self, head: &Head, number: usize, count: usize) -> Result<i64, SyntaxError> {
         let expected = |items: &Self| format!("integer argument {number} of {count} of {}", items.called(head));
         let word = self.word(expected)?;
-        let said = word.of(self.whole);
-        parse_integer(&said).ok_or_else(|| self.bad_argument(head, word, (Section::Integers, number, count)))
+        let unquoted = word.of(self.whole);
+        parse_integer(&unquoted).ok_or_else(|| self.bad_argument(head, word, (Section::Integers, number, count)))
     }
 
     #[inline]
@@ -235,29 +236,30 @@ impl<'t> Items<'t> {
         self.slow_real(head, number, count)
     }
 
-    /// A real argument that is quoted, or wrong.
+    /// Reads a real argument that is quoted or malformed.
     #[cold]
     fn slow_real(&mut self, head: &Head, number: usize, count: usize) -> Result<f64, SyntaxError> {
         let expected = |items: &Self| format!("real argument {number} of {count} of {}", items.called(head));
         let word = self.word(expected)?;
-        let said = word.of(self.whole);
-        match parse_real(&said) {
+        let unquoted = word.of(self.whole);
+        match parse_real(&unquoted) {
             Some(value) if value.is_finite() => Ok(value),
-            Some(_) => Err(SyntaxError::new(word.place(), Mistake::TooLarge { word: lossy(&said) })),
+            Some(_) => Err(SyntaxError::new(word.place(), Mistake::TooLarge { word: lossy(&unquoted) })),
             None => Err(self.bad_argument(head, word, (Section::Reals, number, count))),
         }
     }
 
     fn bad_argument(&self, head: &Head, word: Word, (section, number, count): (Section, usize, usize)) -> SyntaxError {
-        let said = word.of(self.whole);
-        let hint = if said.starts_with(b"#") {
+        let unquoted = word.of(self.whole);
+        let hint = if unquoted.starts_with(b"#") {
             Some("a comment cannot stand inside a primitive".to_owned())
-        } else if looks_like_head(&self.whole[word.end as usize..]) {
-            Some(format!("\"{}\" seems to begin the next primitive; is the count {count} too large?", lossy(&said)))
+        } else if resembles_head(&self.whole[word.end as usize..]) {
+            Some(format!("\"{}\" seems to begin the next primitive; is the count {count} too large?", lossy(&unquoted)))
         } else {
             None
         };
-        let mistake = Mistake::BadArgument { section, number, count, primitive: self.called(head), word: lossy(&said) };
+        let mistake =
+            Mistake::BadArgument { section, number, count, primitive: self.called(head), word: lossy(&unquoted) };
         SyntaxError::new(word.place(), mistake).maybe_hint(hint)
     }
 
@@ -266,11 +268,12 @@ impl<'t> Items<'t> {
         format!("{} \"{}\"", head.kind, lossy(&head.name.of(self.whole)))
     }
 
-    /// Goes to the next place that looks like the start of an item: the faulty word itself, or the start of a line.
+    /// Moves to the next position that looks like the start of an item: the faulty word itself, or
+    /// the start of a line.
     fn recover(&mut self, start: &'t [u8], fault: u32) {
         let begin = self.offset(start) as usize;
         let fault = fault as usize;
-        if fault > begin && looks_like_primitive(&self.whole[fault..]) {
+        if fault > begin && resembles_primitive(&self.whole[fault..]) {
             self.rest = &self.whole[fault..];
             return;
         }
@@ -280,7 +283,7 @@ impl<'t> Items<'t> {
             let line = &self.whole[at..];
             let blank = line.iter().take_while(|byte| **byte == b' ' || **byte == b'\t').count();
             let is_line_item = matches!(line.get(blank), Some(b'!' | b'#'));
-            if is_line_item || looks_like_primitive(line) {
+            if is_line_item || resembles_primitive(line) {
                 self.rest = line;
                 return;
             }
@@ -299,22 +302,22 @@ enum Read<'t> {
     Primitive(Head, [Word; 3]),
 }
 
-/// Whether a type is the first word: the word before begins a primitive.
-fn looks_like_head(text: &[u8]) -> bool {
+/// Whether the first word is a type, so that the word before it begins a primitive.
+fn resembles_head(text: &[u8]) -> bool {
     lexer::raw_word(text).is_ok_and(|(_, (word, _))| Kind::from_word(word).is_some())
 }
 
-/// Whether a type, or a slip for one, is the second word.
-fn looks_like_primitive(text: &[u8]) -> bool {
+/// Whether the second word is a type or resembles one.
+fn resembles_primitive(text: &[u8]) -> bool {
     let Ok((rest, (first, _))) = lexer::raw_word(text) else { return false };
-    if parse_real(first).is_some() && !looks_like_head(rest) {
+    if parse_real(first).is_some() && !resembles_head(rest) {
         return false;
     }
     let Ok((rest, (kind, _))) = lexer::raw_word(rest) else { return false };
     if Kind::from_word(kind).is_some() {
         return true;
     }
-    // A misspelt type, if a name and a count follow.
+    // A misspelt type counts if a name and a count follow.
     let kind = lossy(kind);
     let is_slip = hint_nearest(&kind, Kind::ALL.iter().map(|kind| kind.name())).is_some();
     let mut after = lexer::words(rest, 0);
@@ -329,7 +332,7 @@ fn section_word(section: Section) -> &'static str {
     }
 }
 
-/// Bytes as text, for messages, at most a line's worth.
+/// Bytes as text for messages, shortened to one line.
 pub(super) fn lossy(bytes: &[u8]) -> String {
     const LONGEST: usize = 60;
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4 * LONGEST)]);

@@ -9,10 +9,10 @@ use nom::combinator::{opt, recognize};
 use nom::multi::{fold_many0, fold_many1};
 use nom::sequence::{delimited, preceded};
 
-/// A parser's result; there is nothing to say about why a word is not there.
+/// A parser's result. The error carries nothing: a missing word has no reason.
 pub(super) type Lexed<'t, T> = IResult<&'t [u8], T, ()>;
 
-/// White space as C's `isspace` has it.
+/// White space as in C's `isspace`.
 #[inline]
 pub(crate) fn is_space(byte: u8) -> bool {
     byte == b' ' || (9..=13).contains(&byte)
@@ -32,7 +32,7 @@ pub(super) fn space(input: &[u8]) -> Lexed<'_, &[u8]> {
     take_while(is_space).parse(input)
 }
 
-/// A word with the white space before it; the flag says whether it has quotes.
+/// A word with the white space before it; the flag tells whether it has quotes.
 #[inline]
 pub(super) fn raw_word(input: &[u8]) -> Lexed<'_, (&[u8], bool)> {
     let (start, _) = space(input)?;
@@ -46,7 +46,8 @@ pub(super) fn raw_word(input: &[u8]) -> Lexed<'_, (&[u8], bool)> {
     }
 }
 
-/// A stretch without quotes, or what stands between two quotes. A quote that is never closed ends with the text.
+/// A run of characters without quotes, or the text between two quotes. An unclosed quote extends to
+/// the end of the text.
 fn word_part(input: &[u8]) -> Lexed<'_, &[u8]> {
     alt((take_while1(is_plain), quoted(b"\""), quoted(b"'"))).parse(input)
 }
@@ -55,17 +56,17 @@ fn quoted<'t>(quote: &'static [u8; 1]) -> impl Parser<&'t [u8], Output = &'t [u8
     delimited(tag(&quote[..]), take_till(|byte| byte == quote[0]), opt(tag(&quote[..])))
 }
 
-/// What a word with quotes says.
+/// The characters of a quoted word.
 pub(super) fn without_quotes(raw: &[u8]) -> Vec<u8> {
-    let append = |mut said: Vec<u8>, part: &[u8]| {
-        said.extend_from_slice(part);
-        said
+    let append = |mut unquoted: Vec<u8>, part: &[u8]| {
+        unquoted.extend_from_slice(part);
+        unquoted
     };
     let joined: Lexed<'_, Vec<u8>> = fold_many0(word_part, Vec::new, append).parse(raw);
-    joined.map_or_else(|_| raw.to_vec(), |(_, said)| said)
+    joined.map_or_else(|_| raw.to_vec(), |(_, unquoted)| unquoted)
 }
 
-/// The last quote of a word, as an offset into it, if that quote is never closed.
+/// Offset of the last quote of a word if it is unclosed.
 pub(super) fn unclosed_quote(raw: &[u8]) -> Option<usize> {
     let mut open: Option<(u8, usize)> = None;
     for (at, &byte) in raw.iter().enumerate() {
@@ -83,7 +84,7 @@ pub(super) fn comment(input: &[u8]) -> Lexed<'_, &[u8]> {
     recognize(preceded(tag(&b"#"[..]), take_till(|byte| byte == b'\n'))).parse(input)
 }
 
-/// From `!` to a line end that has no `\` before it. A carriage return ends a line too.
+/// From `!` to a line end without a `\` before it. A carriage return also ends a line.
 pub(super) fn command(input: &[u8]) -> Lexed<'_, &[u8]> {
     let plain = take_while1(|byte| !matches!(byte, b'\n' | b'\r' | b'\\'));
     let line_end = alt((tag(&b"\r\n"[..]), tag(&b"\n"[..]), tag(&b"\r"[..])));
@@ -91,7 +92,7 @@ pub(super) fn command(input: &[u8]) -> Lexed<'_, &[u8]> {
     recognize(preceded(tag(&b"!"[..]), fold_many0(alt((plain, escape)), || (), |(), _| ()))).parse(input)
 }
 
-/// All the words of a text; `from` is the offset of `text` in the whole text.
+/// All words of a text; `from` is the offset of `text` in the whole text.
 pub(crate) fn words(text: &[u8], from: u32) -> impl Iterator<Item = Word> + '_ {
     let mut rest = text;
     std::iter::from_fn(move || {
@@ -106,17 +107,17 @@ pub(crate) fn words(text: &[u8], from: u32) -> impl Iterator<Item = Word> + '_ {
 mod tests {
     use super::*;
 
-    fn said(text: &str) -> Vec<String> {
+    fn unquoted(text: &str) -> Vec<String> {
         words(text.as_bytes(), 0).map(|word| String::from_utf8_lossy(&word.of(text.as_bytes())).into_owned()).collect()
     }
 
     #[test]
     fn words_are_those_of_radiance() {
-        assert_eq!(said(" a  b\t\r\n\x0b\x0cc&d "), ["a", "b", "c&d"]);
-        assert_eq!(said("\"a b\" 'it\"s' x\"y z\"w''"), ["a b", "it\"s", "xy zw"]);
-        assert_eq!(said("\"never closed\n it"), ["never closed\n it"]);
-        assert_eq!(said("'' x"), ["", "x"]);
-        assert_eq!(said(" \n"), [""; 0]);
+        assert_eq!(unquoted(" a  b\t\r\n\x0b\x0cc&d "), ["a", "b", "c&d"]);
+        assert_eq!(unquoted("\"a b\" 'it\"s' x\"y z\"w''"), ["a b", "it\"s", "xy zw"]);
+        assert_eq!(unquoted("\"never closed\n it"), ["never closed\n it"]);
+        assert_eq!(unquoted("'' x"), ["", "x"]);
+        assert_eq!(unquoted(" \n"), [""; 0]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Decimal numbers, quickly.
+//! A fast parser of decimal numbers.
 
 /// Powers of ten that `f64` holds exactly.
 const EXACT_POWERS: [f64; 23] = [
@@ -6,21 +6,23 @@ const EXACT_POWERS: [f64; 23] = [
     1e21, 1e22,
 ];
 
-/// A whole word as a real number: an optional sign, digits with at most one point, an optional exponent.
+/// Parses a whole word as a real number: an optional sign, digits with at most one point, an
+/// optional exponent.
 ///
-/// Too large a number gives an infinity. `inf`, `nan`, hexadecimal and trailing text give `None`.
+/// A number out of range gives an infinity. `inf`, `nan`, hexadecimal and trailing text give
+/// `None`.
 #[must_use]
 pub fn parse_real(word: &[u8]) -> Option<f64> {
     leading_real(word).filter(|(_, length)| *length == word.len()).map(|(value, _)| value)
 }
 
-/// A whole word as a decimal integer that fits in 64 bits.
+/// Parses a whole word as a decimal 64-bit integer.
 #[must_use]
 pub fn parse_integer(word: &[u8]) -> Option<i64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// The number that starts `text`, and how many bytes it takes.
+/// The number at the start of `text`, and its length in bytes.
 pub(super) fn leading_real(text: &[u8]) -> Option<(f64, usize)> {
     let digit = |at: usize| text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10);
     let negative = text.first() == Some(&b'-');
@@ -51,7 +53,8 @@ pub(super) fn leading_real(text: &[u8]) -> Option<(f64, usize)> {
         exponent += power;
         at = end;
     }
-    // Clinger's fast path: an exact integer times or over an exact power of ten is rounded once.
+    // Clinger's fast path: the product or quotient of an exact integer and an exact power of ten is
+    // rounded once.
     let is_exact = digits <= 19 && mantissa <= 1 << 53 && exponent.abs() <= 22;
     let value = if is_exact {
         let power = EXACT_POWERS[exponent.unsigned_abs() as usize];
@@ -71,7 +74,7 @@ fn exponent_digits(text: &[u8], from: usize) -> Option<(i64, usize)> {
         return None;
     }
     let power = text[first..first + digits].iter().fold(0_i64, |power, byte| {
-        // Past this bound every number is zero or infinite; the exact power no longer matters.
+        // Beyond this bound every number is zero or infinite, so the exact power no longer matters.
         (power * 10 + i64::from(byte - b'0')).min(1_000_000_000)
     });
     Some((if negative { -power } else { power }, first + digits))

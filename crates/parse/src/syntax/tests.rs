@@ -71,7 +71,7 @@ fn too_many_arguments_point_at_the_first_extra_one() {
     let text = "void plastic red 0 0 5 1 0 0 0 0 9 9\nred sphere s 0 0 4 0 0 0 1";
     let expected = [
         "void plastic red [] [] [1.0, 0.0, 0.0, 0.0, 0.0]",
-        "\"9\": expected a primitive, found \"9\" (plastic \"red\" announces 5 real arguments; is the count too small?)",
+        "\"9\": expected a primitive, found \"9\" (plastic \"red\" declares 5 real arguments; is the count too small?)",
         "red sphere s [] [] [0.0, 0.0, 0.0, 1.0]",
     ];
     assert_eq!(outline(text), expected);
@@ -95,7 +95,7 @@ fn a_comment_inside_a_primitive_is_explained() {
 #[test]
 fn an_impossible_count_is_refused_before_memory_is_taken() {
     let found = outline("void polygon p 0 0 1000000000 1 2 3\n");
-    assert_eq!(found, ["\"1000000000\": polygon \"p\" announces 1000000000 real arguments, but only 7 bytes follow"]);
+    assert_eq!(found, ["\"1000000000\": polygon \"p\" declares 1000000000 real arguments, but only 7 bytes follow"]);
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn a_document_gives_the_same_items() {
 }
 
 #[test]
-fn the_place_of_a_real_argument_is_found_again() {
+fn the_range_of_a_real_argument_is_found() {
     let text = b"void sphere s 0 0 4  1 \"2\"\n 3 4";
     let mut items = Items::new(text).unwrap();
     let Some(Ok(Item::Primitive(sphere))) = items.advance() else { panic!() };

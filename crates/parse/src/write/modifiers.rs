@@ -1,4 +1,4 @@
-//! Modifiers, written back.
+//! Writes modifiers.
 
 use super::{Arguments, Writer};
 use crate::Kind;
@@ -82,7 +82,7 @@ impl Writer<'_> {
                 let strings = [library, model].into_iter().chain(words).cloned().collect();
                 (Kind::BrdfPlugin, Arguments { strings, reals: numbers.clone() })
             }
-            // Radiance too stops when a ray meets a plastic without numbers, and not before.
+            // Radiance, too, fails only when a ray meets a plastic without numbers.
             _ => (Kind::Plastic, Arguments::default()),
         }
     }
@@ -117,7 +117,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A call some of whose words name modifiers, which may have other names now.
+    /// A function call with references to modifiers replaced by their unique names.
     fn renamed(&self, function: &FunctionCall, places: &[usize], modifiers: &[Option<ModifierHandle>]) -> Arguments {
         let mut arguments = call(function);
         for (&place, modifier) in places.iter().zip(modifiers) {
@@ -147,7 +147,7 @@ fn translucent(surface: &Translucent) -> Vec<f64> {
     glossy(&surface.surface).into_iter().chain(through).collect()
 }
 
-/// As many numbers as are needed; what stands between takes Radiance's own defaults.
+/// The arguments of a mist, as many as needed; those between get Radiance's defaults.
 fn mist_arguments(mist: &Mist) -> Arguments {
     let mut numbers = Vec::new();
     if !mist.extinction.is_black() || mist.albedo.is_some() || mist.eccentricity.is_some() {

@@ -1,4 +1,4 @@
-//! Surfaces, written back.
+//! Writes surfaces.
 
 use super::{Arguments, Writer};
 use crate::Kind;

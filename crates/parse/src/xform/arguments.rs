@@ -1,4 +1,4 @@
-//! The arguments of `xform`, with arrays and argument files unrolled.
+//! The arguments of `xform`, with arrays and argument files expanded.
 
 use crate::placement::{NewModifier, Placement};
 use crate::syntax::{is_space, parse_integer};
@@ -7,48 +7,48 @@ use radsight_loader::{FileKind, LoadError, Loader};
 use radsight_scene_generators::{Error, StandardInput};
 use std::ops::Range;
 
-/// No command makes more copies than this.
+/// Largest number of copies of one command.
 pub(crate) const MAX_COPIES: usize = 10_000_000;
 
-/// Argument files refer to each other no deeper than this.
+/// Largest nesting depth of argument files.
 const MAX_DEPTH: usize = 32;
 
-/// What happens next.
+/// One step of the expansion.
 pub(crate) enum Event<'a> {
     /// A comment or an empty line of an argument file.
     Comment(&'a str),
-    /// The files are placed once.
+    /// One placement of all the files.
     Copy(&'a Copy),
 }
 
 /// One placement of all the files.
 #[derive(Clone, Debug)]
 pub(crate) struct Copy {
-    /// The arguments that real `xform` would have been given for this copy alone.
+    /// The arguments of a real `xform` that makes this copy alone.
     pub(crate) words: Vec<String>,
-    /// Those of `words` that are transforms.
+    /// Range of the transform options in `words`.
     pub(crate) transform_words: Range<usize>,
-    /// Their effect.
+    /// Their combined effect.
     pub(crate) placement: Placement,
-    /// Whether commands inside the files are run.
+    /// Whether commands in the files are run.
     pub(crate) runs_commands: bool,
-    /// The files, each with its place among the arguments that the user gave; standard input if there is none.
+    /// The files, each with its index among the user's arguments; standard input if empty.
     pub(crate) files: Vec<(String, usize)>,
-    /// Place of `-m`'s name among the arguments that the user gave.
+    /// Index of the value of `-m` among the user's arguments.
     pub(crate) modifier_origin: Option<usize>,
 }
 
-/// A word and where it came from among the arguments that the user gave.
+/// A word and its index among the user's arguments.
 #[derive(Clone)]
 struct Argument {
     text: String,
     origin: usize,
 }
 
-/// Calls `visit` for every copy that the arguments ask for, in order.
+/// Calls `visit` for every copy that the arguments request, in order.
 ///
 /// # Errors
-/// When the arguments are wrong or ask for too many copies, or when `visit` fails.
+/// When the arguments are wrong or request too many copies, or when `visit` fails.
 pub(crate) fn visit_copies(
     argv: &[String],
     standard_input: &dyn StandardInput,
@@ -60,12 +60,12 @@ pub(crate) fn visit_copies(
     expansion.unroll(words, Nesting { depth: 0, copies: 1 })
 }
 
-/// What an argument list stands inside of.
+/// The arrays and argument files around an argument list.
 #[derive(Clone, Copy)]
 struct Nesting {
-    /// Argument files.
+    /// Depth of argument files.
     depth: usize,
-    /// How many copies the arrays around it make.
+    /// Number of copies that the surrounding arrays make.
     copies: u64,
 }
 
@@ -74,7 +74,7 @@ struct Expansion<'a> {
     loader: &'a dyn Loader,
     visit: &'a mut dyn FnMut(Event<'_>) -> Result<(), Error>,
     copies: usize,
-    /// How many words the user gave.
+    /// Number of the user's words.
     words: usize,
 }
 
@@ -95,7 +95,7 @@ impl Expansion<'_> {
         (self.visit)(Event::Copy(&copy))
     }
 
-    /// `-a n`: the rest of the transform is done 0, 1, … n−1 times.
+    /// `-a n`: the rest of the transform is applied 0, 1, … n−1 times.
     fn array(&mut self, words: &[Argument], at: usize, nesting: Nesting) -> Result<(), Error> {
         let Some(count_word) = words.get(at + 1) else { return Err(self.wrong(None, "missing count of -a")) };
         let count = match parse_integer(count_word.text.trim().as_bytes()) {
@@ -107,7 +107,7 @@ impl Expansion<'_> {
         };
         let copies = nesting.copies.saturating_mul(count as u64);
         if copies > MAX_COPIES as u64 {
-            let mistake = format!("the array makes {copies} copies, at most {MAX_COPIES} can be made");
+            let mistake = format!("the array makes {copies} copies, expected at most {MAX_COPIES}");
             return Err(self.wrong(Some(count_word), mistake));
         }
         let old_name = names(words).next_back().map(|at| words[at].text.clone());
@@ -124,13 +124,13 @@ impl Expansion<'_> {
         Ok(())
     }
 
-    /// `-f file`: each line of the file stands for `-f file` in turn.
+    /// `-f file`: each line of the file replaces `-f file` in turn.
     fn argument_file(&mut self, words: &[Argument], at: usize, nesting: Nesting) -> Result<(), Error> {
         let Some(name) = words.get(at + 1).filter(|name| name.text == "-" || !name.text.starts_with('-')) else {
             return Err(self.wrong(words.get(at + 1), "missing file of -f"));
         };
         if nesting.depth >= MAX_DEPTH {
-            let mistake = format!("argument files refer to each other more than {MAX_DEPTH} deep");
+            let mistake = format!("argument files are nested more than {MAX_DEPTH} deep");
             return Err(self.wrong(Some(name), mistake));
         }
         let bytes = self.load(&name.text)?;
@@ -201,13 +201,13 @@ impl Expansion<'_> {
         let end = first + read.taken;
         placement.transform = read.transform;
         if !(placement.transform.scale.is_finite() && placement.transform.translation.is_finite()) {
-            return Err(self.wrong(words.get(first), "the transform goes to infinity"));
+            return Err(self.wrong(words.get(first), "the transform overflows to infinity"));
         }
         let files = words[end..].iter().map(|file| (file.text.clone(), file.origin)).collect();
         Ok(Copy { transform_words: first..end, words: texts, placement, runs_commands, files, modifier_origin })
     }
 
-    /// An error about a word; about a missing one where there is none.
+    /// An error about a word, or about a missing one.
     fn wrong(&self, word: Option<&Argument>, mistake: impl Into<String>) -> Error {
         let argument = word.map_or(self.words, |word| word.origin);
         let usage = radsight_options::program("xform").map_or("", |program| program.synopsis);
@@ -215,7 +215,7 @@ impl Expansion<'_> {
     }
 }
 
-/// Where the values of the options `-n` stand.
+/// Indices of the values of `-n`.
 fn names(words: &[Argument]) -> impl DoubleEndedIterator<Item = usize> + '_ {
     (2..words.len()).filter(|at| words[at - 1].text == "-n")
 }
@@ -226,7 +226,7 @@ fn insert_name(words: &mut Vec<Argument>, name: String) {
     words.splice(1..1, [option, Argument { text: name, origin }]);
 }
 
-/// Lines, where a `\` before the line end joins the next one.
+/// Lines, where a `\` before the line end joins the next line.
 fn logical_lines(text: &str) -> impl Iterator<Item = String> + '_ {
     let mut lines = text.lines();
     std::iter::from_fn(move || {
@@ -240,7 +240,8 @@ fn logical_lines(text: &str) -> impl Iterator<Item = String> + '_ {
     })
 }
 
-/// The words of a line of an argument file: quotes of either kind at the start of a word, `\` before any character.
+/// The words of a line of an argument file: quotes of either kind at the start of a word, `\`
+/// before any character.
 fn line_words(line: &str) -> Vec<String> {
     let line = line.strip_prefix('!').unwrap_or(line);
     let mut rest = line.strip_prefix("xform ").unwrap_or(line);

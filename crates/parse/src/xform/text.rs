@@ -9,13 +9,13 @@ use radsight_loader::{FileKind, LoadError, Loader};
 use radsight_scene_generators::{Error, MAX_OUTPUT_BYTES, Output, StandardInput, padded};
 use std::io::Write;
 
-/// Commands inside commands go no deeper than this.
+/// Largest nesting depth of commands.
 const MAX_DEPTH: usize = 32;
 
-/// Runs `xform` on text. `argv[0]` is the program's name; without files, the text is the standard input.
+/// Runs `xform` on text. `argv[0]` is the program's name; without files, it reads standard input.
 ///
 /// # Errors
-/// When an argument, a file or a primitive in it is wrong, a command in a file fails, or the output would be too large.
+/// When an argument, a file or a primitive is wrong, a command in a file fails, or the output is too large.
 pub fn xform(argv: &[String], standard_input: &dyn StandardInput, loader: &dyn Loader) -> Result<Output, Error> {
     run(argv, standard_input, loader, 0)
 }
@@ -86,13 +86,13 @@ impl Placer<'_> {
                 Item::Alias(alias) => {
                     let out = &mut self.output.standard_output;
                     out.push(b'\n');
-                    let said = |word| alias.text(word);
-                    write_word(out, &said(alias.modifier));
+                    let unquoted = |word| alias.text(word);
+                    write_word(out, &unquoted(alias.modifier));
                     out.extend_from_slice(b" alias ");
-                    write_word(out, &said(alias.name));
+                    write_word(out, &unquoted(alias.name));
                     out.extend_from_slice(b"\n\t");
-                    // Real xform forgets the quotes here, and then cannot read its own output.
-                    write_word(out, &said(alias.target));
+                    // Real xform drops the quotes here and then cannot read its own output.
+                    write_word(out, &unquoted(alias.target));
                     out.push(b'\n');
                 }
                 Item::Primitive(primitive) => self.primitive(&primitive, &mut reals)?,
@@ -121,9 +121,9 @@ impl Placer<'_> {
         let output = match output {
             Ok(output) => output,
             Err(error) if is_fatal(&error.error) => return Err(error.error),
-            // Real xform goes on too when a command in a file fails.
+            // Real xform also continues when a command in a file fails.
             Err(error) => {
-                self.output.warnings.push(format!("\"{command}\" in \"{}\" fails: {}", self.source, error.error));
+                self.output.warnings.push(format!("\"{command}\" in \"{}\" failed: {}", self.source, error.error));
                 return Ok(());
             }
         };
@@ -137,7 +137,7 @@ impl Placer<'_> {
         result
     }
 
-    /// `-c`: the command stays, with the transform after it.
+    /// `-c`: keeps the command and appends the transform.
     fn postpone(&mut self, command: &str) -> Result<(), Error> {
         let copy = self.copy;
         let options = copy.words[1..copy.transform_words.end].iter().enumerate();
@@ -198,7 +198,7 @@ fn write_strings(out: &mut Vec<u8>, primitive: &Primitive<'_>, copy: &Copy) -> s
     let transform = &copy.words[copy.transform_words.clone()];
     let mut added: Vec<&str> = Vec::new();
     if primitive.kind.takes_transform_words() {
-        // The words so far may end in a repetition, which the new ones must not join.
+        // The words so far may end in `-i`, which the new ones must not join.
         if transform.first().is_some_and(|first| first != "-i") {
             added.extend(["-i", "1"]);
         }
@@ -252,7 +252,7 @@ fn write_reals(out: &mut Vec<u8>, kind: Kind, reals: &[f64]) -> std::io::Result<
     }
 }
 
-/// Rows of numbers below the count.
+/// Writes rows of numbers below the count.
 fn write_rows(out: &mut Vec<u8>, rows: &[usize], reals: &[f64]) -> std::io::Result<()> {
     out.push(b'\n');
     write_rows_after_count(out, rows, reals)
@@ -273,7 +273,7 @@ fn joined(integers: &[i64]) -> String {
     integers.iter().map(|value| format!(" {value}")).collect()
 }
 
-/// Whether real `xform` would accept the counts.
+/// Whether real `xform` accepts the counts.
 fn has_right_counts(kind: Kind, strings: usize, reals: usize) -> bool {
     match kind {
         Kind::Source | Kind::Sphere | Kind::Bubble | Kind::Glow => (strings, reals) == (0, 4),
@@ -287,9 +287,9 @@ fn has_right_counts(kind: Kind, strings: usize, reals: usize) -> bool {
     }
 }
 
-/// A word, in quotes where it needs them.
+/// Writes a word, quoted if necessary.
 pub(crate) fn write_word(out: &mut Vec<u8>, word: &[u8]) {
-    // A quote that is neither first nor last would be taken for the start of a quoted part.
+    // A quote in the middle would be read as the start of a quoted part.
     let inner = word.get(1..word.len().saturating_sub(1)).unwrap_or_default();
     let quote = match inner.iter().rev().find(|byte| matches!(byte, b'"' | b'\'')) {
         Some(b'"') => Some(b'\''),
@@ -306,17 +306,18 @@ fn impossible(mistake: String) -> Error {
 }
 
 fn too_deep() -> Error {
-    impossible(format!("commands call each other more than {MAX_DEPTH} deep"))
+    impossible(format!("commands are nested more than {MAX_DEPTH} deep"))
 }
 
-/// Whether an error inside a command ends everything: without that, a limit would be hit again and again. A command that
-/// may not be run would be run by real xform, so to go on without it would change the scene.
+/// Whether an error in a command ends everything. Exceeded limits would be exceeded again and
+/// again. A command that is not permitted would be run by real xform, so continuing without it
+/// would change the scene.
 fn is_fatal(error: &Error) -> bool {
     let is_refused = matches!(error, Error::Syntax(_) | Error::Load(LoadError::CommandRefused { .. }));
     is_refused || matches!(error, Error::OutputTooLarge { .. }) || *error == too_deep()
 }
 
-/// Writing into memory fails only when there is none.
+/// The error of a failed write: writing into memory fails only when none is left.
 fn too_large(_: std::io::Error) -> Error {
     Error::OutputTooLarge { limit_bytes: MAX_OUTPUT_BYTES }
 }

@@ -1,21 +1,22 @@
-//! Real Radiance and the files of others, for tests that compare.
+//! Real Radiance and published scenes, for comparison tests.
 #![allow(dead_code, reason = "each test file uses a part")]
 
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Real Radiance, whose programs also look into the folder `lib` of a scene.
+/// Real Radiance, whose programs also search the folder `lib` of a scene.
 pub(crate) struct Radiance(radsight_test_support::Radiance);
 
 impl Radiance {
-    /// `None`, with a note, when there is no real Radiance.
+    /// `None`, with a note, if real Radiance is not installed.
     pub(crate) fn find() -> Option<Radiance> {
         radsight_test_support::Radiance::find().map(Radiance)
     }
 
     pub(crate) fn command(&self, program: &str) -> Command {
-        // Programs print their own name, so it is looked up on the path rather than spelt out.
+        // Programs print their own name, so it is looked up on the path instead of given as a full
+        // path.
         let mut command = Command::new(program);
         command.env("PATH", self.0.path());
         if let Some(library) = self.library() {
@@ -24,19 +25,19 @@ impl Radiance {
         command
     }
 
-    /// Standard output of a program that is run in a folder, and whether it succeeded.
+    /// Runs a program in a folder; returns its standard output and whether it succeeded.
     pub(crate) fn run(&self, program: &str, arguments: &[&str], folder: &Path) -> (Vec<u8>, bool) {
         let output = self.command(program).args(arguments).current_dir(folder).stdin(Stdio::null()).output().unwrap();
         (output.stdout, output.status.success())
     }
 
-    /// Where real Radiance keeps its library, if known.
+    /// The library folder of real Radiance, if known.
     pub(crate) fn library(&self) -> Option<PathBuf> {
         self.0.library()
     }
 }
 
-/// The folder with the scenes of others, if there is one: `RADSIGHT_SHARED`, or `radiance` in it.
+/// The folder with published scenes, if there is one: `RADSIGHT_SHARED`, or `radiance` in it.
 pub(crate) fn shared() -> Option<PathBuf> {
     let Some(folder) = std::env::var_os("RADSIGHT_SHARED").map(PathBuf::from) else {
         eprintln!("skipped: RADSIGHT_SHARED is not set");

@@ -1,5 +1,5 @@
-//! Acuity: dim places are seen less sharply. The picture is halved again and again, and each pixel is taken between the two sizes
-//! that have the resolution of the eye there.
+//! Acuity: dim regions are seen less sharply. An image pyramid is sampled by trilinear
+//! interpolation at the local resolution of the eye.
 
 use super::foveal::Fovea;
 use super::luminance::Luminance;
@@ -10,33 +10,34 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 use std::io::Read;
 
-/// The finest detail that the eye sees when adapted to a luminance in cd/m², in cycles a degree: a fit to Shaler's data of 1937.
+/// The finest visible detail at an adaptation luminance in cd/m², cycles per degree: a fit to
+/// Shaler's data of 1937.
 pub(super) fn cycles_a_degree(luminance: f64) -> f64 {
     17.25 * (1.4 * luminance.log10() + 0.35).atan() + 25.72
 }
 
-/// The picture in several sizes, and how sharply each place is seen.
+/// An image pyramid, and the visible detail at each foveal sample.
 #[derive(Debug)]
 pub(super) struct Acuity {
-    /// Pixels of the input across the finest detail, at each glance.
+    /// Size of the finest visible detail in input pixels, at each foveal sample.
     detail: Vec<f32>,
     columns: usize,
     rows: usize,
-    /// Size in pixels of the input: scanline length and scanlines.
+    /// Size of the input: pixels per scanline and scanlines.
     size: [usize; 2],
-    /// The picture halved 0, 1, 2… times.
+    /// The pyramid: level n is the picture halved n times.
     levels: Vec<Level>,
 }
 
-/// The scanlines of one size that are still needed.
+/// The scanlines of one level that are still needed.
 #[derive(Debug, Default)]
 struct Level {
     scanlines: VecDeque<Vec<[f32; 3]>>,
-    /// Scanlines that were made.
+    /// Number of scanlines made.
     made: usize,
 }
 
-/// The picture is halved no more often.
+/// Largest number of halvings.
 const MOST_HALVINGS: usize = 30;
 
 impl Acuity {
@@ -62,7 +63,7 @@ impl Acuity {
             }
         }
         let coarsest = detail.iter().copied().fold(1.0f32, f32::max);
-        // At the border there are no neighbours on both sides.
+        // Pixels at the border lack neighbours on one side.
         for column in 1..columns - 1 {
             detail[column] = detail[columns + column];
             detail[(rows - 1) * columns + column] = detail[(rows - 2) * columns + column];
@@ -78,7 +79,7 @@ impl Acuity {
         Acuity { detail, columns, rows, size, levels }
     }
 
-    /// The next scanline as the eye sees it.
+    /// The next scanline, blurred to the acuity of the eye.
     pub(super) fn read<R: Read>(
         &mut self,
         scanline: usize,
@@ -101,7 +102,8 @@ impl Acuity {
         Ok(())
     }
 
-    /// A pixel between the two sizes whose pixels are next to `detail` pixels of the input.
+    /// A pixel interpolated between the two levels whose pixel size is nearest to `detail` input
+    /// pixels.
     fn sample(&self, position: usize, scanline: usize, detail: f64) -> [f32; 3] {
         let pixels = |level: usize| (1u64 << level) as f64;
         let mut level = self.levels.len() - 1;
@@ -117,12 +119,12 @@ impl Acuity {
         std::array::from_fn(|i| (f64::from(coarse[i]) * (1.0 - part)) as f32 + (f64::from(fine[i]) * part) as f32)
     }
 
-    /// The first row of a size that a scanline of the input lies between, and how far it is towards the next.
+    /// The row of a level before a scanline of the input, and the fraction towards the next row.
     fn row_at(&self, scanline: usize, level: usize) -> (usize, f64) {
-        halved_place(scanline, level, self.size[1])
+        halved_position(scanline, level, self.size[1])
     }
 
-    /// A size interpolated at a pixel of the input.
+    /// The value of a level interpolated at a pixel of the input.
     fn value(&self, position: usize, scanline: usize, level: usize) -> [f32; 3] {
         let (row, down) = self.row_at(scanline, level);
         let upper = self.levels[level].scanline(row);
@@ -130,7 +132,7 @@ impl Acuity {
             return upper[position];
         }
         let lower = self.levels[level].scanline(row + 1);
-        let (column, right) = halved_place(position, level, self.size[0]);
+        let (column, right) = halved_position(position, level, self.size[0]);
         let scaled = |value: f32, part: f64| (f64::from(value) * part) as f32;
         let mixed =
             |line: &[[f32; 3]], i: usize| scaled(line[column][i], 1.0 - right) + scaled(line[column + 1][i], right);
@@ -140,7 +142,7 @@ impl Acuity {
         })
     }
 
-    /// Makes the scanlines of a size up to one.
+    /// Makes the scanlines of a level up to `last`.
     fn make<R: Read>(&mut self, level: usize, last: usize, reader: &mut PictureReader<R>) -> Result<(), ToolError> {
         while self.levels[level].made <= last {
             let next = self.levels[level].made;
@@ -161,7 +163,7 @@ impl Acuity {
 }
 
 impl Level {
-    /// Adds a scanline and forgets those that nobody asks for any more.
+    /// Adds a scanline and drops those that are no longer needed.
     fn push(&mut self, scanline: Vec<[f32; 3]>, kept: usize) {
         self.scanlines.push_back(scanline);
         self.made += 1;
@@ -176,17 +178,17 @@ impl Level {
     }
 }
 
-/// The pixel of a halved size before a pixel of the input, and how far that is towards the next.
-fn halved_place(at: usize, level: usize, length: usize) -> (usize, f64) {
+/// The pixel of a level before a pixel of the input, and the fraction towards the next one.
+fn halved_position(at: usize, level: usize, length: usize) -> (usize, f64) {
     if level == 0 {
         return (at, 0.0);
     }
-    let place = (at as f64 + 0.5) / (1u64 << level) as f64 - 0.5;
-    let before = (place as usize).min((length >> level) - 2);
-    (before, place - before as f64)
+    let position = (at as f64 + 0.5) / (1u64 << level) as f64 - 0.5;
+    let before = (position as usize).min((length >> level) - 2);
+    (before, position - before as f64)
 }
 
-/// Means of four pixels.
+/// Means of 2 × 2 pixels.
 fn halved(upper: &[[f32; 3]], lower: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
     let mean = |(upper, lower): (&[[f32; 3]; 2], &[[f32; 3]; 2])| {

@@ -1,4 +1,4 @@
-//! The display's colours: its primaries, a calibration of its response by `macbethcal`, or a map of colours.
+//! The display's colour space: its primaries, a `macbethcal` calibration, or a colour warp.
 
 use super::luminance::Luminance;
 use super::warp::{ColorWarp, WarpGrid};
@@ -6,7 +6,7 @@ use crate::ToolError;
 use crate::brightness::of_rgb;
 use radsight_picture::{Header, RgbPrimaries, leading_number};
 
-/// What the output is shown with.
+/// The output device.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Device {
     /// A display with Radiance's primaries.
@@ -14,13 +14,14 @@ pub enum Device {
     Standard,
     /// A display with these primaries.
     Primaries(RgbPrimaries),
-    /// What a calibration by `macbethcal` describes.
+    /// A display calibrated by `macbethcal`.
     Macbeth(Macbeth),
-    /// What a map of colours says, by which the picture's own are moved.
+    /// A display described by a colour warp.
     Warp(ColorWarp),
 }
 
-/// The map that `macbethcal` writes as a `.cal` file: a matrix, then a curve of each component through six points.
+/// The mapping that `macbethcal` writes as a `.cal` file: a matrix, then a curve of each component
+/// through six points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Macbeth {
     matrix: [[f32; 3]; 3],
@@ -29,10 +30,10 @@ pub struct Macbeth {
 }
 
 impl Macbeth {
-    /// Reads such a file.
+    /// Parses such a file.
     ///
     /// # Errors
-    /// The definition that is not there, as `macbethcal` would write it.
+    /// The missing definition, as `macbethcal` would write it.
     pub fn read(text: &str) -> Result<Macbeth, &'static str> {
         let found = |start: &str, separators: &[&str], count: usize| {
             text.lines().find_map(|line| numbers(line.strip_prefix(start)?, separators, count))
@@ -59,7 +60,7 @@ impl Macbeth {
         })
     }
 
-    /// What the display can show at least and at most, as the curves go on.
+    /// The display's smallest and largest output, by extrapolation of the curves.
     fn limits(&self) -> [[f32; 3]; 2] {
         let low = |i: usize| {
             let (from, to) = (self.from[i], self.to[i]);
@@ -80,7 +81,7 @@ impl Macbeth {
     }
 }
 
-/// Numbers of a line with these words before each.
+/// The numbers of a line, separated by these words.
 fn numbers(text: &str, separators: &[&str], count: usize) -> Option<Vec<f32>> {
     let mut rest = text;
     let mut numbers = Vec::with_capacity(count);
@@ -98,18 +99,18 @@ fn numbers(text: &str, separators: &[&str], count: usize) -> Option<Vec<f32>> {
     Some(numbers)
 }
 
-/// What is done to each pixel for the display.
+/// The correction applied to each pixel.
 #[derive(Clone, Debug)]
 pub(super) enum Correction {
     Matrix { matrix: [[f32; 3]; 3], limits: [[f32; 3]; 2], curves: Option<Box<Macbeth>> },
     Warp(Box<WarpGrid>),
 }
 
-/// What a display shows at least and at most.
+/// The smallest and largest output of an ideal display.
 const UNIT: [[f32; 3]; 2] = [[0.0; 3], [1.0; 3]];
 
 impl Device {
-    /// `None` where the input has the display's colours already.
+    /// The correction; `None` if the input already has the display's primaries.
     pub(super) fn correction(&self, header: &Header, luminance: &Luminance) -> Result<Option<Correction>, ToolError> {
         let output = match self {
             Device::Macbeth(_) if luminance.is_xyz() => return Err(ToolError::CalibratedXyz),
@@ -149,7 +150,7 @@ impl Correction {
     }
 }
 
-/// Moves a colour towards the grey of its brightness until the display can show it.
+/// Desaturates a colour towards the grey of its brightness until the display can show it.
 fn clipped(color: [f32; 3], [lower, upper]: [[f32; 3]; 2]) -> [f32; 3] {
     let grey = of_rgb(color.map(|value| value.clamp(0.0, 1.0)));
     let mean = |limit: [f32; 3]| 1.0 / 3.0 * f64::from(limit[0] + limit[1] + limit[2]);

@@ -1,4 +1,4 @@
-//! What single glances see: the picture in pixels of one degree, the size of the fovea.
+//! Foveal samples: the picture reduced to pixels of one degree, the size of the fovea.
 
 use crate::ToolError;
 use crate::filter::{FilterOptions, Size, filter_one_pass};
@@ -8,15 +8,15 @@ use std::io::Read;
 
 /// The diameter of the fovea, in radians.
 const DIAMETER: f64 = PI / 180.0;
-/// The most glances that are kept.
+/// Largest number of foveal samples.
 const MOST: usize = 1 << 22;
 
-/// The picture in pixels of one degree, in the order of the file.
+/// The picture in pixels of one degree, in file order.
 #[derive(Debug)]
 pub(super) struct Fovea {
-    /// The input's size.
+    /// Size of the input.
     pub(super) picture: Resolution,
-    /// This picture's size.
+    /// Size of this picture.
     pub(super) resolution: Resolution,
     pub(super) colors: Vec<[f32; 3]>,
     view: View,
@@ -29,10 +29,10 @@ impl Fovea {
         header: &Header,
     ) -> Result<Fovea, ToolError> {
         let view = view(header, &picture)?;
-        let glances = |size: f64| (size / DIAMETER + 0.5).clamp(2.0, 1e9) as usize;
-        let (across, up) = (glances(view.size().x), glances(view.size().y));
+        let samples = |size: f64| (size / DIAMETER + 0.5).clamp(2.0, 1e9) as usize;
+        let (across, up) = (samples(view.size().x), samples(view.size().y));
         if across.saturating_mul(up) > MOST {
-            return Err(ToolError::TooManyGlances { degrees: across.saturating_mul(up), most: MOST });
+            return Err(ToolError::ViewTooWide { degrees: across.saturating_mul(up), most: MOST });
         }
         let resolution = Resolution { width: across, height: up, orientation: picture.orientation };
         let options = FilterOptions {
@@ -58,29 +58,29 @@ impl Fovea {
         self.resolution.scanlines()
     }
 
-    /// The unit direction of each glance; zero where the view shows nothing.
+    /// Unit direction of each foveal sample; zero outside the view.
     pub(super) fn directions(&self) -> Vec<[f32; 3]> {
         let place = |i: usize| self.resolution.location(i % self.columns(), i / self.columns());
         let direction = |i: usize| self.view.ray(place(i)).map_or([0.0; 3], |ray| ray.direction.to_array());
         (0..self.colors.len()).map(|i| direction(i).map(|part| part as f32)).collect()
     }
 
-    /// Pixels of the input in a degree, the mean of both axes.
+    /// Input pixels per degree, the mean of both axes.
     pub(super) fn pixels_a_degree(&self) -> f64 {
         let size = self.view.size();
         (self.picture.width as f64 / size.x + self.picture.height as f64 / size.y) / 2.0 * DIAMETER
     }
 }
 
-/// The view of a picture; one of 40 degrees where the header has none that tells how wide things look.
+/// The view of a picture. The default is 40 degrees, for headers without a usable view.
 fn view(header: &Header, picture: &Resolution) -> Result<View, ToolError> {
-    /// Views that are narrower, in degrees, are not what somebody saw.
+    /// Narrower views, in degrees, are not used.
     const NARROWEST: f64 = 5.0;
     const USUAL: f64 = 40.0;
     let named = ViewOptions::from_header(header).map_err(ToolError::View)?;
-    let told = named
+    let stated = named
         .filter(|view| view.kind != ViewKind::Parallel && view.horizontal > NARROWEST && view.vertical > NARROWEST);
-    let options = match told {
+    let options = match stated {
         Some(view) => view,
         None => {
             let height = header.pixel_aspect()? * picture.height as f64 / picture.width as f64;

@@ -1,4 +1,5 @@
-//! The histogram of the brightness that the eye adapts to. Brightness is the natural logarithm of luminance in cd/m².
+//! The histogram of adaptation brightness. Brightness is the natural logarithm of luminance in
+//! cd/m².
 
 use super::foveal::Fovea;
 use super::luminance::Luminance;
@@ -9,20 +10,21 @@ use radsight_picture::{Resolution, decode_rgbe};
 use std::f64::consts::LN_10;
 use std::io::{Read, Seek};
 
-/// Bins.
+/// Number of bins.
 pub(super) const BINS: usize = 100;
 
-/// What the eye adapts to.
+/// The source of adaptation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Adaptation {
     /// The whole picture.
     Everything {
-        /// Whether the middle counts more than the sides.
+        /// Whether samples near the centre have more weight.
         center_weighted: bool,
-        /// Pixels that are looked at, by column and row from the lower left, and the share that they have in the adaptation.
+        /// Fixation points, as column and row from the lower left, and their weight in the
+        /// adaptation.
         fixations: Option<(Vec<[i64; 2]>, f64)>,
     },
-    /// A histogram that was made elsewhere.
+    /// A histogram given by the user.
     Measured(MeasuredHistogram),
 }
 
@@ -41,10 +43,10 @@ pub struct MeasuredHistogram {
 }
 
 impl MeasuredHistogram {
-    /// From pairs of a logarithm and a count, at even steps; at most 1024.
+    /// From pairs of a logarithm and a count, at equal steps; at most 1024.
     ///
     /// # Errors
-    /// What is wrong with the pairs.
+    /// A description of the mistake.
     pub fn new(pairs: &[[f64; 2]]) -> Result<MeasuredHistogram, &'static str> {
         const UNEVEN: f64 = 1e-3;
         const MOST: usize = 1024;
@@ -54,10 +56,10 @@ impl MeasuredHistogram {
         }
         let step = second - start;
         if step.is_nan() || step <= TINY {
-            return Err("the logarithms of luminance do not rise");
+            return Err("the logarithms of luminance do not increase");
         }
         if pairs.windows(2).any(|two| (two[1][0] - two[0][0] - step).abs() > UNEVEN) {
-            return Err("the logarithms of luminance have uneven steps");
+            return Err("the logarithms of luminance have unequal steps");
         }
         let counts: Vec<f64> = pairs.iter().map(|pair| pair[1]).collect();
         if counts.iter().all(|count| *count <= TINY) {
@@ -67,12 +69,12 @@ impl MeasuredHistogram {
     }
 }
 
-/// A histogram with what follows from it.
+/// A histogram and derived values.
 #[derive(Clone, Debug)]
 pub(super) struct Histogram {
     pub(super) counts: [f64; BINS],
     pub(super) total: f64,
-    /// The least brightness.
+    /// The smallest brightness.
     pub(super) low: f64,
     /// The largest brightness.
     pub(super) high: f64,
@@ -81,7 +83,7 @@ pub(super) struct Histogram {
 }
 
 impl Histogram {
-    /// Draws pixels of the source where the adaptation asks for them.
+    /// Builds the histogram by sampling pixels of the source, as the adaptation requires.
     pub(super) fn new<S: Read + Seek>(
         adaptation: &Adaptation,
         fovea: &Fovea,
@@ -92,14 +94,15 @@ impl Histogram {
         let histogram = match adaptation {
             Adaptation::Measured(measured) => Histogram::measured(measured),
             Adaptation::Everything { center_weighted, fixations } => {
-                let drawn = drawn_luminances(fovea, luminance, random, source)?;
+                let sampled = sampled_luminances(fovea, luminance, random, source)?;
                 let weight = |i: usize| if *center_weighted { nearness(fovea, i) } else { 1.0 };
-                let fixations = fixations.as_ref().map(|(places, share)| (glances_at(places, fovea), *share));
-                let fixed = Histogram::of_picture(fovea, luminance, &drawn, weight, fixations);
-                // Where all that is looked at is black, or nothing is, the eye adapts to the picture.
+                let fixations = fixations.as_ref().map(|(pixels, share)| (samples_at(pixels, fovea), *share));
+                let fixed = Histogram::of_picture(fovea, luminance, &sampled, weight, fixations);
+                // If all fixated samples are black, or there are none, the eye adapts to the whole
+                // picture.
                 match fixed.has_light() {
                     true => fixed,
-                    false => Histogram::of_picture(fovea, luminance, &drawn, weight, None),
+                    false => Histogram::of_picture(fovea, luminance, &sampled, weight, None),
                 }
             }
         };
@@ -113,7 +116,7 @@ impl Histogram {
         self.total > 0.0 && self.high > self.low
     }
 
-    /// The limits of luminance, and the brightness where the bins start: the lowest bin is there twice.
+    /// An empty histogram between two luminances. The lowest bin is duplicated.
     fn empty(least: f64, most: f64) -> Histogram {
         let high = (most * 1.01).min(VISIBLE[1]).ln();
         let low = match least < VISIBLE[0] {
@@ -126,28 +129,28 @@ impl Histogram {
     fn of_picture(
         fovea: &Fovea,
         luminance: &Luminance,
-        drawn: &[f32],
+        sampled: &[f32],
         weight: impl Fn(usize) -> f64,
         fixations: Option<(Vec<usize>, f64)>,
     ) -> Histogram {
-        let glances: Vec<f64> = fovea.colors.iter().map(|color| luminance.of(*color)).collect();
-        let all = glances.iter().copied().chain(drawn.iter().map(|value| f64::from(*value)));
+        let samples: Vec<f64> = fovea.colors.iter().map(|color| luminance.of(*color)).collect();
+        let all = samples.iter().copied().chain(sampled.iter().map(|value| f64::from(*value)));
         let (least, most) = all.fold((1e10f64, 0.0f64), |(least, most), value| (least.min(value), most.max(value)));
         let mut histogram = Histogram::empty(least, most);
         let share = fixations.as_ref().map_or(0.0, |(_, share)| *share);
         if share < 1.0 - TINY {
-            for (i, value) in glances.iter().enumerate() {
+            for (i, value) in samples.iter().enumerate() {
                 histogram.add(*value, weight(i));
             }
-            let each = histogram.total / drawn.len() as f64;
-            drawn.iter().for_each(|value| histogram.add(f64::from(*value), each));
+            let each = histogram.total / sampled.len() as f64;
+            sampled.iter().for_each(|value| histogram.add(f64::from(*value), each));
         }
-        if let Some((places, share)) = fixations {
+        if let Some((pixels, share)) = fixations {
             let each = match histogram.total > TINY {
-                true => share / (1.0 - share) * histogram.total / places.len() as f64,
+                true => share / (1.0 - share) * histogram.total / pixels.len() as f64,
                 false => 1.0,
             };
-            places.iter().for_each(|place| histogram.add(glances[*place], each));
+            pixels.iter().for_each(|pixel| histogram.add(samples[*pixel], each));
         }
         histogram.finish();
         histogram
@@ -190,7 +193,7 @@ impl Histogram {
         self.total += weight;
     }
 
-    /// Takes the mean, and spreads the lowest bin over two.
+    /// Computes the mean, and distributes the lowest bin over two.
     fn finish(&mut self) {
         self.mean /= self.total;
         if self.low > VISIBLE[0].ln() + TINY {
@@ -199,17 +202,17 @@ impl Histogram {
         }
     }
 
-    /// The brightness of the largest luminance less that of the least.
+    /// The largest brightness minus the smallest.
     pub(super) fn range(&self) -> f64 {
         self.high - self.low
     }
 
-    /// The brightness in the middle of a bin.
+    /// The brightness at the centre of a bin.
     pub(super) fn middle(&self, bin: usize) -> f64 {
         self.low + (bin as f64 + 0.5) * self.range() / BINS as f64
     }
 
-    /// The brightness that a share of the histogram lies below.
+    /// The brightness below which a share of the histogram lies.
     pub(super) fn percentile(&self, share: f64) -> f64 {
         let mut left = self.total * share;
         let reached = |count: &f64| {
@@ -221,40 +224,40 @@ impl Histogram {
     }
 }
 
-/// The weight of a glance: a paraboloid that is 0 at 90 degrees from the middle.
-fn nearness(fovea: &Fovea, glance: usize) -> f64 {
+/// The weight of a foveal sample: a paraboloid that reaches 0 at 90 degrees from the centre.
+fn nearness(fovea: &Fovea, sample: usize) -> f64 {
     let from_middle = |at: usize, size: usize| (at as f64 - 0.5 * (size as f64 - 1.0)) / 90.0;
-    let x = from_middle(glance % fovea.columns(), fovea.columns());
-    let y = from_middle(glance / fovea.columns(), fovea.rows());
+    let x = from_middle(sample % fovea.columns(), fovea.columns());
+    let y = from_middle(sample / fovea.columns(), fovea.rows());
     (1.0 - x * x - y * y).max(0.0)
 }
 
-/// The glances at pixels that are looked at, each with its eight neighbours, none twice.
-fn glances_at(places: &[[i64; 2]], fovea: &Fovea) -> Vec<usize> {
+/// The foveal samples at fixation points, each with its eight neighbours, without duplicates.
+fn samples_at(pixels: &[[i64; 2]], fovea: &Fovea) -> Vec<usize> {
     let (columns, rows) = (fovea.columns() as i64, fovea.rows() as i64);
-    let mut met = vec![false; fovea.colors.len()];
-    let mut glances = Vec::new();
-    for place in places {
-        let [x, y] = glance_of(*place, &fovea.picture, &fovea.resolution);
+    let mut is_taken = vec![false; fovea.colors.len()];
+    let mut samples = Vec::new();
+    for pixel in pixels {
+        let [x, y] = sample_of(*pixel, &fovea.picture, &fovea.resolution);
         for column in (x - 1).max(0)..=(x + 1).min(columns - 1) {
             for row in (y - 1).max(0)..=(y + 1).min(rows - 1) {
-                let glance = (row * columns + column) as usize;
-                if !std::mem::replace(&mut met[glance], true) {
-                    glances.push(glance);
+                let sample = (row * columns + column) as usize;
+                if !std::mem::replace(&mut is_taken[sample], true) {
+                    samples.push(sample);
                 }
             }
         }
     }
-    glances
+    samples
 }
 
-/// Position and scanline of the glance that a pixel, counted from the lower left, belongs to.
-fn glance_of(place: [i64; 2], picture: &Resolution, fovea: &Resolution) -> [i64; 2] {
-    // Radiance rounds to the nearest border of a glance, not to its middle.
-    let part = |at: i64, pixels: usize, glances: usize| {
-        ((at as f64 + 0.5) / pixels as f64 * glances as f64).round().clamp(-2.0, glances as f64 + 1.0) as i64
+/// Position and scanline of the foveal sample of a pixel, counted from the lower left.
+fn sample_of(pixel: [i64; 2], picture: &Resolution, fovea: &Resolution) -> [i64; 2] {
+    // Radiance rounds to the nearest border of a foveal sample, not to its centre.
+    let part = |at: i64, pixels: usize, samples: usize| {
+        ((at as f64 + 0.5) / pixels as f64 * samples as f64).round().clamp(-2.0, samples as f64 + 1.0) as i64
     };
-    let (mut x, mut y) = (part(place[0], picture.width, fovea.width), part(place[1], picture.height, fovea.height));
+    let (mut x, mut y) = (part(pixel[0], picture.width, fovea.width), part(pixel[1], picture.height, fovea.height));
     if fovea.orientation.x_falls {
         x = fovea.width as i64 - 1 - x;
     }
@@ -264,8 +267,9 @@ fn glance_of(place: [i64; 2], picture: &Resolution, fovea: &Resolution) -> [i64;
     if fovea.orientation.scanlines_are_rows { [x, y] } else { [y, x] }
 }
 
-/// Luminances of pixels drawn at random, 16 a glance, each pixel at most once; the last that is drawn comes first.
-fn drawn_luminances<S: Read + Seek>(
+/// Luminances of random pixels, 16 per foveal sample, each pixel at most once; the last one sampled
+/// comes first.
+fn sampled_luminances<S: Read + Seek>(
     fovea: &Fovea,
     luminance: &Luminance,
     random: &mut Drand48,
@@ -276,7 +280,7 @@ fn drawn_luminances<S: Read + Seek>(
     let length = fovea.picture.scanline_length();
     let mut pixels_left = fovea.picture.width * fovea.picture.height;
     let mut wanted = (fovea.colors.len() * A_GLANCE).min(pixels_left);
-    let mut drawn = vec![0.0; wanted];
+    let mut sampled = vec![0.0; wanted];
     let mut scanline = vec![[0; 4]; length];
     let mut left = 0;
     while wanted > 0 {
@@ -304,8 +308,8 @@ fn drawn_luminances<S: Read + Seek>(
         }
         left -= skipped;
         wanted -= 1;
-        drawn[wanted] = luminance.of(decode_rgbe(scanline[left])) as f32;
+        sampled[wanted] = luminance.of(decode_rgbe(scanline[left])) as f32;
         pixels_left = pixels_left.saturating_sub(skipped);
     }
-    Ok(drawn)
+    Ok(sampled)
 }

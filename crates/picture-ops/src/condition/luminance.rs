@@ -1,20 +1,20 @@
-//! Luminance of pixels as the eye adapts to it.
+//! Adaptation luminance of pixels.
 
 use crate::ToolError;
 use radsight_picture::{Encoding, Header, RgbPrimaries, WHITE_EFFICACY};
 
-/// Scotopic over photopic luminance of white, as Radiance takes it.
+/// Ratio of scotopic to photopic luminance of white, as in Radiance.
 pub(super) const SCOTOPIC_WHITE: f64 = 2.26;
 
-/// The parts of red, green and blue in what rods see, for a white of 1.
+/// The weights of red, green and blue in scotopic luminance, for a white of 1.
 pub(crate) const RODS: [f64; 3] = [0.062, 0.608, 0.330];
 
-/// How the luminance of a picture's pixels is found.
+/// Computes the luminance of a picture's pixels.
 #[derive(Clone, Debug)]
 pub(crate) struct Luminance {
-    /// The parts of red, green and blue in the luminance; `None` for pixels that are X, Y and Z.
+    /// The weights of red, green and blue in the luminance; `None` for X, Y and Z pixels.
     weights: Option<[f32; 3]>,
-    /// What all values were multiplied by.
+    /// The total exposure of the values.
     pub(crate) exposure: f64,
     /// The input's primaries.
     pub(crate) primaries: RgbPrimaries,
@@ -35,7 +35,7 @@ impl Luminance {
         self.weights.is_none()
     }
 
-    /// Candela per square metre of a value of 1, before the exposure is undone.
+    /// Luminance in cd/m² of a value of 1, before the exposure is undone.
     pub(crate) fn efficacy(&self) -> f64 {
         if self.is_xyz() { 1.0 } else { WHITE_EFFICACY }
     }
@@ -49,7 +49,7 @@ impl Luminance {
         stored / self.exposure
     }
 
-    /// The luminance that rods see, approximately, in scotopic cd/m².
+    /// The approximate scotopic luminance, in scotopic cd/m².
     pub(super) fn scotopic(&self, color: [f32; 3]) -> f64 {
         let [a, b, c] = color.map(f64::from);
         let stored = match self.weights {

@@ -1,4 +1,4 @@
-//! From luminance of the scene to light of the display.
+//! The mapping from scene luminance to display output.
 
 use super::histogram::{BINS, Histogram};
 use super::luminance::Luminance;
@@ -6,17 +6,18 @@ use super::{ConditionOptions, Exposure, MappedLuminance, TINY, VISIBLE};
 use crate::cumulative::{cumulative, share_at};
 use radsight_picture::WHITE_EFFICACY;
 
-/// How pixels are mapped.
+/// A tone mapping.
 #[derive(Clone, Debug)]
 pub(super) enum Mapping {
     /// Every value is multiplied by a factor.
     Linear { factor: f64 },
-    /// By a map of luminance.
+    /// By a tone curve.
     Tones(Box<ToneMap>),
 }
 
 impl Mapping {
-    /// The factor that is asked for, or the one that shows the scene's mean brightness in the middle of the display's range.
+    /// The requested factor, or the one that maps the scene's mean brightness to the middle of the
+    /// display's range.
     pub(super) fn linear(options: &ConditionOptions, histogram: &Histogram, luminance: &Luminance) -> Mapping {
         if let Exposure::Factor(factor) = options.exposure
             && factor > TINY
@@ -32,7 +33,7 @@ impl Mapping {
         Mapping::Linear { factor: ratio * WHITE_EFFICACY / (luminance.exposure * options.display_top) }
     }
 
-    /// What values of the output are, times those of the scene; `None` where there is no one factor.
+    /// The factor from scene values to output values; `None` if it is not constant.
     pub(super) fn recorded_exposure(&self, luminance: &Luminance) -> Option<f64> {
         match self {
             Mapping::Linear { factor } => Some(luminance.exposure * factor),
@@ -63,7 +64,7 @@ impl Mapping {
         *pixel = pixel.map(|value| (f64::from(value) * factor) as f32);
     }
 
-    /// What luminance the middle of each bin is shown with.
+    /// Scene and display luminance at the centre of each bin.
     pub(super) fn pairs(
         &self,
         histogram: &Histogram,
@@ -81,10 +82,10 @@ impl Mapping {
     }
 }
 
-/// A map made by adjusting the histogram until no bin has more contrast than the eye.
+/// A tone curve from histogram adjustment: no bin has more contrast than the eye can see.
 #[derive(Clone, Debug)]
 pub(super) struct ToneMap {
-    /// The share of the histogram below each bin, and 1.
+    /// The cumulative distribution at each bin, and 1.
     cumulative: Vec<f64>,
     low: f64,
     high: f64,
@@ -92,11 +93,12 @@ pub(super) struct ToneMap {
     display_high: f64,
 }
 
-/// The share of a histogram that may lie above the ceiling, and the share that must be left of it.
+/// Tolerance of the ceiling: the share of the histogram that may exceed it, and the share that must
+/// be left.
 const TOLERANCE: f64 = 0.025;
 
 impl ToneMap {
-    /// `None` where the display has room for the scene as it is.
+    /// `None` if the display can show the scene's range.
     pub(super) fn new(histogram: &Histogram, options: &ConditionOptions) -> Option<ToneMap> {
         let display_high = options.display_top.ln();
         let display_low = (options.display_top / options.display_range).ln();
@@ -128,7 +130,7 @@ impl ToneMap {
         }
     }
 
-    /// The brightness on the display of a luminance in the scene, in cd/m².
+    /// The display brightness of a scene luminance in cd/m².
     pub(super) fn brightness(&self, world: f64) -> f64 {
         let brightness = world.ln();
         if world <= VISIBLE[0] || brightness <= self.low + TINY {
@@ -137,11 +139,11 @@ impl ToneMap {
         if brightness >= self.high - TINY {
             return self.display_high;
         }
-        let place = BINS as f64 * (brightness - self.low) / (self.high - self.low);
-        self.display_low + share_at(&self.cumulative, place) * (self.display_high - self.display_low)
+        let position = BINS as f64 * (brightness - self.low) / (self.high - self.low);
+        self.display_low + share_at(&self.cumulative, position) * (self.display_high - self.display_low)
     }
 
-    /// The largest share of the histogram that a unit of brightness may have (Eqs. 6 and 10 of the paper).
+    /// The largest density of the histogram per unit of brightness (Eqs. 6 and 10 of the paper).
     fn ceiling(&self, world: f64, options: &ConditionOptions) -> f64 {
         let shown = self.brightness(world).exp();
         let ratio = match options.eye.sensitivity {
@@ -152,8 +154,9 @@ impl ToneMap {
     }
 }
 
-/// The smallest difference of luminance that the eye sees when adapted to a luminance, both in cd/m²: J. Ferwerda, S. Pattanaik,
-/// P. Shirley, D. Greenberg, "A Model of Visual Adaptation for Realistic Image Synthesis", SIGGRAPH 1996, for rods and for cones.
+/// The smallest visible difference of luminance at an adaptation luminance, both in cd/m²: J.
+/// Ferwerda, S. Pattanaik, P. Shirley, D. Greenberg, "A Model of Visual Adaptation for Realistic
+/// Image Synthesis", SIGGRAPH 1996, for rods and for cones.
 pub(crate) fn threshold(luminance: f64) -> f64 {
     if luminance < 1.148e-4 {
         return 1.38e-3;

@@ -1,9 +1,9 @@
-//! Dim colours, which turn grey where rods see more than cones.
+//! Mesopic colours, which lose saturation where rods dominate.
 
 use super::luminance::{Luminance, SCOTOPIC_WHITE};
 use super::{MESOPIC, TINY};
 
-/// The share that cones have in what is seen, by a luminance in cd/m²; the rest is that of rods.
+/// The share of cones in vision at a luminance in cd/m²; the rest is the share of rods.
 pub(crate) fn cones(luminance: f64) -> f64 {
     ((luminance - MESOPIC[0]) / (MESOPIC[1] - MESOPIC[0])).clamp(0.0, 1.0)
 }

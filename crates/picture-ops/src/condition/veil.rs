@@ -1,4 +1,4 @@
-//! The veil that bright places cast over what is seen beside them.
+//! The veiling glare that bright regions cause in the eye.
 
 use super::between;
 use super::foveal::Fovea;
@@ -6,14 +6,15 @@ use crate::ToolError;
 use radsight_picture::Resolution;
 use rayon::prelude::*;
 
-/// The share that the veil has in what the eye sees (Moon and Spencer, "The Visual Effect of Non-Uniform Surrounds", 1945).
+/// The share of veiling luminance in foveal luminance (Moon and Spencer, "The Visual Effect of
+/// Non-Uniform Surrounds", 1945).
 const SHARE: f64 = 0.08;
-/// The most glances whose veil is computed: each takes light from all others.
+/// Largest number of foveal samples: each receives light from all others.
 const MOST: usize = 1 << 17;
-/// Below this a cosine counts as behind.
+/// Directions with a smaller cosine count as behind the eye.
 const TINY: f64 = 1e-6;
 
-/// The veil at each glance, already with its share.
+/// The veiling luminance at each foveal sample, multiplied by its share.
 #[derive(Debug)]
 pub(super) struct Veil {
     colors: Vec<[f32; 3]>,
@@ -22,16 +23,16 @@ pub(super) struct Veil {
 }
 
 impl Veil {
-    /// Computes the veil and adds it to what the glances see.
+    /// Computes the veil and adds it to the foveal samples.
     pub(super) fn new(fovea: &mut Fovea) -> Result<Veil, ToolError> {
         if fovea.colors.len() > MOST {
-            return Err(ToolError::TooManyGlances { degrees: fovea.colors.len(), most: MOST });
+            return Err(ToolError::ViewTooWide { degrees: fovea.colors.len(), most: MOST });
         }
         let directions = fovea.directions();
         let colors: Vec<[f32; 3]> = (0..directions.len())
             .into_par_iter()
             .with_min_len(64)
-            .map(|glance| veil_at(glance, &directions, &fovea.colors))
+            .map(|sample| veil_at(sample, &directions, &fovea.colors))
             .collect();
         for (color, veil) in fovea.colors.iter_mut().zip(&colors) {
             for (value, veil) in color.iter_mut().zip(veil) {
@@ -41,7 +42,7 @@ impl Veil {
         Ok(Veil { colors, columns: fovea.columns(), rows: fovea.rows() })
     }
 
-    /// Adds the veil to a scanline of the picture, interpolated between glances.
+    /// Adds the veil to a scanline of the picture, interpolated between foveal samples.
     pub(super) fn add(&self, scanline: usize, resolution: &Resolution, pixels: &mut [[f32; 3]]) {
         let (row, down) = between(scanline, resolution.scanlines(), self.rows);
         let length = pixels.len();
@@ -57,12 +58,13 @@ impl Veil {
     }
 }
 
-/// The mean of all other glances, weighted by the cosine over the squared angle, which is near 2 (1 − cos).
-fn veil_at(glance: usize, directions: &[[f32; 3]], colors: &[[f32; 3]]) -> [f32; 3] {
-    let [x, y, z] = directions[glance];
+/// The mean of all other samples, weighted by the cosine divided by the squared angle, which is
+/// approximately 2 (1 − cos).
+fn veil_at(sample: usize, directions: &[[f32; 3]], colors: &[[f32; 3]]) -> [f32; 3] {
+    let [x, y, z] = directions[sample];
     let (mut sum, mut total) = ([0.0f32; 3], 0.0);
     for (other, (direction, color)) in directions.iter().zip(colors).enumerate() {
-        if other == glance {
+        if other == sample {
             continue;
         }
         let cosine = f64::from(x * direction[0] + y * direction[1] + z * direction[2]);

@@ -1,35 +1,36 @@
-//! A map of colours by pairs of points: what a display shows for some colours, as `pcond -m` takes it.
+//! A colour warp: pairs of colours before and after, as in `pcond -m`.
 
 use radsight_picture::leading_number;
 use std::sync::OnceLock;
 
-/// Colours and what each becomes; between them the means of their shifts, weighted by one over the squares of the distances.
+/// Pairs of colours. Shifts between them are interpolated with inverse squared distances as
+/// weights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorWarp {
     from: Vec<[f32; 3]>,
     shifts: Vec<[f32; 3]>,
-    /// The smallest and the largest square of a distance between points.
+    /// The smallest and the largest squared distance between points.
     apart: [f64; 2],
 }
 
-/// Points that are nearer to each other are one.
+/// Points closer than this coincide.
 const NEAR: f64 = 1e-5;
 
-/// Most steps of the grid along a side.
+/// Largest number of grid steps along a side.
 const MOST_STEPS: f64 = 62.0;
 
-/// More points are a mistake: each is compared with all others.
+/// Largest number of points: each is compared with all others.
 const MOST_POINTS: usize = 1 << 14;
 
-/// How much further than its points the grid reaches, in smallest distances.
+/// Margin of the grid around its points, in units of the smallest distance.
 const MARGIN: f32 = 0.501;
 
 impl ColorWarp {
-    /// Reads a file of six numbers for each colour: red, green and blue before and after. As in Radiance, what comes after the first word that is no
-    /// number does not count.
+    /// Parses six numbers for each colour: red, green and blue before and after. As in Radiance,
+    /// parsing stops at the first word that is not a number.
     ///
     /// # Errors
-    /// What is missing.
+    /// The missing data.
     pub fn read(text: &str) -> Result<ColorWarp, &'static str> {
         let numbers = text.split_whitespace().map_while(|word| match leading_number(word.as_bytes()) {
             (number, used) if used == word.len() => Some(number as f32),
@@ -39,11 +40,11 @@ impl ColorWarp {
         let mut warp = ColorWarp { from: Vec::new(), shifts: Vec::new(), apart: [1e10, 0.0] };
         for [from @ .., a, b, c] in numbers.as_chunks::<6>().0 {
             if warp.from.len() == MOST_POINTS {
-                return Err("no more than 16384 colours");
+                return Err("at most 16384 colours");
             }
             warp.add(*from, [*a, *b, *c]);
         }
-        // With a distance that is none there is no shift between the points.
+        // If all points coincide, there are no shifts between them.
         match warp.from.len() {
             0 | 1 => Err("two colours or more, with six numbers for each"),
             _ if warp.apart[1] < NEAR => Err("colours that are not all the same"),
@@ -83,14 +84,14 @@ fn squared_distance(a: [f32; 3], b: [f32; 3]) -> f64 {
     (0..3).map(|i| f64::from(a[i] - b[i])).map(|apart| apart * apart).sum()
 }
 
-/// A grid over the colours of a map, between whose points shifts are interpolated.
+/// A grid over the colours of a warp, with interpolated shifts.
 #[derive(Clone, Debug)]
 pub(super) struct WarpGrid {
     warp: ColorWarp,
     low: [f32; 3],
     step: [f32; 3],
     steps: [usize; 3],
-    /// The shifts at the points that were asked for.
+    /// The shifts at grid points, computed on demand.
     shifts: Vec<OnceLock<[f32; 3]>>,
 }
 
@@ -108,19 +109,19 @@ impl WarpGrid {
     }
 
     fn shift_at(&self, [x, y, z]: [usize; 3]) -> [f32; 3] {
-        let place = (z * (self.steps[1] + 1) + y) * (self.steps[0] + 1) + x;
+        let position = (z * (self.steps[1] + 1) + y) * (self.steps[0] + 1) + x;
         let at = [x, y, z];
         let color = || std::array::from_fn(|i| self.low[i] + at[i] as f32 * self.step[i]);
-        *self.shifts[place].get_or_init(|| self.warp.shift(color()))
+        *self.shifts[position].get_or_init(|| self.warp.shift(color()))
     }
 
-    /// What a colour becomes; beyond the grid its borders go on.
+    /// The warped colour; beyond the grid its border values are used.
     pub(super) fn apply(&self, color: [f32; 3]) -> [f32; 3] {
         let (mut cell, mut rest) = ([0; 3], [0.0; 3]);
         for i in 0..3 {
-            let place = f64::from((color[i] - self.low[i]) / self.step[i]);
-            cell[i] = (place.max(0.0) as usize).min(self.steps[i] - 1);
-            rest[i] = place - cell[i] as f64;
+            let position = f64::from((color[i] - self.low[i]) / self.step[i]);
+            cell[i] = (position.max(0.0) as usize).min(self.steps[i] - 1);
+            rest[i] = position - cell[i] as f64;
         }
         let mix = |from: [f32; 3], to: [f32; 3], part: f64| -> [f32; 3] {
             std::array::from_fn(|i| ((1.0 - part) * f64::from(from[i]) + part * f64::from(to[i])) as f32)
@@ -149,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn maps_that_are_none_are_told() {
+    fn invalid_warps_are_reported() {
         for text in ["", "1 2 3 4 5 6", "1 2 3 4 5 6 1 2 3 4 5 6", "x", "0 0 0 0 0 0 1 1"] {
             assert_eq!(ColorWarp::read(text).unwrap_err(), "two colours or more, with six numbers for each", "{text}");
         }

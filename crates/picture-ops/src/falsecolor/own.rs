@@ -1,4 +1,4 @@
-//! Colours by a user's own functions of the place on the scale.
+//! Custom colours as functions of the scale position.
 
 use super::Palette;
 use crate::ToolError;
@@ -6,7 +6,8 @@ use radsight_cal::{Bindings, Definitions, Host, Program, Root, Scope, Scratch};
 use radsight_diag::SourceMap;
 use std::sync::Arc;
 
-/// One component of a colour, as an expression of `v`, the place on the scale. It may use the palettes' functions, `def_red(v)` and so on.
+/// One component of a colour, as an expression of the scale position `v`. It may call the palettes'
+/// functions, `def_red(v)` and so on.
 #[derive(Clone, Debug)]
 pub struct OwnComponent {
     text: String,
@@ -19,15 +20,15 @@ impl PartialEq for OwnComponent {
     }
 }
 
-/// What the expressions may use beside the library.
+/// Definitions available to the expressions besides the library.
 const DEFINITIONS: &str = "gamma : 2.2; clip(x) : min(1, max(x, 0)); frac(x) : x - floor(x);";
 
 const COMPONENTS: [&str; 3] = ["red", "grn", "blu"];
 
-/// The value on the channel that stands for `v`.
-struct Place(f64);
+/// The scale position: the value of the channel `v`.
+struct ScalePosition(f64);
 
-impl Host for Place {
+impl Host for ScalePosition {
     fn channel(&self, _channel: u32) -> f64 {
         self.0
     }
@@ -40,10 +41,10 @@ impl Host for Place {
 }
 
 impl OwnComponent {
-    /// Reads an expression.
+    /// Parses an expression.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// Its mistakes.
     pub fn read(text: &str) -> Result<OwnComponent, ToolError> {
         let mut sources = SourceMap::default();
         let mut definitions = Definitions::with_initial_library();
@@ -62,10 +63,10 @@ impl OwnComponent {
         Ok(OwnComponent { text: text.to_owned(), program: Arc::new(program) })
     }
 
-    /// The component at a place; 0 where it cannot be computed.
+    /// The component at a scale position; 0 if it cannot be evaluated.
     #[must_use]
-    pub fn at(&self, place: f64) -> f64 {
-        self.program.eval(0, &[], &Place(place), &mut Scratch::new()).unwrap_or(0.0)
+    pub fn at(&self, position: f64) -> f64 {
+        self.program.eval(0, &[], &ScalePosition(position), &mut Scratch::new()).unwrap_or(0.0)
     }
 }
 
@@ -74,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn expressions_see_the_place_and_the_palettes() {
+    fn expressions_use_the_scale_position_and_the_palettes() {
         assert_eq!(OwnComponent::read("v*v").unwrap().at(0.5), 0.25);
         let red = OwnComponent::read("clip(2*hot_red(v))").unwrap().at(0.2);
         assert!((red - (2.0 * 0.6f64.powf(2.2)).min(1.0)).abs() < 1e-9, "{red}");

@@ -1,4 +1,4 @@
-//! Colours of the two scales that have no formula.
+//! The two colour scales without a formula.
 
 /// Radiance's default scale: red, green and blue at equal steps from 0 to 1.
 pub(super) const DEFAULT: [[f64; 3]; 23] = [

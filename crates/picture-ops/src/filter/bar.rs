@@ -1,6 +1,6 @@
-//! The input rows that the filter can see.
+//! The input rows within the filter's support.
 
-/// A ring of rows. A row is found by its number as long as no later one has taken its place.
+/// A ring buffer of rows. A row is available until a later one replaces it.
 #[derive(Debug)]
 pub(super) struct Bar {
     rows: Vec<Vec<f32>>,
@@ -9,12 +9,13 @@ pub(super) struct Bar {
 }
 
 impl Bar {
-    /// Holds the rows up to `reach` away from a middle one, `length` values each. Memory is taken with the rows.
+    /// A buffer for the rows up to `reach` away from a central one, `length` values each. Memory is
+    /// allocated row by row.
     pub(super) fn new(reach: usize, length: usize) -> Bar {
         Bar { rows: Vec::new(), size: reach.saturating_mul(2).saturating_add(1), length }
     }
 
-    /// The place of a new row, whose number follows that of the last one.
+    /// The storage of a new row, which follows the last one.
     pub(super) fn next(&mut self, row: usize) -> &mut [f32] {
         let index = row % self.size;
         if index == self.rows.len() {

@@ -1,16 +1,16 @@
-//! The Gaussian filter, from a table.
+//! The Gaussian filter, tabulated.
 
-use super::{Bar, Frame};
+use super::{Bar, Resampling};
 use std::f64::consts::PI;
 
-/// How many radii away the filter ends.
+/// Support of the filter, in radii.
 pub(super) const REACH: f64 = 2.0;
-/// √(4/π): a disk of this radius has the area of a square of two radii.
+/// √(4/π): a disk of this radius has the area of a square with a side of two radii.
 pub(super) const DISK: f64 = 1.13;
-/// Entries of the table for one unit of squared distance.
+/// Table entries per unit of squared distance.
 const STEPS: f64 = 20.0;
 
-/// exp(−d²) of the squared distance d² in radii, flat inside of an input pixel.
+/// exp(−d²) of the squared distance d² in radii, constant within an input pixel.
 #[derive(Debug)]
 pub(super) struct Gaussian {
     pub(super) radius: f64,
@@ -18,8 +18,8 @@ pub(super) struct Gaussian {
 }
 
 impl Gaussian {
-    pub(super) fn new(radius: f64, frame: &Frame) -> Gaussian {
-        let plateau = plateau(radius, frame);
+    pub(super) fn new(radius: f64, resampling: &Resampling) -> Gaussian {
+        let plateau = plateau(radius, resampling);
         let entries = (444.0 * REACH * REACH) as usize;
         let flat = (-plateau).exp() as f32;
         let value = |index: usize| {
@@ -29,21 +29,21 @@ impl Gaussian {
         Gaussian { radius, table: (0..entries).map(value).collect() }
     }
 
-    /// Scales the table so that the weights of an output pixel's inputs add up to the input's area.
-    pub(super) fn normalized(mut self, frame: &Frame) -> Gaussian {
-        let plateau = plateau(self.radius, frame);
+    /// Scales the table so that the weights of an output pixel sum to the area of an input pixel.
+    pub(super) fn normalized(mut self, resampling: &Resampling) -> Gaussian {
+        let plateau = plateau(self.radius, resampling);
         let mut integral = PI * plateau * (-plateau).exp();
         let mut distance = plateau.sqrt() + 0.05;
         while distance <= DISK * REACH {
             integral += 0.1 * 2.0 * PI * distance * (-distance * distance).exp();
             distance += 0.1;
         }
-        let scale = frame.x_scale * frame.y_scale / (self.radius * self.radius * integral);
+        let scale = resampling.x_scale * resampling.y_scale / (self.radius * self.radius * integral);
         self.table.iter_mut().for_each(|weight| *weight = (f64::from(*weight) * scale) as f32);
         self
     }
 
-    /// The weight in the middle.
+    /// The weight at the centre.
     pub(super) fn middle(&self) -> f32 {
         self.table[0]
     }
@@ -53,29 +53,37 @@ impl Gaussian {
         self.table.get((STEPS * squared + 0.5) as usize).copied().unwrap_or(0.0)
     }
 
-    /// How far the filter reaches, in input pixels along an axis.
+    /// Support of the filter along an axis, input pixels.
     pub(super) fn reach(&self, scale: f64) -> usize {
         (REACH * self.radius / scale + 1.0) as usize
     }
 
-    /// One output pixel. `N` is the number of components, or 0 if only `sums` knows it.
-    pub(super) fn put<const N: usize>(&self, row: usize, column: usize, frame: &Frame, bar: &Bar, sums: &mut [f32]) {
+    /// Computes an output pixel. `N` is the number of components, or 0 if only `sums` knows it.
+    pub(super) fn put<const N: usize>(
+        &self,
+        row: usize,
+        column: usize,
+        resampling: &Resampling,
+        bar: &Bar,
+        sums: &mut [f32],
+    ) {
         let components = if N == 0 { sums.len() } else { N };
         let sums = &mut sums[..components];
-        let (across, down) = (self.reach(frame.x_scale) as isize, self.reach(frame.y_scale) as isize);
-        let (middle_column, middle_row) = (frame.middle_column(column) as isize, frame.middle_row(row) as isize);
-        let rows = (middle_row - down).max(0)..(middle_row + down + 1).min(frame.in_rows as isize);
-        let columns = frame.inside(middle_column - across..middle_column + across + 1);
+        let (across, down) = (self.reach(resampling.x_scale) as isize, self.reach(resampling.y_scale) as isize);
+        let (middle_column, middle_row) =
+            (resampling.middle_column(column) as isize, resampling.middle_row(row) as isize);
+        let rows = (middle_row - down).max(0)..(middle_row + down + 1).min(resampling.in_rows as isize);
+        let columns = resampling.inside(middle_column - across..middle_column + across + 1);
         let mut total = 1e-6;
         sums.fill(0.0);
         for y in rows {
-            let dy = (frame.y_scale * (y as f64 + 0.5) - (row as f64 + 0.5)) / self.radius;
+            let dy = (resampling.y_scale * (y as f64 + 0.5) - (row as f64 + 0.5)) / self.radius;
             let scanline = bar.row(y as usize);
             for x in columns.clone() {
-                let dx = (frame.x_scale * (x as f64 + 0.5) - (column as f64 + 0.5)) / self.radius;
+                let dx = (resampling.x_scale * (x as f64 + 0.5) - (column as f64 + 0.5)) / self.radius;
                 let weight = self.weight(dx * dx + dy * dy);
                 total += f64::from(weight);
-                let pixel = &scanline[frame.wrapped(x) * components..][..components];
+                let pixel = &scanline[resampling.wrapped(x) * components..][..components];
                 for (sum, value) in sums.iter_mut().zip(pixel) {
                     *sum += *value * weight;
                 }
@@ -86,7 +94,7 @@ impl Gaussian {
     }
 }
 
-/// The squared distance, in radii, within which the filter is flat: half an input pixel.
-fn plateau(radius: f64, frame: &Frame) -> f64 {
-    frame.x_scale * frame.y_scale * 0.25 / (radius * radius)
+/// The squared distance, in radii, within which the filter is constant: half an input pixel.
+fn plateau(radius: f64, resampling: &Resampling) -> f64 {
+    resampling.x_scale * resampling.y_scale * 0.25 / (radius * radius)
 }

@@ -1,4 +1,4 @@
-//! The first pass: how bright the picture is, and where it shines.
+//! The first pass: measures the mean brightness and finds hot pixels.
 
 use super::{FilterOptions, HotPixels, stars};
 use crate::ToolError;
@@ -6,54 +6,54 @@ use crate::brightness::Brightness;
 use radsight_picture::{Encoding, PictureReader, mean_of_spectrum};
 use std::io::Read;
 
-/// The mean brightness that two passes give.
+/// The mean brightness of the output of two passes.
 const TARGET: f64 = 0.5;
 
-/// What the first pass found.
+/// The results of the first pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// Mean brightness of the pixels that count.
+    /// Mean brightness of the included pixels.
     average: f64,
-    /// The brightness, as stored, from which a pixel shines.
+    /// The threshold of hot pixels, as stored.
     pub(super) hot_level: f64,
-    /// The pixels that shine; empty where no stars are wanted.
+    /// The hot pixels; empty if no stars are requested.
     pub(super) hot: Vec<HotPixel>,
-    /// Complete scanlines.
+    /// Number of complete scanlines.
     pub(super) rows: usize,
-    /// Scanlines that there should be.
+    /// Declared number of scanlines.
     expected: usize,
 }
 
-/// A pixel that shines.
+/// A pixel above the threshold.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct HotPixel {
     pub(super) color: [f32; 3],
     pub(super) column: usize,
     pub(super) row: usize,
-    /// The direction of its star's line, rows a column.
+    /// The slope of its star's line, rows per column.
     pub(super) slope: f64,
 }
 
 impl Measured {
-    /// What a single pass goes by.
+    /// Defaults for a single pass.
     pub(super) fn nothing<R: Read>(reader: &PictureReader<R>) -> Measured {
         let rows = reader.resolution().scanlines();
         Measured { average: TARGET, hot_level: f64::INFINITY, hot: Vec::new(), rows, expected: rows }
     }
 
-    /// What each component is multiplied by in all.
+    /// The total factor of each component.
     pub(super) fn exposure(&self, options: &FilterOptions) -> [f32; 3] {
         options.exposure.map(|part| (f64::from(part) * (TARGET / self.average)) as f32)
     }
 
-    /// How much of the picture there is, in per cent, if some is missing.
+    /// The available part of an incomplete picture, per cent.
     #[must_use]
     pub fn partial(&self) -> Option<usize> {
         (self.rows < self.expected).then(|| 100 * self.rows / self.expected)
     }
 }
 
-/// The first of two passes. A picture that ends too early is measured as far as it goes.
+/// The first of two passes. An incomplete picture is measured as far as it goes.
 ///
 /// # Errors
 /// When the picture cannot be read at all, or has no brightness.
@@ -84,7 +84,7 @@ pub fn measure<R: Read>(mut reader: PictureReader<R>, options: &FilterOptions) -
         measured.rows += 1;
     }
     if measured.rows == 0 {
-        return Err(ToolError::EmptyFrame { rows: 0, expected });
+        return Err(ToolError::TooFewScanlines { rows: 0, expected });
     }
     if count == 0 {
         return Err(ToolError::NoAverage { hot: hot_level });

@@ -1,16 +1,17 @@
-//! Stars around the pixels that shine, as diffraction at a lens's blades draws them.
+//! Star patterns around hot pixels, as from diffraction at a lens's aperture blades.
 
 use super::measure::HotPixel;
-use super::{FilterOptions, Frame, Measured};
+use super::{FilterOptions, Measured, Resampling};
 use crate::brightness::{of_rgb, spread};
 use crate::drand48::Drand48;
 use radsight_picture::Encoding;
 use std::f64::consts::PI;
 
-/// Below this something is zero.
+/// Smaller values are zero.
 const TINY: f64 = 1e-6;
 
-/// The slopes of the stars' lines: of each shining pixel one of a number of directions, in the order that Radiance draws them.
+/// The slopes of star lines: each hot pixel has one of a number of directions, in the random order
+/// of Radiance.
 #[derive(Debug)]
 pub(super) struct Slopes {
     lines: usize,
@@ -33,7 +34,7 @@ impl Slopes {
 #[derive(Debug)]
 pub(super) struct Stars<'a> {
     hot: &'a [HotPixel],
-    /// The square of the distance, in pixels, up to which a line is as bright as its pixel.
+    /// The squared distance, in pixels, up to which a line is as bright as its pixel.
     reach: f64,
     columns: usize,
 }
@@ -43,17 +44,17 @@ impl Stars<'_> {
         options: &FilterOptions,
         measured: &'a Measured,
         exposure: [f32; 3],
-        frame: &Frame,
+        resampling: &Resampling,
     ) -> Stars<'a> {
-        let (columns, rows) = (frame.in_columns as f64, frame.in_rows as f64);
+        let (columns, rows) = (resampling.in_columns as f64, resampling.in_rows as f64);
         let reach =
             options.star_spread / (measured.hot_level * of_rgb(exposure)) * (columns * columns + rows * rows) / 4.0;
-        Stars { hot: &measured.hot, reach, columns: frame.in_columns }
+        Stars { hot: &measured.hot, reach, columns: resampling.in_columns }
     }
 
-    /// Adds what all lines have in a row.
+    /// Adds the star lines that cross a row.
     pub(super) fn draw(&self, row: usize, scanline: &mut [f32], encoding: Encoding, components: usize) {
-        // The last pixel that was found comes first: the sums depend on the order.
+        // Start with the last pixel found: the sums depend on the order.
         for hot in self.hot.iter().rev() {
             for column in self.crossed(row, hot) {
                 let Some(part) = self.part(row, column, hot) else { continue };
@@ -67,7 +68,7 @@ impl Stars<'_> {
         }
     }
 
-    /// The columns that a star's line has in a row.
+    /// The columns that a star line crosses in a row.
     fn crossed(&self, row: usize, hot: &HotPixel) -> std::ops::Range<usize> {
         let (rise, middle) = (row as f64 - hot.row as f64, hot.column as f64);
         let at = |half: f64| ((rise + half) / hot.slope + middle) as i64;
@@ -93,7 +94,7 @@ impl Stars<'_> {
     }
 }
 
-/// How much of a pixel its star's line has somewhere.
+/// The contribution of a star line to a pixel.
 enum Part {
     Whole,
     Scaled(f64),

@@ -1,18 +1,19 @@
-//! The filter that widens itself for pixels that would stand out: each input pixel is spread over so many output pixels that it makes
-//! no more than a fraction of any. This is what takes single bright pixels (fireflies) out of a picture.
+//! An adaptive filter that widens for outliers: each input pixel is spread over enough output
+//! pixels that it contributes at most a given fraction to any. This removes single bright pixels
+//! (fireflies).
 
 use super::gaussian::{DISK, Gaussian, REACH};
 use super::rows::put_box;
-use super::{Bar, Frame};
+use super::{Bar, Resampling};
 use crate::brightness::Brightness;
 
-/// The widest filter, in radii.
+/// Largest filter radius, in radii.
 const WIDEST: f64 = 5.0;
-/// How near to the asked fraction is near enough.
+/// Tolerance of the fraction.
 const FRACTION_TOLERANCE: f64 = 0.2;
-/// How near to its bounds a multiple of the radius ends the search.
+/// Interval of the radius factor at which the search ends.
 const MULTIPLE_TOLERANCE: f64 = 0.1;
-/// Below this something is zero.
+/// Smaller values are zero.
 const TINY: f64 = 1e-6;
 
 #[derive(Debug)]
@@ -23,11 +24,12 @@ pub(super) struct Threshold {
     components: usize,
     /// Output pixels on either side that an input pixel may reach.
     reach: usize,
-    /// Output rows that are being added to, and the brightness of their boxes: rings of `2 reach + 1` rows.
+    /// Output rows being accumulated, and the brightness of their boxes: ring buffers of `2 reach +
+    /// 1` rows.
     sums: Vec<Vec<f32>>,
     grey: Vec<Vec<f32>>,
     next_row: usize,
-    /// Sum and number of boxes around an output pixel, by their distance cut to pixels.
+    /// Sum and number of boxes around an output pixel, by truncated distance.
     ring_sums: Vec<f32>,
     ring_counts: Vec<i16>,
     weights: Vec<f32>,
@@ -37,14 +39,14 @@ impl Threshold {
     pub(super) fn new(
         radius: f64,
         fraction: f64,
-        frame: &Frame,
+        resampling: &Resampling,
         brightness: Brightness,
         components: usize,
     ) -> Threshold {
         let reach = (REACH * WIDEST * radius + 1.0) as usize;
-        let reach = reach.min(frame.rows.max(frame.columns));
+        let reach = reach.min(resampling.rows.max(resampling.columns));
         Threshold {
-            gaussian: Gaussian::new(radius, frame).normalized(frame),
+            gaussian: Gaussian::new(radius, resampling).normalized(resampling),
             fraction,
             brightness,
             components,
@@ -58,22 +60,22 @@ impl Threshold {
         }
     }
 
-    /// Input rows on either side of the middle one that rows ahead need.
-    pub(super) fn reach(&self, frame: &Frame) -> usize {
-        ((self.reach + 1) as f64 / frame.y_scale) as usize + 1
+    /// Input rows needed on either side of the central one for rows ahead.
+    pub(super) fn reach(&self, resampling: &Resampling) -> usize {
+        ((self.reach + 1) as f64 / resampling.y_scale) as usize + 1
     }
 
-    /// Adds the input pixels of an output row's boxes. Gives the row that nothing will be added to any more.
-    pub(super) fn put(&mut self, row: usize, frame: &Frame, bar: &Bar) -> Option<&[f32]> {
-        self.prepare(row, frame, bar);
-        for column in 0..frame.columns {
-            self.sum_rings(row, column, frame);
-            for y in frame.box_rows(row) {
+    /// Adds the input pixels in an output row's boxes. Returns the row that is complete, if any.
+    pub(super) fn put(&mut self, row: usize, resampling: &Resampling, bar: &Bar) -> Option<&[f32]> {
+        self.prepare(row, resampling, bar);
+        for column in 0..resampling.columns {
+            self.sum_rings(row, column, resampling);
+            for y in resampling.box_rows(row) {
                 let scanline = bar.row(y);
-                for x in frame.inside(frame.box_columns(column)) {
-                    let pixel = &scanline[frame.wrapped(x) * self.components..][..self.components];
+                for x in resampling.inside(resampling.box_columns(column)) {
+                    let pixel = &scanline[resampling.wrapped(x) * self.components..][..self.components];
                     let multiple = self.multiple(self.brightness.of(pixel));
-                    self.spread(pixel, [x, y as isize], [column, row], multiple, frame);
+                    self.splat(pixel, [x, y as isize], [column, row], multiple, resampling);
                 }
             }
         }
@@ -81,9 +83,9 @@ impl Threshold {
         Some(self.row(done))
     }
 
-    /// The rows that are not written yet when the last one has been put.
-    pub(super) fn held(&self, frame: &Frame) -> std::ops::Range<usize> {
-        frame.rows.saturating_sub(self.reach)..frame.rows
+    /// The rows not written yet when the last one has been added.
+    pub(super) fn held(&self, resampling: &Resampling) -> std::ops::Range<usize> {
+        resampling.rows.saturating_sub(self.reach)..resampling.rows
     }
 
     pub(super) fn row(&self, row: usize) -> &[f32] {
@@ -94,17 +96,17 @@ impl Threshold {
         2 * self.reach + 1
     }
 
-    /// Averages the boxes of the rows that are in reach now, and begins these rows.
-    fn prepare(&mut self, row: usize, frame: &Frame, bar: &Bar) {
+    /// Averages the boxes of the rows that come within reach, and starts these rows.
+    fn prepare(&mut self, row: usize, resampling: &Resampling, bar: &Bar) {
         let mut mean = vec![0.0; self.components];
-        while self.next_row <= row + self.reach && self.next_row < frame.rows {
+        while self.next_row <= row + self.reach && self.next_row < resampling.rows {
             let index = self.next_row % self.ring();
             if index == self.sums.len() {
-                self.sums.push(vec![0.0; frame.columns * self.components]);
-                self.grey.push(vec![0.0; frame.columns]);
+                self.sums.push(vec![0.0; resampling.columns * self.components]);
+                self.grey.push(vec![0.0; resampling.columns]);
             }
-            for column in 0..frame.columns {
-                put_box::<0>(self.next_row, column, frame, bar, &mut mean);
+            for column in 0..resampling.columns {
+                put_box::<0>(self.next_row, column, resampling, bar, &mut mean);
                 self.grey[index][column] = self.brightness.of(&mean) as f32;
             }
             self.sums[index].fill(0.0);
@@ -112,16 +114,16 @@ impl Threshold {
         }
     }
 
-    fn sum_rings(&mut self, row: usize, column: usize, frame: &Frame) {
+    fn sum_rings(&mut self, row: usize, column: usize, resampling: &Resampling) {
         self.ring_sums.fill(0.0);
         self.ring_counts.fill(0);
         let reach = self.reach as isize;
         for r in -reach..=reach {
-            let Some(y) = row.checked_add_signed(r).filter(|y| *y < frame.rows) else { continue };
+            let Some(y) = row.checked_add_signed(r).filter(|y| *y < resampling.rows) else { continue };
             let grey = &self.grey[y % (2 * self.reach + 1)];
             for c in -reach..=reach {
                 let squared = c * c + r * r;
-                let Some(x) = frame.output_column(column as isize + c) else { continue };
+                let Some(x) = resampling.output_column(column as isize + c) else { continue };
                 if squared > reach * reach {
                     continue;
                 }
@@ -132,7 +134,8 @@ impl Threshold {
         }
     }
 
-    /// How many times wider the filter must be for a pixel of this brightness. The search is Radiance's, as its steps decide the result.
+    /// The factor by which the filter must widen for a pixel of this brightness. The search is
+    /// Radiance's, since its steps determine the result.
     fn multiple(&self, brightness: f64) -> f64 {
         let (radius, middle) = (self.gaussian.radius, f64::from(self.gaussian.middle()));
         let mut bounds = [1.0, self.reach as f64 / radius / REACH];
@@ -175,7 +178,8 @@ impl Threshold {
         multiple
     }
 
-    /// The mean brightness around under a filter so many times wider; `None` for black.
+    /// The mean brightness of the neighbourhood under a filter widened by `multiple`; `None` for
+    /// black.
     fn average(&self, multiple: f64) -> Option<f64> {
         let rings = ((DISK * REACH * self.gaussian.radius * multiple + 0.5) as usize).min(self.reach);
         let (mut sum, mut count) = (0.0, 0.0);
@@ -188,30 +192,37 @@ impl Threshold {
         (sum >= 1e-20).then(|| sum / count)
     }
 
-    /// Adds an input pixel to the output pixels around.
-    fn spread(&mut self, pixel: &[f32], [x, y]: [isize; 2], [column, row]: [usize; 2], multiple: f64, frame: &Frame) {
+    /// Adds an input pixel to the output pixels around it.
+    fn splat(
+        &mut self,
+        pixel: &[f32],
+        [x, y]: [isize; 2],
+        [column, row]: [usize; 2],
+        multiple: f64,
+        resampling: &Resampling,
+    ) {
         let radius = multiple * self.gaussian.radius;
         let size = ((REACH * radius + 1.0) as usize).min(self.reach) as isize;
-        let (px, py) = (frame.x_scale * (x as f64 + 0.5), frame.y_scale * (y as f64 + 0.5));
-        let rows = (row as isize - size).max(0)..(row as isize + size + 1).min(frame.rows as isize);
+        let (px, py) = (resampling.x_scale * (x as f64 + 0.5), resampling.y_scale * (y as f64 + 0.5));
+        let rows = (row as isize - size).max(0)..(row as isize + size + 1).min(resampling.rows as isize);
         let columns = column as isize - size..column as isize + size + 1;
         let mut total = 0.0;
         self.weights.clear();
         for r in rows.clone() {
             let dy = (py - (r as f64 + 0.5)) / radius;
-            for c in columns.clone().filter(|c| frame.output_column(*c).is_some()) {
+            for c in columns.clone().filter(|c| resampling.output_column(*c).is_some()) {
                 let dx = (px - (c as f64 + 0.5)) / radius;
                 let weight = self.gaussian.weight(dx * dx + dy * dy);
                 total += f64::from(weight);
                 self.weights.push(weight);
             }
         }
-        let scale = 1.0 / total * frame.x_scale.min(1.0) * frame.y_scale.min(1.0);
+        let scale = 1.0 / total * resampling.x_scale.min(1.0) * resampling.y_scale.min(1.0);
         let mut weights = self.weights.iter();
         let ring = 2 * self.reach + 1;
         for r in rows {
             let sums = &mut self.sums[r as usize % ring];
-            for column in columns.clone().filter_map(|c| frame.output_column(c)) {
+            for column in columns.clone().filter_map(|c| resampling.output_column(c)) {
                 let Some(weight) = weights.next() else { return };
                 let weight = (scale * f64::from(*weight)) as f32;
                 let sums = &mut sums[column * self.components..][..self.components];

@@ -1,80 +1,84 @@
-//! The rays of a view, and the places of points in it.
+//! The rays of a view, and the projection of points.
 //!
-//! A place in a view is (x, y) with (0, 0) at the lower left corner and (1, 1) at the upper right. The formulas are
-//! those of Radiance's manual page of `rpict` and, where that is silent, what `vwrays` gives.
+//! An image position is (x, y) with (0, 0) at the lower left corner and (1, 1) at the upper right.
+//! The formulas are those of Radiance's manual page of `rpict` and, for what it omits, the results
+//! of `vwrays`.
 
 use super::{ViewError, ViewKind, ViewOptions};
 use glam::{DVec2, DVec3};
 
-/// A view that was checked and can give rays.
+/// A valid view, which generates rays.
 ///
 /// ```
 /// use radsight_picture::{View, ViewOptions};
 /// let view = View::new(ViewOptions::default()).unwrap();
 /// let ray = view.ray([0.5, 0.5]).unwrap();
 /// assert_eq!((ray.origin, ray.direction), (glam::DVec3::ZERO, glam::DVec3::Y));
-/// let place = view.locate(glam::DVec3::new(0.0, 2.0, 0.0)).unwrap();
-/// assert_eq!((place.x, place.y, place.distance), (0.5, 0.5, 2.0));
+/// let location = view.locate(glam::DVec3::new(0.0, 2.0, 0.0)).unwrap();
+/// assert_eq!((location.x, location.y, location.distance), (0.5, 0.5, 2.0));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     options: ViewOptions,
-    /// Unit vector into the picture.
+    /// Unit vector along the optical axis.
     direction: DVec3,
-    /// Unit vector to the right.
+    /// Unit vector to the right in the picture.
     right: DVec3,
-    /// Unit vector up, at right angles to both.
+    /// Unit vector upwards in the picture, perpendicular to both.
     above: DVec3,
-    /// Width and height in the units of the projection: tangents, sines, radians or lengths.
+    /// Width and height in units of the projection: tangents, sines, radians or lengths.
     size: DVec2,
 }
 
-/// The ray of a place in a view.
+/// The ray of an image position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewRay {
-    /// Where it starts: on the fore clipping plane.
+    /// Origin, on the fore clipping plane.
     pub origin: DVec3,
     /// Unit vector into the scene.
     pub direction: DVec3,
-    /// How far from the origin the aft clipping plane is; `None` without one.
+    /// Distance from the origin to the aft clipping plane; `None` without one.
     pub length: Option<f64>,
 }
 
-/// The place of a point in a view.
+/// The image position of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewLocation {
-    /// From 0 at the left edge to 1 at the right; outside of the picture also less or more.
+    /// From 0 at the left edge to 1 at the right; outside this range the point is outside the
+    /// picture.
     pub x: f64,
-    /// From 0 at the lower edge to 1 at the upper; outside of the picture also less or more.
+    /// From 0 at the lower edge to 1 at the upper; outside this range the point is outside the
+    /// picture.
     pub y: f64,
-    /// Distance along the ray from the fore clipping plane, in scene units; not positive behind it.
+    /// Distance along the ray from the fore clipping plane, scene units; not positive behind it.
     pub distance: f64,
-    /// The point is beyond the aft clipping plane.
+    /// Whether the point lies beyond the aft clipping plane.
     pub beyond: bool,
 }
 
 impl ViewLocation {
-    /// Whether the place is in the picture, its edges excluded, whatever the distance.
+    /// Whether the position is strictly inside the picture, whatever the distance.
     #[must_use]
     pub fn is_inside(&self) -> bool {
         self.x > 0.0 && self.x < 1.0 && self.y > 0.0 && self.y < 1.0
     }
 
-    /// Whether the picture shows the point if nothing hides it.
+    /// Whether the picture shows the point if nothing occludes it.
     #[must_use]
     pub fn is_visible(&self) -> bool {
         self.is_inside() && self.distance > 0.0 && !self.beyond
     }
 }
 
-/// Radiance's smallest length that matters.
+/// Radiance's smallest significant length.
 const TINY: f64 = 1e-6;
 
 impl View {
     /// Checks a view as typed.
     ///
     /// # Errors
-    /// Any [`ViewError`] but [`ViewError::UnknownKind`], [`ViewError::Crop`] and [`ViewError::Missing`].
+    /// Any [`ViewError`] except [`ViewError::UnknownKind`], [`ViewError::Crop`] and
+    /// [`ViewError::Missing`].
     pub fn new(mut options: ViewOptions) -> Result<View, ViewError> {
         check_finite(&options)?;
         check_clipping(&options)?;
@@ -86,13 +90,13 @@ impl View {
         Ok(View { options, direction, right, above, size })
     }
 
-    /// The view as typed, with the up vector scaled to unit length.
+    /// The view as typed, with the up vector normalised.
     #[must_use]
     pub fn options(&self) -> &ViewOptions {
         &self.options
     }
 
-    /// The unit vector in which the view looks.
+    /// Unit vector along the optical axis.
     #[must_use]
     pub fn direction(&self) -> DVec3 {
         self.direction
@@ -104,7 +108,7 @@ impl View {
         self.right
     }
 
-    /// The unit vector upwards in the picture, at right angles to direction and right.
+    /// Unit vector upwards in the picture, perpendicular to direction and right.
     #[must_use]
     pub fn above(&self) -> DVec3 {
         self.above
@@ -124,8 +128,8 @@ impl View {
         self.size.y / self.size.x
     }
 
-    /// The greatest resolution not above `width` x `height` whose pixels have the height over width `pixel_aspect`;
-    /// an aspect of 0 leaves the resolution as it is.
+    /// The largest resolution within `width` x `height` with the given pixel aspect (height divided
+    /// by width). An aspect of 0 leaves the resolution unchanged.
     #[must_use]
     pub fn fit(&self, width: usize, height: usize, pixel_aspect: f64) -> (usize, usize) {
         let aspect = self.aspect();
@@ -140,36 +144,39 @@ impl View {
         }
     }
 
-    /// The ray of a place; `None` where the view shows nothing (the corners of a fisheye).
+    /// The ray of an image position; `None` outside the projection (the corners of a fisheye).
     #[must_use]
     pub fn ray(&self, [x, y]: [f64; 2]) -> Option<ViewRay> {
         let ViewOptions { kind, point, fore, aft, shift, lift, .. } = self.options;
-        let place = DVec2::new(x + shift - 0.5, y + lift - 0.5) * self.size;
+        let image_point = DVec2::new(x + shift - 0.5, y + lift - 0.5) * self.size;
         let depth = (aft > TINY).then_some(aft - fore);
         match kind {
             ViewKind::Parallel => {
-                let origin = point + fore * self.direction + place.x * self.right + place.y * self.above;
+                let origin = point + fore * self.direction + image_point.x * self.right + image_point.y * self.above;
                 Some(ViewRay { origin, direction: self.direction, length: depth })
             }
-            // The clipping planes of these two are a plane and a cylinder, which a slanted ray meets later.
+            // The clipping surfaces of these two are a plane and a cylinder, which an oblique ray
+            // meets later.
             ViewKind::Perspective => {
-                let slanted = self.direction + place.x * self.right + place.y * self.above;
+                let slanted = self.direction + image_point.x * self.right + image_point.y * self.above;
                 Some(self.slanted_ray(slanted, depth))
             }
             ViewKind::Cylindrical => {
-                let (sine, cosine) = place.x.sin_cos();
-                let slanted = cosine * self.direction + sine * self.right + place.y * self.above;
+                let (sine, cosine) = image_point.x.sin_cos();
+                let slanted = cosine * self.direction + sine * self.right + image_point.y * self.above;
                 Some(self.slanted_ray(slanted, depth))
             }
             ViewKind::Hemispherical | ViewKind::Angular | ViewKind::Planispheric => {
-                let [forward, sideways] = fisheye(kind, place.length())?;
-                let direction = forward * self.direction + sideways * (place.x * self.right + place.y * self.above);
+                let [forward, sideways] = fisheye(kind, image_point.length())?;
+                let direction =
+                    forward * self.direction + sideways * (image_point.x * self.right + image_point.y * self.above);
                 Some(ViewRay { origin: point + fore * direction, direction, length: depth })
             }
         }
     }
 
-    /// The ray of a direction whose part at right angles to the clipping surface has unit length.
+    /// The ray of a direction whose component perpendicular to the clipping surface has unit
+    /// length.
     fn slanted_ray(&self, slanted: DVec3, depth: Option<f64>) -> ViewRay {
         let stretch = slanted.length();
         ViewRay {
@@ -179,8 +186,8 @@ impl View {
         }
     }
 
-    /// The place of a point; `None` where it has none: at the eye, in the plane of the eye of a perspective view, on
-    /// the axis of a panorama, straight behind a planispheric view.
+    /// The image position of a point. `None` if it has none: at the eye, in the plane of the eye of
+    /// a perspective view, on the axis of a panorama, or directly behind a planispheric view.
     #[must_use]
     pub fn locate(&self, point: DVec3) -> Option<ViewLocation> {
         let ViewOptions { kind, fore, aft, shift, lift, .. } = self.options;
@@ -189,13 +196,13 @@ impl View {
             (from_eye.dot(self.direction), from_eye.dot(self.right), from_eye.dot(self.above));
         let length = from_eye.length();
         let clipped = |depth: f64| aft > TINY && depth >= aft;
-        let (place, distance, beyond) = match kind {
+        let (image_point, distance, beyond) = match kind {
             ViewKind::Parallel => (DVec2::new(right, above), forward - fore, clipped(forward)),
             ViewKind::Perspective => {
                 if forward.abs() <= TINY {
                     return None;
                 }
-                // What is behind the eye is seen through it, at a negative distance.
+                // A point behind the eye projects through it, at a negative distance.
                 let distance = length.copysign(forward) * (1.0 - fore / forward);
                 (DVec2::new(right, above) / forward.abs(), distance, clipped(forward))
             }
@@ -221,14 +228,15 @@ impl View {
                 (DVec2::new(right, above).checked_div(length + forward)?, length - fore, clipped(length))
             }
         };
-        let DVec2 { x, y } = place / self.size + DVec2::new(0.5 - shift, 0.5 - lift);
+        let DVec2 { x, y } = image_point / self.size + DVec2::new(0.5 - shift, 0.5 - lift);
         Some(ViewLocation { x, y, distance, beyond })
     }
 
-    /// The view of a part of the picture: `from` and `to` are two opposite corners.
+    /// The view of a part of the picture between two opposite corners `from` and `to`.
     ///
     /// # Errors
-    /// [`ViewError::Crop`] for a crop without area or one that leaves the hemisphere; others if the part is too large.
+    /// [`ViewError::Crop`] for an empty crop or one that leaves the hemisphere; others if the part
+    /// is too large.
     pub fn crop(&self, from: [f64; 2], to: [f64; 2]) -> Result<View, ViewError> {
         let (from, to) = (DVec2::from(from).min(DVec2::from(to)), DVec2::from(from).max(DVec2::from(to)));
         let extent = to - from;
@@ -250,13 +258,14 @@ trait CheckedDivision: Sized {
 }
 
 impl CheckedDivision for DVec2 {
-    /// `None` for a divisor that is not positive.
+    /// Divides; `None` unless the divisor is positive.
     fn checked_div(self, divisor: f64) -> Option<Self> {
         (divisor > 0.0).then(|| self / divisor)
     }
 }
 
-/// The cosine of the angle to the axis at a distance from the middle of the picture, and the sine over that distance.
+/// The cosine of the angle to the axis at a distance from the image centre, and the sine divided by
+/// that distance.
 fn fisheye(kind: ViewKind, radius: f64) -> Option<[f64; 2]> {
     match kind {
         // radius = sin θ
@@ -302,7 +311,7 @@ fn projected_size(options: &ViewOptions) -> Result<DVec2, ViewError> {
     Ok(DVec2::new(horizontal, size(Axis::Vertical, "-vv", options.vertical)?))
 }
 
-/// The size in the units of the projection, of a size as typed.
+/// Converts a size as typed to units of the projection.
 fn projected(kind: ViewKind, axis: Axis, typed: f64) -> f64 {
     let half = typed.to_radians() / 2.0;
     match (kind, axis) {
@@ -314,7 +323,7 @@ fn projected(kind: ViewKind, axis: Axis, typed: f64) -> f64 {
     }
 }
 
-/// The size as typed, of one in the units of the projection; `None` if no angle has it.
+/// Converts a size in units of the projection to one as typed; `None` if no angle has it.
 fn typed_size(kind: ViewKind, axis: Axis, projected: f64) -> Option<f64> {
     let half = projected / 2.0;
     match (kind, axis) {
@@ -369,16 +378,17 @@ mod tests {
     ];
 
     #[test]
-    fn a_point_on_a_ray_has_the_place_of_the_ray() {
+    fn a_point_on_a_ray_has_the_image_position_of_the_ray() {
         for line in VIEWS {
             let view = view(line).unwrap();
             for (i, j) in (0..9).flat_map(|i| (0..9).map(move |j| (i, j))) {
-                let place = [f64::from(i) / 8.0, f64::from(j) / 8.0];
-                let Some(ray) = view.ray(place) else { continue };
+                let image_point = [f64::from(i) / 8.0, f64::from(j) / 8.0];
+                let Some(ray) = view.ray(image_point) else { continue };
                 assert!((ray.direction.length() - 1.0).abs() < 1e-14, "{line}");
                 let found = view.locate(ray.origin + 2.5 * ray.direction).unwrap();
-                let error = (found.x - place[0]).abs() + (found.y - place[1]).abs() + (found.distance - 2.5).abs();
-                assert!(error < 1e-12, "{line}: {place:?} {found:?}");
+                let error =
+                    (found.x - image_point[0]).abs() + (found.y - image_point[1]).abs() + (found.distance - 2.5).abs();
+                assert!(error < 1e-12, "{line}: {image_point:?} {found:?}");
                 assert!(!found.beyond);
                 assert!(view.locate(ray.origin + 1.0001 * ray.length.unwrap() * ray.direction).unwrap().beyond);
             }
@@ -400,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_views_are_named() {
+    fn invalid_views_are_named() {
         let message = |line: &str| view(line).unwrap_err().to_string();
         assert_eq!(message("-vd 0 0 0"), "the view direction (-vd) is zero");
         assert_eq!(message("-vu 0 3 0"), "the view up vector (-vu) is parallel to the view direction (-vd)");
@@ -408,7 +418,7 @@ mod tests {
         assert_eq!(message("-vtl -vv 0"), "-vv is 0, expected a positive length");
         assert_eq!(
             message("-vo 3 -va 2"),
-            "clipping planes -vo 3 -va 2, expected 0 <= fore, and aft = 0 or beyond fore"
+            "clipping planes -vo 3 -va 2, expected 0 <= fore, and aft = 0 or aft > fore"
         );
         assert_eq!(message("-vp 1e999 0 0"), "-vp is [inf, 0, 0], expected finite numbers");
         assert!(view("-vth -vh 180 -vv 180").is_ok() && view("-vta -vh 360 -vv 360").is_ok());

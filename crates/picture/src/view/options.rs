@@ -3,18 +3,20 @@
 use super::ViewError;
 use glam::DVec3;
 
-/// How directions become places in the picture.
+/// The projection of a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ViewKind {
-    /// `v`: perspective; the sizes are full angles below 180°.
+    /// `v`: perspective; sizes are full angles below 180°.
     Perspective,
-    /// `l`: parallel; the sizes are lengths in scene units.
+    /// `l`: parallel; sizes are lengths in scene units.
     Parallel,
-    /// `c`: cylindrical panorama; the horizontal size is an angle up to 360°, the vertical one is as in perspective.
+    /// `c`: cylindrical panorama; the horizontal size is an angle up to 360°, the vertical one as
+    /// in perspective.
     Cylindrical,
-    /// `h`: hemispherical fisheye (the distance from the middle goes with the sine of the angle), angles up to 180°.
+    /// `h`: hemispherical fisheye (image radius proportional to the sine of the angle), angles up
+    /// to 180°.
     Hemispherical,
-    /// `a`: angular fisheye (the distance goes with the angle), angles up to 360°.
+    /// `a`: angular fisheye (image radius proportional to the angle), angles up to 360°.
     Angular,
     /// `s`: planispheric (stereographic) fisheye, angles below 360°.
     Planispheric,
@@ -58,9 +60,11 @@ pub struct ViewOptions {
     pub kind: ViewKind,
     /// `-vp`: the eye, in scene units.
     pub point: DVec3,
-    /// `-vd`: where it looks. Its length, in scene units, is the distance of sharp focus where an aperture has a size.
+    /// `-vd`: the direction of view. Its length, in scene units, is the focus distance of a lens
+    /// with an aperture.
     pub direction: DVec3,
-    /// `-vu`: what is up in the picture; need not be at right angles to the direction nor of unit length.
+    /// `-vu`: the up direction in the picture; need be neither perpendicular to the direction nor
+    /// of unit length.
     pub up: DVec3,
     /// `-vh`: horizontal size, in degrees, or scene units for a parallel view.
     pub horizontal: f64,
@@ -70,9 +74,9 @@ pub struct ViewOptions {
     pub fore: f64,
     /// `-va`: distance of the aft clipping plane, in scene units; 0 for none.
     pub aft: f64,
-    /// `-vs`: how far the picture is moved to the right of the direction, in picture widths.
+    /// `-vs`: offset of the picture to the right, in picture widths.
     pub shift: f64,
-    /// `-vl`: how far the picture is moved up from the direction, in picture heights.
+    /// `-vl`: offset of the picture upwards, in picture heights.
     pub lift: f64,
 }
 

@@ -5,12 +5,13 @@ use crate::Header;
 use glam::DVec3;
 use radsight_units::number::{general, is_number, number_or_zero};
 
-/// The programs whose command lines set the view, and the variable that does.
+/// The programs whose command lines define a view, and the variable that does.
 const VIEW_LINES: [&str; 7] = ["VIEW=", "rpict", "rvu", "rpiece", "rxpiece", "pinterp", "rview"];
 
 impl ViewOptions {
-    /// Takes one view option from the words of a command line, and says how many words it had, with its name. 0 means
-    /// that the first word is no view option (also `-vf`) or that its numbers are missing or malformed.
+    /// Parses one view option at the start of a command line. Returns the number of words it took,
+    /// including its name. 0 means that the first word is not a view option (`-vf` included) or
+    /// that its numbers are missing or malformed.
     ///
     /// # Errors
     /// [`ViewError::UnknownKind`] for `-vt` with an unknown letter.
@@ -54,8 +55,8 @@ impl ViewOptions {
         }
     }
 
-    /// Takes every view option of a line and says how many there were. Other words, and options whose numbers are
-    /// malformed, are passed over, since a command line has many that are not of the view.
+    /// Parses every view option of a line and returns their number. Other words and options with
+    /// malformed numbers are skipped, since a command line has many options.
     ///
     /// # Errors
     /// [`ViewError::UnknownKind`] for `-vt` with an unknown letter.
@@ -70,8 +71,8 @@ impl ViewOptions {
         Ok(options)
     }
 
-    /// Whether the line is one that sets the view: `VIEW=…`, or a command line of `rpict`, `rvu`, `rview`, `rpiece`,
-    /// `rxpiece` or `pinterp`, with or without a path before it.
+    /// Whether the line defines a view: `VIEW=…`, or a command line of `rpict`, `rvu`, `rview`,
+    /// `rpiece`, `rxpiece` or `pinterp`, with or without a path.
     #[must_use]
     pub fn is_view_line(line: &str) -> bool {
         let command = line.split(|c: char| c.is_ascii_whitespace()).next().unwrap_or("");
@@ -79,8 +80,8 @@ impl ViewOptions {
         VIEW_LINES.iter().any(|known| name.starts_with(known))
     }
 
-    /// The view that the lines of a picture's header or of a view file set, each upon the one before; `None` if none
-    /// sets any.
+    /// The view defined by the lines of a picture's header or a view file, each modifying the one
+    /// before; `None` if there is none.
     ///
     /// # Errors
     /// [`ViewError::UnknownKind`] for `-vt` with an unknown letter.
@@ -88,7 +89,7 @@ impl ViewOptions {
         Ok(ViewOptions::all_from_header(header)?.pop())
     }
 
-    /// The view after each line that sets one, such as the frames of an animation.
+    /// The view after each line that defines one, such as the frames of an animation.
     ///
     /// # Errors
     /// [`ViewError::UnknownKind`] for `-vt` with an unknown letter.
@@ -106,17 +107,20 @@ impl ViewOptions {
         Ok(views)
     }
 
-    /// Reads a view file or the header of a picture (both end at an empty line) upon this view, as `-vf` does.
+    /// Applies a view file or the header of a picture (both end at an empty line) to this view, as
+    /// `-vf` does.
     ///
     /// # Errors
-    /// [`ViewError::Missing`] without a view, [`ViewError::UnknownKind`] for `-vt` with an unknown letter.
+    /// [`ViewError::Missing`] without a view, [`ViewError::UnknownKind`] for `-vt` with an unknown
+    /// letter.
     pub fn apply_file(&mut self, bytes: &[u8]) -> Result<(), ViewError> {
         let views = self.all_upon(&Header::read_text(bytes))?;
         *self = *views.last().ok_or(ViewError::Missing)?;
         Ok(())
     }
 
-    /// All options, with a space before each, as a `VIEW=` line and `rvu` have them (seven digits for places, five for the rest).
+    /// All options, each after a space, as in a `VIEW=` line and in `rvu` (seven digits for
+    /// positions, five for the rest).
     #[must_use]
     pub fn to_full_string(&self) -> String {
         let ViewOptions { kind, point, direction, up, horizontal, vertical, fore, aft, shift, lift } = self;
@@ -136,7 +140,8 @@ impl ViewOptions {
         )
     }
 
-    /// The options that differ from the default by more than 10⁻⁶, with a space before each, in six digits.
+    /// The options that differ from the default by more than 10⁻⁶, each after a space, with six
+    /// digits.
     #[must_use]
     pub fn to_minimal_string(&self) -> String {
         const DIGITS: usize = 6;
@@ -168,7 +173,7 @@ impl ViewOptions {
     }
 }
 
-/// Options that differ by no more are the same.
+/// Options that differ by no more than this are equal.
 const SAME: f64 = 1e-6;
 
 fn triple(vector: DVec3, digits: usize) -> String {

@@ -1,11 +1,12 @@
-//! Small files of every kind, and ways to spoil them; shared by the property tests and the stress example.
+//! Small files of every format and random mutations of them; used by property tests and the stress
+//! example.
 
 use radsight_picture::{
     FloatMatrix, Header, Image, MatrixFormat, Picture, Resolution, View, ViewOptions, read_image, read_npy, read_pfm,
     read_png, write_npy, write_npy_f64, write_pfm, write_png_grey16, write_png_rgb8,
 };
 
-/// One small file of each kind.
+/// One small file of each format.
 pub(crate) fn seeds() -> Vec<Vec<u8>> {
     let image = |width: usize, height: usize, components: usize| {
         let data = (0..width * height * components).map(|i| ((i / 5) as f32 * 0.7).sin().abs() + 0.01).collect();
@@ -48,7 +49,7 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
     seeds
 }
 
-/// Pieces that make headers lie.
+/// Byte sequences that make headers wrong.
 const LIES: [&[u8]; 14] = [
     b"-Y 2147483647 +X 2147483647\n",
     b"+X 1 +Y 999999999\n",
@@ -66,11 +67,11 @@ const LIES: [&[u8]; 14] = [
     b"\x02\x02\x7f\xff",
 ];
 
-/// A random number generator that needs no package (xorshift64).
+/// A random number generator without dependencies (xorshift64).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    /// The next whole number below `limit`, or 0 for a limit of 0.
+    /// The next integer below `limit`, or 0 for a limit of 0.
     pub(crate) fn below(&mut self, limit: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -79,7 +80,7 @@ impl Random {
     }
 }
 
-/// Changes, removes, repeats or puts in some bytes.
+/// Changes, removes, repeats or inserts some bytes.
 pub(crate) fn spoil(bytes: &mut Vec<u8>, random: &mut Random) {
     for _ in 0..=random.below(6) {
         let at = random.below(bytes.len());
@@ -102,7 +103,7 @@ pub(crate) fn spoil(bytes: &mut Vec<u8>, random: &mut Random) {
     }
 }
 
-/// Reads the bytes in every way there is, and uses what comes of it.
+/// Reads the bytes with every reader and uses the results.
 pub(crate) fn read_all_ways(bytes: &[u8]) {
     if let Ok(read) = read_image(bytes) {
         assert_eq!(read.image.data().len(), read.image.width() * read.image.height() * read.image.components());
@@ -113,7 +114,7 @@ pub(crate) fn read_all_ways(bytes: &[u8]) {
         if picture.width() * picture.height() < 1 << 16 {
             let _ = (picture.values(), picture.three_values(), picture.radiance(), picture.rgb_radiance());
             let again = Picture::read(&picture.to_bytes()).expect("what was written can be read");
-            // Longer scanlines are flat, which cannot hold every pixel.
+            // Longer scanlines are flat, which cannot represent every pixel.
             assert!(picture.width() > 0x7fff || again.pixels() == picture.pixels());
         }
     }

@@ -1,4 +1,4 @@
-//! What the pictures of a series have in common, and how each is exposed.
+//! Exposes the pictures of a series and shares what they have in common.
 
 use crate::capture::Capture;
 use crate::error::Error;
@@ -10,65 +10,66 @@ use radsight_ir::{Scene, SurfaceHandle, ValidScene};
 use radsight_pinhole::{BandWeights, PinholeModel, Rays};
 use radsight_render::{RayTreeOutput, RenderOptions, RenderPlan, Renderer};
 
-/// For fewer poses than this a background is not worth its rays.
+/// Smallest number of poses for which a shared background pays off.
 const FEWEST_POSES: usize = 3;
 
-/// The error of a background of n pictures is n^−⅓ of theirs, as more pictures pay for it, and no less than this share.
+/// Smallest ratio of the background's error to the pictures' error. For n pictures the ratio is
+/// n^−⅓, since more pictures share its cost.
 const LEAST_BACKGROUND_ERROR: f64 = 0.25;
 
-/// One picture of a series: a capture, and where the parts of the scene are in it.
+/// One picture of a series: a capture and the poses of the scene's parts.
 ///
-/// All captures of a series have the error, the samples and the options of the first.
+/// All captures of a series use the error, samples and options of the first.
 #[derive(Clone, Debug)]
 pub struct SeriesPicture {
     /// Camera, ring, sensor.
     pub capture: Capture,
-    /// Parts that are elsewhere than the scene has them.
+    /// Parts with a pose different from the scene's.
     pub moves: Vec<PartMove>,
 }
 
-/// How the scenes of a series are read and planned.
+/// Reads and compiles the scenes of a series.
 pub trait SeriesScenes {
-    /// Why that cannot be done.
+    /// The error type.
     type Failure: From<Error>;
 
     /// The scene with the light ring of a camera file.
     ///
     /// # Errors
-    /// When it is wrong.
+    /// When the scene is wrong.
     fn read(&self, camera: &CameraFile) -> Result<ValidScene, Self::Failure>;
 
-    /// A plan for a scene that was made of the last one read.
+    /// Compiles a scene derived from the last one read.
     ///
     /// # Errors
-    /// When a material cannot be had.
+    /// When a material is not available.
     fn plan(&self, scene: ValidScene, options: RenderOptions) -> Result<RenderPlan, Self::Failure>;
 
-    /// What is to be said when the rays of a plan were traced.
+    /// Checks a plan after its rays were traced.
     ///
     /// # Errors
-    /// When a ray met a material that cannot be used.
+    /// When a ray met an unusable material.
     fn check(&self, plan: &RenderPlan) -> Result<(), Self::Failure>;
 
-    /// The error that has these messages about the last scene read.
+    /// The error for these diagnostics of the last scene read.
     fn invalid(&self, errors: Vec<Diagnostic>) -> Self::Failure;
 }
 
 /// One exposed picture of a series.
 #[derive(Debug)]
 pub struct SeriesExposure<'r> {
-    /// Its place in the list of pictures.
+    /// Its index in the list of pictures.
     pub picture: usize,
     /// The exposure.
     pub exposure: Exposure,
-    /// What answered its rays.
+    /// The renderer of its rays.
     pub renderer: &'r Renderer,
 }
 
-/// Exposes all pictures of a series, those that have rays in common one after the other.
+/// Exposes all pictures of a series; those that share rays follow each other.
 ///
 /// # Errors
-/// As [`SeriesScenes`], and [`Error::Option`] for an error or samples out of range.
+/// As [`SeriesScenes`], and [`Error::Option`] for an error or a number of samples out of range.
 pub fn expose_series<S: SeriesScenes>(
     scenes: &S,
     pictures: &[SeriesPicture],
@@ -91,7 +92,7 @@ pub fn expose_series<S: SeriesScenes>(
     Ok(())
 }
 
-/// The items in groups of equal ones, each in the order in which it came.
+/// Groups equal items; each group keeps their order.
 fn grouped(items: &[usize], equal: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for &item in items {
@@ -103,7 +104,8 @@ fn grouped(items: &[usize], equal: impl Fn(usize, usize) -> bool) -> Vec<Vec<usi
     groups
 }
 
-/// Whether two captures of one scene differ at most in exposure time, intensity of the LEDs and sensor.
+/// Whether two captures of one scene differ at most in exposure time, intensity of the LEDs and
+/// sensor.
 fn have_one_light(a: &Capture, b: &Capture) -> bool {
     let [a, b] = [a.camera_file(), b.camera_file()].map(|file| {
         let camera = file.camera.clone().with_exposure(1.0).expect("one second is positive");
@@ -116,7 +118,7 @@ fn have_one_light(a: &Capture, b: &Capture) -> bool {
     a == b
 }
 
-/// How much brighter the LEDs of one ring are than those of another; 1 where there are none.
+/// Ratio of the LED intensities of two rings; 1 without a ring.
 fn brightness(a: &CameraFile, b: &CameraFile) -> f64 {
     match (&a.rig, &b.rig) {
         (Some(a), Some(b)) if a.led_intensity_w_per_sr != b.led_intensity_w_per_sr => {
@@ -126,19 +128,19 @@ fn brightness(a: &CameraFile, b: &CameraFile) -> f64 {
     }
 }
 
-/// Pictures with the same light, camera and scene, but for the places of parts.
+/// Pictures with the same light, camera and scene that differ only in the poses of parts.
 struct Series<'s, S> {
     scenes: &'s S,
     pictures: &'s [SeriesPicture],
-    /// Whose error, samples and options hold for all.
+    /// The capture whose error, samples and options apply to all.
     settings: &'s Capture,
-    /// The first of the pictures: it is exposed with its own exposure time and intensity.
+    /// The first picture, exposed with its own exposure time and intensity.
     lead: &'s Capture,
     scene: ValidScene,
     progress: &'s dyn Progress,
 }
 
-/// What stays of a scene when its parts move.
+/// The static part of a scene with moving parts.
 struct Shared {
     background: Background,
     moved: Vec<SurfaceHandle>,
@@ -160,7 +162,7 @@ impl<S: SeriesScenes> Series<'_, S> {
         Ok(())
     }
 
-    /// The exposures of the pictures that have the parts in the same places.
+    /// Exposes the pictures with the same pose.
     fn expose_pose(
         &self,
         pose: &[usize],
@@ -171,7 +173,7 @@ impl<S: SeriesScenes> Series<'_, S> {
         let parts = shared.and_then(|shared| regions(&scene, &shared.moved));
         let renderer = self.renderer(scene, self.settings.options().clone())?;
         let mut start = shared.zip(parts).and_then(|(shared, parts)| {
-            let lit = relayed(renderer.plan(), &shared.moved, &parts)?;
+            let lit = regions_of_virtual_sources(renderer.plan(), &shared.moved, &parts)?;
             Some(shared.background.with_parts(&parts, &lit))
         });
         for &picture in pose {
@@ -180,7 +182,7 @@ impl<S: SeriesScenes> Series<'_, S> {
             if exposure.is_partial {
                 return Ok(());
             }
-            // The next picture has the same rays: it begins where this one ended.
+            // The next picture has the same rays, so it continues from this one.
             start = Some(exposure.checkpoint.clone()).filter(|_| self.settings.fixed_samples().is_none());
             visit(SeriesExposure { picture, exposure, renderer: &renderer })?;
         }
@@ -207,7 +209,7 @@ impl<S: SeriesScenes> Series<'_, S> {
         Ok(exposure)
     }
 
-    /// What all poses have in common; `None` where parts may change any pixel.
+    /// The part common to all poses; `None` if the moving parts may affect any pixel.
     fn shared(&self, poses: &[Vec<usize>]) -> Result<Option<Shared>, S::Failure> {
         let moves = poses.iter().map(|pose| &self.pictures[pose[0]].moves);
         let moved = moved_surfaces(&self.scene, moves.clone().flatten()).map_err(|error| self.wrong(error))?;
@@ -239,7 +241,7 @@ impl<S: SeriesScenes> Series<'_, S> {
         Ok(background.map(|background| Shared { background, moved }))
     }
 
-    /// The scene with its parts in their places.
+    /// The scene with its parts in their poses.
     fn placed(&self, moves: &[PartMove]) -> Result<ValidScene, S::Failure> {
         if moves.is_empty() {
             return Ok(self.scene.clone());
@@ -264,18 +266,19 @@ impl<S: SeriesScenes> Series<'_, S> {
     }
 }
 
-/// Where lights fall by way of mirrors among the parts; `None` where it is more than one mirror on the way, or no place is known.
-fn relayed(plan: &RenderPlan, moved: &[SurfaceHandle], parts: &[Region]) -> Option<Vec<LitRegion>> {
+/// The regions lit by virtual sources in moving mirrors; `None` for more than one reflection, or a
+/// mirror or light without a bounded region.
+fn regions_of_virtual_sources(plan: &RenderPlan, moved: &[SurfaceHandle], parts: &[Region]) -> Option<Vec<LitRegion>> {
     let mut lit = Vec::new();
     for light in &plan.lights {
-        let place = |surface| moved.binary_search(&surface).ok();
-        if !light.virtual_sources.iter().any(|source| place(source.surface).is_some()) {
+        let index_of = |surface| moved.binary_search(&surface).ok();
+        if !light.virtual_sources.iter().any(|source| index_of(source.surface).is_some()) {
             continue;
         }
-        let [relay] = &light.virtual_sources[..] else { return None };
+        let [source] = &light.virtual_sources[..] else { return None };
         let is_near = light.radius.is_finite();
-        let relay = parts[place(relay.surface)?];
-        lit.push(is_near.then_some(LitRegion { relay, image: light.center, radius: light.radius })?);
+        let mirror = parts[index_of(source.surface)?];
+        lit.push(is_near.then_some(LitRegion { relay: mirror, image: light.center, radius: light.radius })?);
     }
     Some(lit)
 }

@@ -1,4 +1,4 @@
-//! Reading IES LM-63 files.
+//! Parses IES LM-63 files.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use crate::text::{Text, general, is_space};
 const TINY: f64 = 1e-6;
 const FOOT: f64 = 0.3048;
 
-/// The numbers of a file: separated by white space, or by a comma with white space around it.
+/// The numbers of a file, separated by white space or a comma.
 #[derive(Default)]
 pub(super) struct Words {
     words: Vec<String>,
@@ -39,27 +39,27 @@ impl Words {
         number(self.word(name)?).map_err(|mistake| format!("{name}: {mistake}"))
     }
 
-    /// Whole numbers may have a decimal point, as in the format of 1986.
+    /// Integers may have a decimal point, as in the format of 1986.
     fn count(&mut self, name: &str) -> Result<usize, String> {
         Ok(self.number(name)?.clamp(0.0, 1e9) as usize)
     }
 
-    /// A list, which cannot be longer than what the file holds.
+    /// A list, which cannot be longer than the rest of the file.
     fn numbers(&mut self, count: usize, name: &str) -> Result<Vec<f64>, String> {
         let left = self.words.len() - self.next;
         if count > left {
-            return Err(format!("{count} {name} are announced, {left} numbers are left in the file"));
+            return Err(format!("{count} {name} are declared, but only {left} numbers follow"));
         }
         (0..count).map(|_| self.number(name)).collect()
     }
 }
 
-/// What stands before the numbers.
+/// The part of the file before the numbers.
 pub(super) struct Head {
     /// The year of the format.
     pub(super) version: u32,
     pub(super) lines: Vec<String>,
-    /// Texts in which a lamp may be named, in the order in which they count.
+    /// Texts that may name a lamp, by precedence.
     pub(super) lamp_descriptions: Vec<String>,
     /// A file in Materials and Geometry Format.
     pub(super) geometry: Option<String>,
@@ -119,11 +119,11 @@ impl Head {
     }
 }
 
-/// How the light depends on the luminaire's tilt.
+/// The dependence of the output on the luminaire's tilt.
 pub(super) struct Tilt {
-    /// 1 to 3: how the lamp is mounted.
+    /// 1 to 3: the mounting of the lamp.
     pub(super) mounting: u8,
-    /// Degrees.
+    /// Tilt angles, degrees.
     angles: Vec<f64>,
     factors: Vec<f64>,
 }
@@ -152,7 +152,7 @@ impl Tilt {
     }
 }
 
-/// The coordinates in which the light was measured.
+/// The coordinate system of the measurement.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Photometry {
     B,
@@ -163,17 +163,17 @@ pub(super) enum Photometry {
 pub(super) struct Luminaire {
     pub(super) version: u32,
     pub(super) photometry: Photometry,
-    /// Of the candela values: the file's own, with the ballast.
+    /// Multiplier of the candela values: the file's own and the ballast factor.
     pub(super) multiplier: f64,
     pub(super) ballast_factor: f64,
     pub(super) watts: f64,
-    /// Of the luminous opening; signs tell its shape.
+    /// Size of the luminous opening; signs encode its shape.
     pub(super) width: f64,
     pub(super) length: f64,
     pub(super) height: f64,
     pub(super) vertical: Vec<f64>,
     pub(super) horizontal: Vec<f64>,
-    /// For each horizontal angle all vertical ones.
+    /// All vertical angles for each horizontal angle.
     candela: Vec<f64>,
 }
 
@@ -225,13 +225,13 @@ impl Luminaire {
         self.horizontal[self.horizontal.len() - 1]
     }
 
-    /// The data file: candela over lumens per watt.
+    /// The data file: candela divided by lumens per watt.
     pub(super) fn data_file(&self, efficacy: f64) -> Result<Vec<u8>, Error> {
         write_data(&[&self.horizontal, &self.vertical], &self.candela, 1.0 / efficacy)
     }
 }
 
-/// A Radiance data file; axes with one value are left out.
+/// A Radiance data file; axes with one value are omitted.
 fn write_data(axes: &[&[f64]], values: &[f64], multiplier: f64) -> Result<Vec<u8>, Error> {
     let mut text = Text::default();
     let axes: Vec<&[f64]> = axes.iter().copied().filter(|axis| axis.len() > 1).collect();

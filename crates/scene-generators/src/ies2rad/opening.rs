@@ -1,7 +1,7 @@
 //! The luminous opening of a luminaire as a box, a cylinder or a sphere.
 //!
-//! The signs of width, length and height in an LM-63 file tell its shape, by rules that changed with the years. Shapes that
-//! Radiance lacks are replaced, with a warning.
+//! The signs of width, length and height in an LM-63 file encode its shape, by rules that differ
+//! between versions. Shapes that Radiance lacks are replaced, with a warning.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -10,7 +10,7 @@ use super::luminaire::Luminaire;
 use crate::Error;
 use crate::text::{Text, general};
 
-/// A point source is a sphere of this diameter in metres, and nothing is flatter than half of it.
+/// Diameter of a point source, metres; half of it is the smallest height.
 pub(super) const SMALLEST: f64 = 0.001;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub(super) struct Opening {
     pub(super) length: f64,
     pub(super) height: f64,
     pub(super) is_illum: bool,
-    /// The shape that the file asks for.
+    /// The shape that the file describes.
     pub(super) described: Option<&'static str>,
     pub(super) warning: Option<&'static str>,
 }
@@ -60,7 +60,7 @@ impl Opening {
         Opening { shape, width, length, height, is_illum: false, described: None, warning: None }
     }
 
-    /// A sphere of a diameter in metres, which stands for whatever is inside.
+    /// A sphere with a diameter in metres, a proxy for the luminaire.
     pub(super) fn illum(diameter: f64) -> Opening {
         Opening { is_illum: true, ..Opening::sphere(diameter) }
     }
@@ -85,14 +85,14 @@ impl Opening {
         Opening { warning: Some(warning), ..self }
     }
 
-    /// The opening that a luminaire's file describes.
+    /// The opening described by a luminaire's file.
     pub(super) fn of(luminaire: &Luminaire) -> Result<Opening, String> {
         let Luminaire { length: l, width: w, height: h, .. } = *luminaire;
         let sign = |value: f64| i8::from(value > 0.0) - i8::from(value < 0.0);
         let signs = (sign(l), sign(w), sign(h));
         let (length, width, height) = (l.abs(), w.abs(), h.abs());
         let equal = |a: f64, b: f64| (a - b).abs() <= 1e-6;
-        // The rules of 1991 are those of 1986, and those of 2019 are those of 2002.
+        // The rules of 1991 equal those of 1986, and those of 2019 equal those of 2002.
         let rules = match luminaire.version {
             1986 | 1991 => 1986,
             1995 => 1995,
@@ -138,7 +138,7 @@ impl Opening {
             }),
             _ => {
                 return Err(format!(
-                    "a luminous opening {w} wide, {l} long and {h} high (m) is no shape of the format of {}",
+                    "a luminous opening of width {w}, length {l} and height {h} m is not a shape of the {} format",
                     luminaire.version
                 ));
             }
@@ -146,7 +146,7 @@ impl Opening {
         Ok(opening)
     }
 
-    /// The area seen from below, m².
+    /// The projected area from below, m².
     pub(super) fn area(&self) -> f64 {
         match self.shape {
             Shape::Box => self.width * self.length,
@@ -154,7 +154,7 @@ impl Opening {
         }
     }
 
-    /// Writes the surfaces that shine: below, above, at the sides.
+    /// Writes the emitting surfaces: below, above, at the sides.
     pub(super) fn write(
         &self,
         scene: &mut Text,
@@ -180,7 +180,7 @@ impl Opening {
                 }
             }
             Shape::Box => {
-                // Corners: the sum of 1, 2, 4 says where along x, y, z it lies (set: far side).
+                // Corners: 1, 2, 4 select the far side along x, y, z.
                 let faces = [
                     (lower, "d", [0, 2, 3, 1]),
                     (upper, "u", [4, 5, 7, 6]),
@@ -203,23 +203,24 @@ impl Opening {
     }
 }
 
-/// Whether a size is within half of a mean; in single precision, as ies2rad compares.
+/// Whether a size is within 50 % of a mean; in single precision, as ies2rad compares.
 fn is_near(size: f64, mean: f32) -> bool {
     f64::from(0.5 * mean) < size && size < f64::from(1.5 * mean)
 }
 
-/// A stand-in for a vertical elliptical cylinder.
+/// A substitute for a vertical elliptical cylinder.
 fn elliptic(length: f64, width: f64, height: f64) -> Opening {
     let mean = ((width + length) / 2.0) as f32;
     if is_near(width, mean) && is_near(length, mean) {
         Opening::cylinder(width, height).warned(ELLIPTIC_TO_ROUND)
     } else {
-        // ies2rad exchanges the sides of this box; so the same file gives the same light.
+        // ies2rad exchanges the sides of this box, so we do too.
         Opening::cuboid(width, length, height).warned(ELLIPTIC_TO_BOX)
     }
 }
 
-/// A stand-in for an ellipsoid. The real program takes a sphere only for one that is much higher than wide.
+/// A substitute for an ellipsoid. The real program uses a sphere only if it is much higher than
+/// wide.
 fn ellipsoid(width: f64, length: f64, height: f64) -> Opening {
     let mean = ((width + length + height) / 3.0) as f32;
     let is_round = is_near(width, mean) && is_near(length, mean);

@@ -1,4 +1,4 @@
-//! Colours of the Materials and Geometry Format: chromaticities, or spectra from 380 to 780 nm in steps of 10 nm.
+//! MGF colours: chromaticities, or spectra from 380 to 780 nm in steps of 10 nm.
 
 use radsight_units::photometry::LUMINOUS_EFFICACY;
 
@@ -6,9 +6,9 @@ use radsight_units::photometry::LUMINOUS_EFFICACY;
 pub(crate) const FIRST_NM: i32 = 380;
 pub(crate) const LAST_NM: i32 = 780;
 pub(crate) const STEP_NM: i32 = 10;
-/// Samples of a spectrum.
+/// Number of samples of a spectrum.
 pub(crate) const SAMPLES: usize = 41;
-/// Spectra are whole numbers, the largest of which is this.
+/// Largest value of a spectrum; values are integers.
 const LARGEST: f64 = 10_000.0;
 /// Lumens per watt of one unit of a spectrum weighted by the observer's ȳ.
 const LUMENS_PER_WATT: f64 = LUMINOUS_EFFICACY / 10_000.0;
@@ -28,7 +28,7 @@ const OBSERVER: [[i32; SAMPLES]; 3] = [
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Color {
     definition: Definition,
-    /// The name under which a spectrum was defined.
+    /// The name of the spectrum's definition.
     pub(crate) spectrum_name: Option<String>,
 }
 
@@ -51,7 +51,7 @@ impl Color {
         Color { definition: Definition::Chromaticity(chromaticity), spectrum_name: None }
     }
 
-    /// A spectrum given at equal steps from `first` to `last` nm; `None` when nothing of it is visible.
+    /// A spectrum with equal steps from `first` to `last` nm; `None` if no part is visible.
     pub(crate) fn of_samples(first: f64, last: f64, samples: &[f64]) -> Option<Color> {
         if samples.len() < 2 || first >= f64::from(LAST_NM) || last <= f64::from(FIRST_NM) || first >= last {
             return None;
@@ -67,7 +67,7 @@ impl Color {
             let fraction = (place - index as f64).clamp(0.0, 1.0);
             Some(samples[index] * (1.0 - fraction) + samples[index + 1] * fraction)
         };
-        // Fine spectra are averaged over each step, as far as they go; coarse ones are interpolated.
+        // Fine spectra are averaged over each step; coarse ones are interpolated.
         let finer = (f64::from(STEP_NM) / step).round().clamp(1.0, 1000.0) as i32;
         let values = std::array::from_fn(|index| {
             let centre = f64::from(FIRST_NM + STEP_NM * index as i32);
@@ -83,7 +83,7 @@ impl Color {
         if kelvin.is_nan() || kelvin < 1000.0 {
             return None;
         }
-        // The second radiation constant, in metres times kelvin; the spectrum's scale does not matter.
+        // The second radiation constant, m·K; the spectrum's scale is arbitrary.
         const C2: f64 = 1.4388e-2;
         let values = std::array::from_fn(|index| {
             let metres = f64::from(FIRST_NM + STEP_NM * index as i32) * 1e-9;
@@ -140,7 +140,7 @@ impl Color {
         }
     }
 
-    /// The samples, each multiplied so that the colour has the luminance of a flat spectrum of one.
+    /// The samples, scaled to the luminance of a flat spectrum of 1.
     pub(crate) fn scaled_spectrum(&self) -> Option<[f64; SAMPLES]> {
         const FLAT_EFFICACY: f64 = 178.006;
         let Definition::Spectrum(samples) = &self.definition else { return None };
@@ -148,7 +148,7 @@ impl Color {
         Some(samples.map(|sample| f64::from(sample) * scale))
     }
 
-    /// Whether the two look alike, and are of one kind.
+    /// Whether the two colours match visually and are of one kind.
     pub(crate) fn is_equivalent(&self, other: &Color) -> bool {
         let ([x1, y1], [x2, y2]) = (self.chromaticity(), other.chromaticity());
         let near = (x1 - x2).abs() + (y1 - y2).abs() <= 0.015;
@@ -172,7 +172,7 @@ impl Color {
     }
 }
 
-/// The spectrum seen through x̄, ȳ or z̄.
+/// The spectrum weighted by x̄, ȳ or z̄.
 fn weighted(samples: &[i32; SAMPLES], axis: usize) -> f64 {
     samples.iter().zip(&OBSERVER[axis]).map(|(sample, weight)| f64::from(*sample) * f64::from(*weight)).sum()
 }

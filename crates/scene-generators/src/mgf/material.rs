@@ -1,4 +1,4 @@
-//! Materials of the Materials and Geometry Format, written as Radiance materials.
+//! MGF materials, written as Radiance materials.
 
 use std::fmt::Write;
 
@@ -8,20 +8,20 @@ use crate::cie::{brightness, rgb_of_chromaticity};
 use crate::text::{Text, general};
 use radsight_units::photometry::WHITE_EFFICACY;
 
-/// Thickness in metres that a one-sided glass is taken to have.
+/// Thickness of one-sided glass, metres.
 const GLASS_THICKNESS: f64 = 0.005;
 const TINY: f64 = 1e-6;
 
-/// A share of the light, and its colour.
+/// A reflectance or transmittance with its colour.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Part {
     pub(crate) level: f32,
     pub(crate) color: Color,
-    /// Roughness of a specular part.
+    /// Roughness of a specular component.
     pub(crate) roughness: f32,
 }
 
-/// What a surface does with light.
+/// The optical properties of a surface.
 #[derive(Clone, Debug)]
 pub(crate) struct Material {
     pub(crate) one_sided: bool,
@@ -31,7 +31,7 @@ pub(crate) struct Material {
     pub(crate) diffuse_transmitted: Part,
     pub(crate) specular_reflected: Part,
     pub(crate) specular_transmitted: Part,
-    /// Level in lumens per square metre.
+    /// Exitance, lm/m².
     pub(crate) emitted: Part,
     /// Whether it changed since it was written.
     pub(crate) is_new: bool,
@@ -66,17 +66,17 @@ impl Part {
         rgb_of_chromaticity(self.color.chromaticity(), level)
     }
 
-    /// Whether both parts count and have different colours.
+    /// Whether both components are significant and have different colours.
     fn clashes(&self, other: &Part) -> bool {
         self.level() > 0.01 && other.level() > 0.01 && !self.color.is_equivalent(&other.color)
     }
 }
 
-/// Writes materials, and keeps what is written about spectra.
+/// Writes materials and tracks the spectra written.
 pub(crate) struct MaterialWriter {
-    /// Write spectra as such rather than as red, green and blue.
+    /// Write spectra instead of red, green and blue.
     pub(crate) spectral: bool,
-    /// How far a `glow` reaches, in metres; without it emitters are `light`.
+    /// Radius of influence of a `glow`, metres; without it emitters are `light`.
     pub(crate) glow_distance: Option<f64>,
     pub(crate) emitter_multiplier: f64,
     known_spectra: Vec<(String, Color)>,
@@ -89,7 +89,7 @@ impl Default for MaterialWriter {
 }
 
 impl MaterialWriter {
-    /// Writes a material under a name. The error says what is wrong with it.
+    /// Writes a material under a name. The error describes a mistake in it.
     pub(crate) fn write(
         &mut self,
         text: &mut Text,
@@ -161,7 +161,7 @@ impl MaterialWriter {
         self.write_opaque(text, &pattern, "metal", name, rgb, [rs.level() / sum, rs.roughness()])
     }
 
-    /// A `WGMDfunc`, in which every part has its own colour.
+    /// Writes a `WGMDfunc`, in which every component has its own colour.
     fn write_separate(&mut self, text: &mut Text, name: &str, material: &Material) -> Result<(), Error> {
         let Material { diffuse_reflected: rd, diffuse_transmitted: td, .. } = material;
         let Material { specular_reflected: rs, specular_transmitted: ts, .. } = material;
@@ -189,7 +189,7 @@ impl MaterialWriter {
         Ok(())
     }
 
-    /// The pattern and the colour of a part: a spectrum under a grey, or just red, green and blue.
+    /// The pattern and the colour of a component: a spectrum with a grey, or red, green and blue.
     fn color(&mut self, text: &mut Text, part: &Part, level: f64, unnamed: &str) -> Result<(String, [f64; 3]), Error> {
         let spectrum = part.color.scaled_spectrum().filter(|_| self.spectral && level > TINY);
         let Some(spectrum) = spectrum else { return Ok(("void".to_owned(), part.rgb(level))) };
@@ -217,7 +217,7 @@ impl MaterialWriter {
     }
 }
 
-/// Whether one of Radiance's simpler materials would mix up roughnesses or colours.
+/// Whether a simpler Radiance material would confuse roughnesses or colours.
 fn needs_separate_paths(material: &Material) -> bool {
     let Material { diffuse_reflected: rd, diffuse_transmitted: td, .. } = material;
     let Material { specular_reflected: rs, specular_transmitted: ts, .. } = material;

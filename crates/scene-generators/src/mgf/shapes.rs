@@ -1,4 +1,4 @@
-//! Surfaces of the Materials and Geometry Format.
+//! MGF surfaces.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
@@ -8,13 +8,13 @@ use crate::Error;
 use crate::facets::{Barycentric, cross, dot, normalize, subtract};
 use crate::text::{Text, wide};
 
-/// Steps in which a quarter of a circle is approximated.
+/// Number of steps per quarter circle.
 const QUARTER_STEPS: usize = 5;
 const TINY: f64 = 1e-6;
-/// Normals whose cosine is above this are taken for one direction.
+/// Normals whose cosine exceeds this are equal.
 const SAME_DIRECTION: f64 = 0.999_995;
 
-/// How many surfaces of each kind have been written.
+/// Number of surfaces of each kind written so far.
 #[derive(Default)]
 pub(crate) struct Counters {
     cones: usize,
@@ -25,10 +25,10 @@ pub(crate) struct Counters {
     triangles: usize,
 }
 
-/// The outcome of a statement: the inner error is one of the input.
+/// The outcome of a statement: the inner error is a mistake of the input.
 type Outcome = Result<Result<(), String>, Error>;
 
-/// Takes the value of a `Result<_, String>` or returns its error as one of the input.
+/// Unwraps a `Result<_, String>` or returns its error as a mistake of the input.
 macro_rules! of_input {
     ($result:expr) => {
         match $result {
@@ -38,12 +38,12 @@ macro_rules! of_input {
     };
 }
 
-/// How the normals at a face's corners lie to the face.
-enum Bend {
+/// The relation of the corner normals to the face.
+enum CornerNormals {
     Flat,
     FlatReversed,
-    Bent,
-    BentReversed,
+    Smooth,
+    SmoothReversed,
     Degenerate,
 }
 
@@ -98,7 +98,7 @@ impl Converter<'_> {
         names.iter().map(|name| self.corner(name)).collect()
     }
 
-    /// The name of the present material, which is written first if it is new.
+    /// The name of the current material, which is written first if it is new.
     fn material_name(&mut self) -> Result<Result<String, String>, Error> {
         let name = self.material.current.clone().unwrap_or_else(|| "mat".to_owned());
         let current = self.material.current();
@@ -118,13 +118,14 @@ impl Converter<'_> {
         let transform = self.transform();
         let has_normals =
             corners.len() <= 4 && corners.iter().all(|corner| dot(corner.normal, corner.normal) > TINY * TINY);
-        let bend = if has_normals { bend([corners[0], corners[1], corners[2]]) } else { Bend::Flat };
-        let reversed = match bend {
-            Bend::Degenerate => return Ok(Ok(())),
-            Bend::Flat | Bend::Bent => transform.is_mirrored,
-            Bend::FlatReversed | Bend::BentReversed => !transform.is_mirrored,
+        let normals_kind =
+            if has_normals { classify_normals([corners[0], corners[1], corners[2]]) } else { CornerNormals::Flat };
+        let reversed = match normals_kind {
+            CornerNormals::Degenerate => return Ok(Ok(())),
+            CornerNormals::Flat | CornerNormals::Smooth => transform.is_mirrored,
+            CornerNormals::FlatReversed | CornerNormals::SmoothReversed => !transform.is_mirrored,
         };
-        if matches!(bend, Bend::Bent | Bend::BentReversed) {
+        if matches!(normals_kind, CornerNormals::Smooth | CornerNormals::SmoothReversed) {
             self.smooth_triangle(&material, [corners[0], corners[1], corners[2]], reversed)?;
             if let [first, _, third, fourth] = corners {
                 self.smooth_triangle(&material, [*third, *fourth, *first], reversed)?;
@@ -246,7 +247,8 @@ impl Converter<'_> {
         self.face(&near)
     }
 
-    /// A torus between two radii about the vertex's normal, as cones; inside out for negative radii.
+    /// A torus between two radii about the vertex's normal, made of cones; inside out for negative
+    /// radii.
     fn torus(&mut self, centre: Vertex, [smallest, largest]: [f64; 2]) -> Outcome {
         if dot(centre.normal, centre.normal) <= TINY * TINY {
             return Ok(Err("a torus needs a vertex with a normal".to_owned()));
@@ -263,7 +265,7 @@ impl Converter<'_> {
             std::array::from_fn(|axis| centre.point[axis] + height * centre.normal[axis])
         };
         for step in 1..=4 * QUARTER_STEPS {
-            // The inner half is seen from the axis: cups, or cones for a torus that is inside out.
+            // The inner half faces the axis: cups, or cones for a torus that is inside out.
             let side = if step <= 2 * QUARTER_STEPS { 1.0 } else { -1.0 };
             let radius = |step: usize| side * (middle + half * angle(step).sin());
             let radii = [step - 1, step].map(radius).map(|radius| if radius.abs() <= 1e-12 { 0.0 } else { radius });
@@ -277,7 +279,7 @@ fn row(text: &mut Text, [x, y, z]: [f64; 3]) -> Result<(), Error> {
     Ok(writeln!(text, "{} {} {}", wide(x), wide(y), wide(z))?)
 }
 
-/// The corners of a face with holes (after `-` each) as one outline that goes to each hole and back.
+/// The corners of a face with holes (each after `-`) as one outline with seams to each hole.
 fn seam(names: &[String]) -> Result<Vec<String>, String> {
     let mut loops = names.split(|name| name.starts_with('-'));
     let outline = loops.next().unwrap_or_default();
@@ -303,13 +305,13 @@ fn seam(names: &[String]) -> Result<Vec<String>, String> {
     Ok(corners)
 }
 
-fn bend(corners: [Vertex; 3]) -> Bend {
+fn classify_normals(corners: [Vertex; 3]) -> CornerNormals {
     let [a, b, c] = corners.map(|corner| corner.point);
-    let Some(normal) = normalize(cross(subtract(b, a), subtract(c, b))) else { return Bend::Degenerate };
+    let Some(normal) = normalize(cross(subtract(b, a), subtract(c, b))) else { return CornerNormals::Degenerate };
     let cosines = corners.map(|corner| dot(normal, corner.normal));
     if cosines.iter().all(|cosine| *cosine < 0.0) {
-        let is_bent = cosines.iter().any(|cosine| *cosine > -SAME_DIRECTION);
-        return if is_bent { Bend::BentReversed } else { Bend::FlatReversed };
+        let is_smooth = cosines.iter().any(|cosine| *cosine > -SAME_DIRECTION);
+        return if is_smooth { CornerNormals::SmoothReversed } else { CornerNormals::FlatReversed };
     }
-    if cosines.iter().any(|cosine| *cosine < SAME_DIRECTION) { Bend::Bent } else { Bend::Flat }
+    if cosines.iter().any(|cosine| *cosine < SAME_DIRECTION) { CornerNormals::Smooth } else { CornerNormals::Flat }
 }

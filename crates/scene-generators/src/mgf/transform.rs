@@ -1,8 +1,8 @@
-//! Transforms of the Materials and Geometry Format: those of Radiance's `xform`, in a stack, with arrays.
+//! MGF transforms: those of Radiance's `xform`, on a stack, with arrays.
 
 use crate::number_text::{leading_integer, whole_number};
 
-/// Rows of a matrix by which a point, as a row with a one behind it, is multiplied from the right.
+/// Rows of a matrix that is applied to row vectors (x, y, z, 1) from the right.
 type Matrix = [[f64; 4]; 4];
 
 const IDENTITY: Matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
@@ -11,9 +11,9 @@ const IDENTITY: Matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0,
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transform {
     matrix: Matrix,
-    /// How much lengths grow; above zero.
+    /// Scale of lengths; above zero.
     scale: f64,
-    /// Whether it is a mirror image, so that faces turn round.
+    /// Whether it is a reflection, which reverses faces.
     pub(crate) is_mirrored: bool,
 }
 
@@ -24,7 +24,8 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// Reads `-t x y z`, `-rx` `-ry` `-rz` degrees, `-s factor`, `-mx` `-my` `-mz`, and `-i n`, which repeats what follows.
+    /// Parses `-t x y z`, `-rx` `-ry` `-rz` degrees, `-s factor`, `-mx` `-my` `-mz`, and `-i n`,
+    /// which repeats what follows.
     pub(crate) fn read(words: &[String]) -> Result<Transform, String> {
         let (mut whole, mut part) = (Transform::default(), Transform::default());
         let mut repeats = 1;
@@ -78,7 +79,7 @@ impl Transform {
         Ok(whole.then_repeated(part, repeats))
     }
 
-    /// First this one, then another.
+    /// This transform followed by another.
     pub(crate) fn then(&self, next: &Transform) -> Transform {
         let matrix = std::array::from_fn(|row| {
             std::array::from_fn(|column| (0..4).map(|i| self.matrix[row][i] * next.matrix[i][column]).sum())
@@ -86,7 +87,7 @@ impl Transform {
         Transform { matrix, scale: self.scale * next.scale, is_mirrored: self.is_mirrored != next.is_mirrored }
     }
 
-    /// Repeats by squaring, so that a large count costs little.
+    /// Repetition by squaring, so that a large count costs little.
     fn then_repeated(&self, mut part: Transform, mut count: i64) -> Transform {
         let mut result = *self;
         while count > 0 {
@@ -108,7 +109,7 @@ impl Transform {
         std::array::from_fn(|axis| (0..3).map(|i| vector[i] * self.matrix[i][axis]).sum())
     }
 
-    /// A direction, whose length stays.
+    /// Transforms a direction; its length is unchanged.
     pub(crate) fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
         self.vector(direction).map(|value| value / self.scale)
     }

@@ -1,9 +1,10 @@
-//! Mapping files: rules that choose the material of a face.
+//! Mapping files: rules that select the material of a face.
 //!
-//! `plastic_red (Material "Red") (Face [1:20]) ;`: the name of a Radiance material and conditions, which must all hold. Later
-//! rules count before earlier ones; faces without a rule, and those of the material `void`, are left out.
+//! `plastic_red (Material "Red") (Face [1:20]) ;`: the name of a Radiance material and conditions,
+//! all of which must hold. Later rules take precedence over earlier ones; faces without a rule, and
+//! those of the material `void`, are omitted.
 
-/// What a rule can ask about a face.
+/// The properties of a face that a rule can test.
 pub(super) struct Situation<'a> {
     pub(super) material: &'a str,
     pub(super) map: &'a str,
@@ -13,7 +14,7 @@ pub(super) struct Situation<'a> {
 }
 
 pub(super) struct Mapping {
-    /// In the order of the file.
+    /// In file order.
     rules: Vec<Rule>,
 }
 
@@ -60,7 +61,7 @@ impl Mapping {
         Ok(Mapping { rules })
     }
 
-    /// The material of a face, if it is to be converted.
+    /// The material of a face, if it is converted.
     pub(super) fn material(&self, situation: &Situation<'_>) -> Option<String> {
         let rule =
             self.rules.iter().rev().find(|rule| rule.conditions.iter().all(|condition| condition.holds(situation)))?;
@@ -81,7 +82,7 @@ impl Condition {
     }
 }
 
-/// Conditions up to a semicolon or the end, and the text behind it.
+/// Conditions up to a semicolon or the end, and the rest of the text.
 fn read_conditions(text: &str) -> Result<(Vec<Condition>, &str), String> {
     let mut conditions = Vec::new();
     let mut rest = text;
@@ -106,7 +107,7 @@ fn read_conditions(text: &str) -> Result<(Vec<Condition>, &str), String> {
     }
 }
 
-/// `"name")`, `[low:high])` or `number)`, and the text behind it.
+/// `"name")`, `[low:high])` or `number)`, and the rest of the text.
 fn read_wanted(value: &str) -> Result<(Wanted, &str), String> {
     if let Some(name) = value.strip_prefix('"') {
         let (name, behind) = name.split_once('"').ok_or("a name is not closed")?;

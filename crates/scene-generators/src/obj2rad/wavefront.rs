@@ -1,9 +1,9 @@
-//! Statements of Wavefront text, and the vertices that they name.
+//! Statements of Wavefront text, and their vertices.
 
 use crate::facets::{dot, normalize};
 use crate::number_text::{leading_integer, whole_number};
 
-/// The statements of a text, with backslashes joining lines.
+/// The statements of a text; a backslash joins lines.
 pub(crate) struct Statements<'a> {
     lines: std::str::Lines<'a>,
     line: usize,
@@ -14,12 +14,13 @@ impl<'a> Statements<'a> {
         Statements { lines: text.lines(), line: 0 }
     }
 
-    /// The line that was read last, from 1.
+    /// The current line, from 1.
     pub(crate) fn line(&self) -> usize {
         self.line
     }
 
-    /// The words of the next statement that has any. Quotes inside of words become `^`, as Radiance cannot have them in names.
+    /// The words of the next non-empty statement. Quotes inside words become `^`, since Radiance
+    /// names cannot contain them.
     pub(crate) fn next_statement(&mut self) -> Option<Vec<String>> {
         loop {
             let mut words = Vec::new();
@@ -60,12 +61,12 @@ pub(crate) struct Vertices {
     points: Vec<[f64; 3]>,
     normals: Vec<[f64; 3]>,
     textures: Vec<[f64; 2]>,
-    /// How many normals have no length.
+    /// Number of normals of zero length.
     pub(crate) zero_normals: usize,
 }
 
 impl Vertices {
-    /// Takes a statement `v`, `vn` or `vt`; false when a `vt` makes no sense.
+    /// Parses a statement `v`, `vn` or `vt`; false if a `vt` is malformed.
     pub(crate) fn add(&mut self, words: &[String]) -> Result<bool, String> {
         let numbers: Vec<f64> =
             words[1..].iter().map_while(|word| whole_number(word)).filter(|value| value.is_finite()).collect();
@@ -83,7 +84,8 @@ impl Vertices {
         Ok(true)
     }
 
-    /// Reads `point`, `point/texture` or `point/texture/normal`; numbers count from 1, or back from the end.
+    /// Parses `point`, `point/texture` or `point/texture/normal`; indices count from 1, or
+    /// backwards from the end.
     pub(crate) fn corner(&self, word: &str) -> Result<Corner, String> {
         let mut parts = word.split('/').map(|part| leading_integer(part).map_or(0, |(index, _)| index));
         let [point, texture, normal] = [0; 3].map(|_| parts.next().unwrap_or(0));

@@ -1,19 +1,19 @@
-//! Records that go out in the order in which they come, while they come.
+//! Records that keep their order and are streamed.
 
 use super::{Mistake, Options, Shape, broken, check_number, words};
 use crate::supply::Supply;
 use crate::text::Text;
 
-/// What is known of records that go out in the order in which they come, before they come.
+/// The copy plan of records that keep their order.
 pub(super) struct Plan {
     pub(super) input: Shape,
     pub(super) output: Shape,
-    /// How many are wanted; `None` for all.
+    /// Number of requested records; `None` for all.
     pub(super) wanted: Option<usize>,
 }
 
 impl Plan {
-    /// `None` if all records must be there first.
+    /// `None` if all records must be read first.
     pub(super) fn new(options: &Options) -> Option<Plan> {
         let (mut input, mut output) = (options.input, options.output);
         if output.columns == 0 {
@@ -31,18 +31,18 @@ impl Plan {
                 output = output.filled(count);
                 (output.records() == count).then_some(Plan { input, output, wanted })
             }
-            // A header tells how many rows there are.
+            // A header must contain the number of rows.
             None if options.writes_header || output.rows > 0 || input.rows > 0 => None,
             None => Some(Plan { input, output, wanted }),
         }
     }
 }
 
-/// What was there.
+/// The records found.
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) records: usize,
-    /// Of binary numbers, what makes no wanted record.
+    /// Trailing bytes that form no requested record.
     pub(super) bytes_behind: usize,
 }
 
@@ -56,7 +56,7 @@ pub(super) fn copy(input: &mut Supply<'_>, text: &mut Text) -> Result<(), Mistak
     }
 }
 
-/// Copies lines in which records are whole.
+/// Copies lines that contain whole records.
 pub(super) fn copy_lines(input: &mut Supply<'_>, text: &mut Text, components: usize) -> Result<(), Mistake> {
     let mut number = 0;
     while let Some(range) = input.line(text)? {

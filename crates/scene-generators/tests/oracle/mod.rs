@@ -10,13 +10,13 @@ use std::process::{Command, Stdio};
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 use radsight_scene_generators::{Error, Output, run};
 
-/// Where the real programs are.
+/// The location of the real programs.
 pub struct Radiance {
     bin: Option<PathBuf>,
     library: Option<PathBuf>,
 }
 
-/// What a real program did.
+/// The outcome of a real program.
 pub struct RealOutput {
     pub standard_output: String,
     pub standard_error: String,
@@ -24,7 +24,7 @@ pub struct RealOutput {
 }
 
 impl Radiance {
-    /// `None`, with a note, when there is no real Radiance.
+    /// `None`, with a note, if real Radiance is not installed.
     pub fn find() -> Option<Radiance> {
         let real = radsight_test_support::Radiance::find()?;
         Some(Radiance { bin: real.programs(), library: real.library() })
@@ -53,7 +53,7 @@ impl Radiance {
             let mut text = Vec::new();
             errors.read_to_end(&mut text).map(|_| text).unwrap_or_default()
         });
-        // Some inputs keep the real program writing for ever.
+        // Some inputs make the real program write forever.
         let mut output = Vec::new();
         let limited = child.stdout.take().expect("a pipe").take(LONGEST_OUTPUT).read_to_end(&mut output);
         limited.expect("the real program's output");
@@ -71,10 +71,10 @@ impl Radiance {
     }
 }
 
-/// Real output is cut here.
+/// Real output is truncated at this size.
 const LONGEST_OUTPUT: u64 = 1 << 24;
 
-/// Files in memory, and real folders after them.
+/// Files in memory, then real folders.
 #[derive(Default)]
 pub struct TestLoader {
     pub files: HashMap<String, Vec<u8>>,
@@ -104,11 +104,11 @@ pub fn ours(argv: &[String], standard_input: &[u8], loader: &dyn Loader) -> Resu
     run(argv, &standard_input, loader)
 }
 
-/// How alike two outputs are.
+/// The similarity of two outputs.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Likeness {
     Identical,
-    /// Same words, and numbers that differ in the last printed digits only.
+    /// The same words, and numbers that differ only in the last printed digits.
     Rounded,
     Different(String),
 }
@@ -138,7 +138,7 @@ fn close(a: &str, b: &str) -> bool {
     (left - right).abs() <= tolerance.max(1e-10 * largest.max(1e-2))
 }
 
-/// What one more in the last printed digit means; infinite for an integer.
+/// The value of one unit in the last printed digit; infinite for an integer.
 fn last_digit(text: &str) -> f64 {
     let (mantissa, exponent) = text.split_once('e').unwrap_or((text, "0"));
     match mantissa.split_once('.') {
@@ -147,7 +147,7 @@ fn last_digit(text: &str) -> f64 {
     }
 }
 
-/// Runs both and panics unless the outputs agree; gives whether they are the same bytes.
+/// Runs both and panics unless the outputs agree; returns whether they are identical.
 pub fn expect_same(radiance: &Radiance, argv: &[String], standard_input: &[u8], loader: &TestLoader) -> bool {
     let real = radiance.run(argv, standard_input, loader.folders.first().map(PathBuf::as_path));
     let mine = ours(argv, standard_input, loader);
@@ -157,7 +157,7 @@ pub fn expect_same(radiance: &Radiance, argv: &[String], standard_input: &[u8], 
     };
     match compare(&mine, &real.standard_output) {
         Likeness::Identical => true,
-        // The real program lost the numbers; nothing to compare with.
+        // The real program lost the numbers, so there is nothing to compare.
         _ if real.standard_output.split_whitespace().any(|word| word.ends_with("nan")) => false,
         Likeness::Rounded => false,
         Likeness::Different(what) => {
@@ -169,10 +169,11 @@ pub fn expect_same(radiance: &Radiance, argv: &[String], standard_input: &[u8], 
     }
 }
 
-/// Compares the words outside of interpolation functions, and what those functions give at the corners of their faces.
+/// Compares the words outside interpolation functions, and the values of those functions at the
+/// corners of their faces.
 ///
-/// A symmetric face has two longest axes, and the last bit decides along which one it is seen; so the functions' numbers
-/// may differ where their values do not.
+/// A symmetric face has two longest axes, and the last bit selects the projection axis; so the
+/// functions' coefficients may differ where their values do not.
 pub fn expect_same_smoothing(radiance: &Radiance, argv: &[String], standard_input: &[u8], loader: &TestLoader) {
     let real = smoothing(&radiance.run(argv, standard_input, None).standard_output);
     let mine = ours(argv, standard_input, loader).expect("ours runs");
@@ -185,7 +186,8 @@ pub fn expect_same_smoothing(radiance: &Radiance, argv: &[String], standard_inpu
     }
 }
 
-/// The words outside of the arguments of `tmesh.cal` and `surf.cal`, and the interpolated vectors at the corners after each.
+/// The words outside the arguments of `tmesh.cal` and `surf.cal`, and the interpolated vectors at
+/// the corners after each.
 fn smoothing(text: &str) -> (Vec<String>, Vec<f64>) {
     let (mut others, mut vectors) = (Vec::new(), Vec::new());
     let mut function: Option<(usize, Vec<f64>)> = None;

@@ -1,4 +1,4 @@
-//! Values over the picture, in rows and columns (`-odim`), or over a part of it (`-orct`).
+//! Values printed on the picture in rows and columns (`-odim`), or on a part of it (`-orct`).
 
 use super::{Options, layer, legend_sign, reader_of};
 use crate::commands::picture::files::{Source, failed};
@@ -9,27 +9,29 @@ use radsight_picture_ops::brightness::of_rgb;
 use radsight_picture_ops::compose::{Layer, compose};
 use radsight_picture_ops::filter::{FilterOptions, Kernel, Size, filter_one_pass};
 
-/// What is shown of the values.
+/// The layout of the printed values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Overlay {
     /// Columns and rows of values.
     pub(super) counts: [usize; 2],
-    /// Left, lower, right and upper border of the part that they are over, in pixels; all of the picture where that is not said.
+    /// Left, lower, right and upper border of the covered part, pixels; the whole picture by
+    /// default.
     pub(super) part: Option<[i64; 4]>,
 }
 
-/// Height of letters, as a share of the place of a value down and across.
+/// Height of letters, relative to the cell of a value, vertically and horizontally.
 const HEIGHT_DOWN: f64 = 0.67;
 const HEIGHT_ACROSS: f64 = 0.167;
 
-/// Smaller letters cannot be read.
+/// Smallest readable letters, pixels.
 const LEAST_HEIGHT: usize = 10;
 
-/// Digits of a value after the point of its mantissa.
+/// Decimals of a value's mantissa.
 const DIGITS: usize = 3;
 
 impl Overlay {
-    /// The layers over the colours, whose left lower corner is at `left`: a shadow and the values. Also the height of their letters.
+    /// The layers over the colours, whose lower left corner is at `left`: a shadow and the values.
+    /// Also returns the height of their letters.
     pub(super) fn layers(
         &self,
         options: &Options,
@@ -42,7 +44,7 @@ impl Overlay {
         let letter = ((down * HEIGHT_DOWN + 0.5) as usize).min((across * HEIGHT_ACROSS) as usize);
         if letter < LEAST_HEIGHT {
             return Err(Failure::usage(format!(
-                "falsecolor: option \"-odim\": {} x {} values leave no room for letters of {LEAST_HEIGHT} pixels in {width} x {height}",
+                "falsecolor: option \"-odim\": {} x {} values do not fit with letters of {LEAST_HEIGHT} pixels in {width} x {height}",
                 self.counts[0], self.counts[1]
             )));
         }
@@ -73,7 +75,7 @@ impl Overlay {
         Ok(([shadow, text], letter))
     }
 
-    /// The part that values are over: corner and size.
+    /// The covered part: corner and size.
     fn place(&self, reader: &PictureReader<Source>) -> Result<[i64; 4], Failure> {
         let resolution = reader.resolution();
         let size = [resolution.scanline_length() as i64, resolution.scanlines() as i64];
@@ -88,7 +90,7 @@ impl Overlay {
     }
 }
 
-/// The brightness of each pixel of a part, as the mean around it over the height of a letter.
+/// The brightness of each pixel of a part, averaged over the height of a letter.
 fn means(
     options: &Options,
     reader: PictureReader<Source>,
@@ -119,7 +121,7 @@ fn means(
     }
     let picture = Picture::read(&part).map_err(|error| wrong(error.into()))?;
     if picture.width() as i64 != width || picture.height() as i64 != height {
-        return Err(Failure::input(format!("{path}: the pixels have another shape than square")));
+        return Err(Failure::input(format!("{path}: the pixels are not square")));
     }
     let values = picture.three_values();
     let bright = |pixel: &[f32; 3]| {
@@ -129,7 +131,7 @@ fn means(
     Ok(values.data().as_chunks::<3>().0.iter().map(|pixel| bright(pixel) * options.scale.multiplier).collect())
 }
 
-/// A value with four digits; those from a thousandth to ten millions without an exponent.
+/// A value with four digits, without an exponent from a thousandth to ten millions.
 fn shown(value: f64) -> String {
     let text = scientific(value, DIGITS);
     let Some((mantissa, exponent)) = text.split_once('e') else { return text };

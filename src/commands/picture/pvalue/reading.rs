@@ -1,4 +1,4 @@
-//! `pvalue -r`: numbers as a picture.
+//! `pvalue -r`: converts numbers to a picture.
 
 use super::{Options, Original, power, skip};
 use crate::commands::picture::files::{Source, failed, open, output, read_header};
@@ -9,7 +9,7 @@ use radsight_picture_ops::values::{ByteOrder, NumberForm, Part};
 use radsight_scene_generators::source_name;
 use std::io::{BufRead, BufReader, Read};
 
-/// The longest word that may be a number, or line that may be a resolution, in bytes.
+/// Longest word of a number or line of a resolution, bytes.
 const LONGEST_WORD: usize = 400;
 
 /// A source of numbers.
@@ -55,7 +55,7 @@ fn open_inputs(options: &Options, words: &Words<'_>) -> Result<Vec<Numbers>, Fai
     opened.collect()
 }
 
-/// Reads the headers of all inputs; the first one's counts.
+/// Reads the headers of all inputs; the first one applies.
 fn read_headers(options: &mut Options, inputs: &mut [Numbers]) -> Result<Header, Failure> {
     let mut headers = Vec::new();
     for input in inputs {
@@ -212,7 +212,7 @@ impl Numbers {
             }
             None => options.layout.number(&self.word()?),
         };
-        number.map_err(|error| self.wrong(&format!("{error}, expected one of a pixel")))
+        number.map_err(|error| self.wrong(&format!("{error}, expected a pixel value")))
     }
 
     fn skip_position(&mut self) -> Outcome {

@@ -1,5 +1,7 @@
-//! `ra_bmp [-r] [-b] [-g GAMMA] [-e ±STOPS|auto|human|linear] [-p rx ry gx gy bx by wx wy] [input [output]]`: Windows bitmaps, with 24 bits or grey (`-b`), for a
-//! display with these primaries (`-p`), within whose range a picture can be brought (`-e` with a word); `-r` the other way (bitmaps of every depth, packed or not).
+//! `ra_bmp [-r] [-b] [-g GAMMA] [-e ±STOPS|auto|human|linear] [-p rx ry gx gy bx by wx wy] [input
+//! [output]]`: Windows bitmaps, with 24 bits or grey (`-b`), for a display with these primaries
+//! (`-p`), optionally tone mapped (`-e` with a word); `-r` converts bitmaps of every depth, packed
+//! or not, to Radiance.
 
 use super::{Colors, Direction, GAMMA, Made, Pixels, open_picture, put_file, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
@@ -12,13 +14,13 @@ use radsight_picture_ops::gamma::{GammaTable, shifted, with_grey};
 use radsight_picture_ops::tone_map::{Display, Tones, tone_map};
 use std::io::{Cursor, Read};
 
-/// Bytes of the two headers.
+/// Size of the two headers, bytes.
 const HEADERS: usize = 54;
-/// Bytes of a palette of 256 colours.
+/// Size of a palette of 256 colours, bytes.
 const PALETTE: usize = 1024;
-/// A run of 255 pixels takes two bytes of a packed bitmap, and each pixel three here.
+/// A run of 255 pixels takes two bytes of a packed bitmap; each pixel takes three bytes here.
 const MOST_PIXELS_A_BYTE: u64 = 3 * 255 / 2 + 1;
-/// 72 dots an inch, in dots a metre.
+/// 72 dots per inch, in dots per metre.
 const DOTS_PER_METRE: u32 = 2835;
 
 /// Runs the program.
@@ -44,12 +46,12 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
         (Direction::FromRadiance, Some(tones)) => tone_mapped(&words, colors, (tones, primaries), gamma),
         (Direction::ToRadiance, None) => to_radiance(&words, exposure, &table),
         (Direction::ToRadiance, Some(_)) => {
-            Err(Failure::usage("ra_bmp: bitmaps (-r) have no range to be mapped, expected -e with a number of stops"))
+            Err(Failure::usage("ra_bmp: bitmaps (-r) cannot be tone mapped, expected -e with a number of stops"))
         }
     }
 }
 
-/// The tone mapping that a word means, or as much of it as is written.
+/// The tone mapping for a word or its abbreviation.
 fn tones_of(words: &mut Words<'_>, option: &str) -> Result<Tones, Failure> {
     const EXPECTED: &str = "a number of stops with its sign, auto, human or linear";
     let word = words.value(option, EXPECTED)?;
@@ -68,7 +70,7 @@ fn from_radiance(
 ) -> Outcome {
     let (path, target) = words.input_and_output()?;
     let mut pixels = Pixels::new(open_picture(path)?, exposure);
-    // Greys are those of the usual primaries.
+    // Greys use the standard primaries.
     if let Some(primaries) = primaries.filter(|_| colors == Colors::Color) {
         pixels = pixels.for_display(&primaries).map_err(|error| failed(path, error.into()))?;
     }
@@ -83,7 +85,7 @@ fn from_radiance(
     })
 }
 
-/// Writes a picture within the range of the display.
+/// Writes a tone-mapped picture.
 fn tone_mapped(
     words: &Words<'_>,
     colors: Colors,
@@ -111,7 +113,7 @@ fn tone_mapped(
     })
 }
 
-/// Writes a bitmap whose rows come from the top; of each `put_row` adds the bytes, blue first.
+/// Writes a bitmap with rows from the top; `put_row` adds the bytes of each, blue first.
 fn write_bitmap(
     [path, target]: [&str; 2],
     (columns, rows): (usize, usize),
@@ -125,11 +127,11 @@ fn write_bitmap(
     let (Ok(width), Ok(height), Ok(total)) =
         (i32::try_from(columns), i32::try_from(rows), u32::try_from(HEADERS + palette + size))
     else {
-        return Err(Failure::input(format!("{path}: {columns} x {rows} pixels are too many for a bitmap")));
+        return Err(Failure::input(format!("{path}: {columns} x {rows} pixels exceed the size of a bitmap")));
     };
     let mut bytes = Vec::with_capacity(HEADERS + palette);
     bytes.extend_from_slice(b"BM");
-    // Rows from the top have a height below zero.
+    // Rows from the top have a negative height.
     for number in [total, 0, (HEADERS + palette) as u32, 40, width as u32, -height as u32] {
         bytes.extend_from_slice(&number.to_le_bytes());
     }
@@ -156,17 +158,17 @@ fn write_bitmap(
 
 /// Reads a bitmap: columns, rows, and red, green and blue of each pixel from the top left.
 fn read_bitmap(path: &str, bytes: &[u8]) -> Result<(usize, usize, Vec<u8>), Failure> {
-    let wrong = |error: image::ImageError| Failure::input(format!("{path}: not a bitmap that can be read: {error}"));
+    let wrong = |error: image::ImageError| Failure::input(format!("{path}: cannot read the bitmap: {error}"));
     let decoder = BmpDecoder::new(Cursor::new(bytes)).map_err(wrong)?;
     let ((columns, rows), size) = (decoder.dimensions(), decoder.total_bytes());
-    // Packing makes rows of one colour short, but no pixel takes less than this part of a byte.
+    // Packed rows of one colour are short, but no pixel takes less than this share of a byte.
     if size / MOST_PIXELS_A_BYTE > bytes.len() as u64 {
         return Err(Failure::input(format!("{path}: ends before {columns} x {rows} pixels")));
     }
     let channels = usize::from(decoder.color_type().channel_count());
     let mut pixels = vec![0; usize::try_from(size).unwrap_or(usize::MAX)];
     decoder.read_image(&mut pixels).map_err(wrong)?;
-    // Radiance knows no transparency.
+    // Radiance has no transparency.
     let colors = match channels {
         1 => pixels.iter().flat_map(|grey| [*grey; 3]).collect(),
         3 => pixels,

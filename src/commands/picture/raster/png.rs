@@ -1,5 +1,6 @@
-//! `ra_png [-b] [-g GAMMA] [-e ±STOPS] [input [output]]`: PNG pictures of 8 bits, grey (`-b`) or coloured. A converter of radsight's own, in the manner of
-//! Radiance's; the header travels along as text.
+//! `ra_png [-b] [-g GAMMA] [-e ±STOPS] [input [output]]`: PNG pictures of 8 bits, grey (`-b`) or
+//! coloured. A converter of radsight's own in the style of Radiance's; the header is stored as
+//! text.
 
 use super::{Colors, GAMMA, Pixels, open_picture, put_file, stops};
 use crate::commands::picture::files::{failed, write_failed};
@@ -8,7 +9,7 @@ use crate::failure::{Failure, Outcome};
 use radsight_picture::{Image, write_png_grey8, write_png_rgb8};
 use radsight_picture_ops::gamma::{GammaTable, with_grey};
 
-/// A picture of more pixels is refused: it is held in memory.
+/// Largest number of pixels: the picture is held in memory.
 const MOST_PIXELS: usize = 1 << 28;
 
 /// Runs the program.

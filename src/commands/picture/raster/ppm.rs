@@ -1,5 +1,5 @@
-//! `ra_ppm [-r] [-a] [-b] [-s MAX] [-g GAMMA] [-e ±STOPS] [input [output]]`: portable pixmaps, as bytes or text (`-a`), grey (`-b`), with 16 bits from
-//! `-s 256`; `-r` the other way.
+//! `ra_ppm [-r] [-a] [-b] [-s MAX] [-g GAMMA] [-e ±STOPS] [input [output]]`: portable pixmaps,
+//! binary or text (`-a`), grey (`-b`), with 16 bits from `-s 256`; `-r` converts to Radiance.
 
 use super::{Colors, Direction, GAMMA, Made, Pixels, open_picture, put_file, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
@@ -102,7 +102,7 @@ impl Options {
     }
 }
 
-/// A pixmap that is read.
+/// An input pixmap.
 struct Pixmap {
     bytes: Vec<u8>,
     at: usize,
@@ -133,12 +133,12 @@ fn to_radiance(options: &Options, words: &Words<'_>) -> Outcome {
         map.is_text = false;
     }
     if columns == 0 || rows == 0 || columns.saturating_mul(rows) > map.bytes.len() {
-        return Err(wrong("as many pixels as it says"));
+        return Err(wrong("as many pixels as declared"));
     }
     let table = GammaTable::new(options.gamma);
     write_picture(words, target, &Made { size: (columns, rows), encoding: Encoding::Rgbe, date: None }, |_, stored| {
         for _ in 0..columns {
-            let value = map.pixel().ok_or_else(|| wrong("as many pixels as it says"))?;
+            let value = map.pixel().ok_or_else(|| wrong("as many pixels as declared"))?;
             stored.extend_from_slice(&options.pixel(value, map.largest, &table));
         }
         Ok(())
@@ -160,7 +160,7 @@ impl Options {
 }
 
 impl Pixmap {
-    /// A number of the text, past comments.
+    /// A number of the text; comments are skipped.
     fn number(&mut self) -> Option<u32> {
         loop {
             match self.bytes.get(self.at)? {

@@ -1,5 +1,6 @@
-//! `ra_tiff [-b] [-w|-f|-L] [-z] [-g GAMMA] [-e ±STOPS] input output`: TIFF with 8 bits, 16 (`-w`) or floats (`-f`) or LogLuv (`-L`), grey (`-b`), packed (`-z`); `-r` the
-//! other way, to XYZE with `-x`.
+//! `ra_tiff [-b] [-w|-f|-L] [-z] [-g GAMMA] [-e ±STOPS] input output`: TIFF with 8 bits, 16 (`-w`),
+//! floats (`-f`) or LogLuv (`-L`), grey (`-b`), compressed (`-z`); `-r` converts to Radiance, to
+//! XYZE with `-x`.
 
 use super::{Colors, Direction, GAMMA, Made, Pixels, open_picture, put_file, rows_of, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
@@ -28,7 +29,7 @@ struct Options {
     compression: TiffCompression,
     gamma: f64,
     stops: i32,
-    /// What comes of a TIFF.
+    /// The encoding of a picture made from TIFF.
     encoding: Encoding,
 }
 
@@ -61,7 +62,7 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
             }
             "-l" => {
                 return Err(Failure::usage(
-                    "ra_tiff: option \"-l\" (24 bit LogLuv) is not supported, expected -L or -f for all of the range",
+                    "ra_tiff: option \"-l\" (24-bit LogLuv) is not supported, expected -L or -f for the full range",
                 ));
             }
             _ => return Err(words.unknown(option)),
@@ -131,7 +132,7 @@ impl Options {
         }
     }
 
-    /// The pixel of numbers of a TIFF, grey or in colour.
+    /// The pixel of a TIFF's numbers, grey or in colour.
     fn pixel(&self, pixels: &TiffPixels, start: usize, is_grey: bool, table: &GammaTable) -> [u8; 4] {
         let at = |component: usize| start + if is_grey { 0 } else { component };
         let scale = 2f64.powi(self.stops);

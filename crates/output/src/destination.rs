@@ -1,33 +1,33 @@
-//! Where the name of an output leads.
+//! Resolves the name of an output.
 
 use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-/// As many links in a row as Linux follows.
+/// Largest number of links in a row, as in Linux.
 const MOST_LINKS: usize = 40;
 
-/// Where the name of an output leads.
+/// The destination of an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum Destination {
     /// `-`, or a name such as `/dev/stdout`.
     StandardOutput,
-    /// A device, a pipe, a socket, or another open file of this process such as `/dev/fd/3`. It is
-    /// written directly.
+    /// A device, a pipe, a socket, or another open file of this process such as `/dev/fd/3`. Output
+    /// is written to it directly.
     Stream(PathBuf),
-    /// A file that is there or not, at the end of all links. It appears whole.
+    /// A file, existing or not, after following all links. It appears whole.
     File(PathBuf),
 }
 
-impl Place {
-    /// Follows a name and its links.
+impl Destination {
+    /// Resolves a name and its links.
     ///
     /// # Errors
-    /// When the name is empty or a folder's, when links go in a circle, or when a folder on the way
+    /// When the name is empty or a folder's, when links form a cycle, or when a folder on the way
     /// cannot be read.
-    pub fn of(name: &str) -> io::Result<Place> {
+    pub fn of(name: &str) -> io::Result<Destination> {
         if name == "-" {
-            return Ok(Place::StandardOutput);
+            return Ok(Destination::StandardOutput);
         }
         if name.is_empty() {
             return Err(io::Error::new(io::ErrorKind::NotFound, "the name is empty"));
@@ -35,18 +35,18 @@ impl Place {
         let mut path = PathBuf::from(name);
         for _ in 0..MOST_LINKS {
             if let Some(number) = descriptor(&path) {
-                return Ok(if number == 1 { Place::StandardOutput } else { Place::Stream(path) });
+                return Ok(if number == 1 { Destination::StandardOutput } else { Destination::Stream(path) });
             }
             let found = match fs::symlink_metadata(&path) {
                 Ok(found) => found.file_type(),
-                Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Place::File(path)),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Destination::File(path)),
                 Err(error) => return Err(error),
             };
             if found.is_dir() {
                 return Err(io::ErrorKind::IsADirectory.into());
             }
             if !found.is_symlink() {
-                return Ok(if found.is_file() { Place::File(path) } else { Place::Stream(path) });
+                return Ok(if found.is_file() { Destination::File(path) } else { Destination::Stream(path) });
             }
             path = path.parent().unwrap_or(Path::new("")).join(fs::read_link(&path)?);
         }
@@ -54,8 +54,7 @@ impl Place {
     }
 }
 
-/// The number of an open file of this process that a path names, as in `/dev/fd/3` and
-/// `/proc/self/fd/3`.
+/// The number of an open file of this process in a path such as `/dev/fd/3` or `/proc/self/fd/3`.
 fn descriptor(path: &Path) -> Option<u32> {
     let words: Option<Vec<&str>> = path
         .components()
@@ -83,10 +82,10 @@ mod tests {
     #[test]
     fn names_of_standard_output_lead_there() {
         for name in ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"] {
-            assert_eq!(Place::of(name).unwrap(), Place::StandardOutput, "{name}");
+            assert_eq!(Destination::of(name).unwrap(), Destination::StandardOutput, "{name}");
         }
-        assert_eq!(Place::of("/dev/fd/7").unwrap(), Place::Stream("/dev/fd/7".into()));
-        assert_eq!(Place::of("/dev/null").unwrap(), Place::Stream("/dev/null".into()));
+        assert_eq!(Destination::of("/dev/fd/7").unwrap(), Destination::Stream("/dev/fd/7".into()));
+        assert_eq!(Destination::of("/dev/null").unwrap(), Destination::Stream("/dev/null".into()));
     }
 
     #[test]
@@ -97,9 +96,9 @@ mod tests {
         symlink(at("file"), at("second")).unwrap();
         symlink("/dev/stdout", at("out")).unwrap();
         symlink("circle", at("circle")).unwrap();
-        assert_eq!(Place::of(at("first").to_str().unwrap()).unwrap(), Place::File(at("file")));
-        assert_eq!(Place::of(at("out").to_str().unwrap()).unwrap(), Place::StandardOutput);
-        assert!(Place::of(at("circle").to_str().unwrap()).is_err());
-        assert_eq!(Place::of(folder.path().to_str().unwrap()).unwrap_err().kind(), io::ErrorKind::IsADirectory);
+        assert_eq!(Destination::of(at("first").to_str().unwrap()).unwrap(), Destination::File(at("file")));
+        assert_eq!(Destination::of(at("out").to_str().unwrap()).unwrap(), Destination::StandardOutput);
+        assert!(Destination::of(at("circle").to_str().unwrap()).is_err());
+        assert_eq!(Destination::of(folder.path().to_str().unwrap()).unwrap_err().kind(), io::ErrorKind::IsADirectory);
     }
 }
