@@ -7,6 +7,7 @@
 //! a light that can give something at a point has a chance there. Knows no materials, no radiance and no occlusion.
 #![forbid(unsafe_code)]
 
+mod cover;
 mod disk_overlap;
 mod emission_profile;
 mod form;
@@ -23,5 +24,5 @@ pub use emission_profile::EmissionProfile;
 pub use form::{LightForm, LightSample, coordinates};
 pub use light::{Light, LightCone, LightId};
 pub use lobe_weighting::{DiskWarp, LobePeak};
-pub use tree::{Choice, LightSampleCount, LightTree, Reception, TreeCut};
+pub use tree::{Choice, LightSampleCount, LightTree, MOST_PLACES, Reception, TreeCut};
 pub use virtual_source::{Redirection, VirtualSource, virtual_form};

@@ -85,8 +85,8 @@ const WIDE: f64 = 0.35;
 /// Below the exponential of minus this a peak is nothing.
 const NEGLIGIBLE: f64 = 30.0;
 
-/// No more places on a light are sampled.
-const MOST_PLACES: f64 = 64.0;
+/// No more places on a light are sampled, as in Radiance.
+pub const MOST_PLACES: u32 = 64;
 
 impl Reception {
     /// Of a point that samples every light, and wherever it is.
@@ -106,7 +106,8 @@ impl Reception {
             return 1;
         }
         let distance = if light.radius.is_infinite() { 1.0 } else { point.distance(light.center).max(light.radius) };
-        let places = (self.places.per_sr * light.form.solid_angle(distance)).clamp(self.places.least, MOST_PLACES);
+        let places =
+            (self.places.per_sr * light.form.solid_angle(distance)).clamp(self.places.least, MOST_PLACES.into());
         // Only powers of two of a scrambled sequence are evenly spread in both directions.
         if places > 1.0 { (places.ceil() as u32).next_power_of_two() } else { 1 }
     }
