@@ -74,12 +74,17 @@ impl Visibility {
             .collect();
         let (_, radius) = geometry.bounding_sphere();
         let tolerance = IN_PLANE * radius;
+        let emitters: Vec<Option<Emitter>> =
+            lights.iter().map(|light| Emitter::new(light, &bodies, geometry.tolerance())).collect();
         let receivers = bodies
             .iter()
             .map(|body| Receiver {
-                between: lights
+                between: emitters
                     .iter()
-                    .map(|light| between(body, light, &bodies, [tolerance, geometry.tolerance()]))
+                    .map(|emitter| match emitter {
+                        Some(emitter) => between(body, emitter, &bodies, tolerance),
+                        None => VisibilityClass::Anything,
+                    })
                     .collect(),
                 sees_only_lights: !unsampled_light && sees_only_lights(body, &bodies, lights, tolerance),
                 lights_suffice: lights_are_small(body, lights),
@@ -183,14 +188,29 @@ fn hull(scene: &Scene, geometry: &Geometry, shape: Shape) -> Vec<DVec3> {
     }
 }
 
-/// What can stand between a body and a light. What is no farther from the light than `touch` may hide it, wherever it lies.
-fn between(body: &Body, light: &Light, bodies: &[Body], [tolerance, touch]: [f64; 2]) -> VisibilityClass {
-    if !light.virtual_sources.is_empty() || light.radius.is_infinite() {
-        return VisibilityClass::Anything;
+/// A light with a place, and what is known of it for all receivers.
+struct Emitter<'a> {
+    light: &'a Light,
+    source: &'a Body,
+    /// Of each body whether it lies on the light, so that it may hide it from everywhere.
+    hidden_by: Vec<bool>,
+}
+
+impl Emitter<'_> {
+    /// None for a distant light and an image. What is no farther from it than `touch` lies on it.
+    fn new<'a>(light: &'a Light, bodies: &'a [Body], touch: f64) -> Option<Emitter<'a>> {
+        if !light.virtual_sources.is_empty() || light.radius.is_infinite() {
+            return None;
+        }
+        let source = bodies.iter().find(|other| other.surface == light.surface)?;
+        let hidden_by = bodies.iter().map(|other| lies_on(source, other, touch)).collect();
+        Some(Emitter { light, source, hidden_by })
     }
-    let Some(source) = bodies.iter().find(|other| other.surface == light.surface) else {
-        return VisibilityClass::Anything;
-    };
+}
+
+/// What can stand between a body and a light.
+fn between(body: &Body, emitter: &Emitter, bodies: &[Body], tolerance: f64) -> VisibilityClass {
+    let Emitter { light, source, hidden_by } = emitter;
     if body.surface == light.surface {
         return VisibilityClass::Anything;
     }
@@ -199,18 +219,18 @@ fn between(body: &Body, light: &Light, bodies: &[Body], [tolerance, touch]: [f64
     {
         return VisibilityClass::Dark;
     }
-    let mut axes = vec![DVec3::X, DVec3::Y, DVec3::Z];
-    axes.extend(body.plane.map(|(normal, _)| normal));
-    axes.extend(source.plane.map(|(normal, _)| normal));
-    let stands_between = |other: &&Body| {
-        lies_on(source, other, touch) || !axes.iter().any(|axis| separated(*axis, body, source, other, tolerance))
-    };
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter();
+    let normals = [body, *source].into_iter().filter_map(|of| of.plane.map(|(normal, _)| normal));
+    let extents: Vec<Extent> =
+        axes.chain(normals).filter_map(|axis| Extent::new(axis, [body, *source], tolerance)).collect();
     let blockers: Vec<MemberId> = bodies
         .iter()
-        .filter(|other| other.surface != light.surface)
-        .filter(|other| other.member != body.member || body.plane.is_none())
-        .filter(stands_between)
-        .map(|other| other.member)
+        .zip(hidden_by)
+        .filter(|(other, _)| other.surface != light.surface)
+        .filter(|(other, _)| other.member != body.member || body.plane.is_none())
+        .filter(|(other, hides)| **hides || !extents.iter().any(|extent| extent.leaves_out(other)))
+        .map(|(other, _)| other.member)
+        .take(MAX_BLOCKERS + 1)
         .collect();
     match blockers.len() {
         0 => VisibilityClass::Nothing,
@@ -219,14 +239,28 @@ fn between(body: &Body, light: &Light, bodies: &[Body], [tolerance, touch]: [f64
     }
 }
 
-/// Whether a plane perpendicular to `axis` has the body and the light on one side and the other body on the other, or in it.
-fn separated(axis: DVec3, body: &Body, source: &Body, other: &Body, tolerance: f64) -> bool {
-    let (a, b) = (body.range(axis), source.range(axis));
-    let (low, high) = (a.0.min(b.0), a.1.max(b.1));
-    let (other_low, other_high) = other.range(axis);
-    // What only touches the hull where the hull itself is flat stands beside the segments, not between their ends; a hull
-    // without extent along the axis has no inside to reach into.
-    high - low > 4.0 * tolerance && (other_high <= low + tolerance || other_low >= high - tolerance)
+/// How far the hull of a receiver and a light extends along an axis.
+struct Extent {
+    axis: DVec3,
+    /// What ends below this, or begins above, stands beside the hull.
+    below: f64,
+    above: f64,
+}
+
+impl Extent {
+    /// What only touches the hull where the hull itself is flat stands beside the segments, not between their ends; a hull
+    /// without extent along the axis has no inside to reach into.
+    fn new(axis: DVec3, ends: [&Body; 2], tolerance: f64) -> Option<Extent> {
+        let [a, b] = ends.map(|end| end.range(axis));
+        let (low, high) = (a.0.min(b.0), a.1.max(b.1));
+        (high - low > 4.0 * tolerance).then_some(Extent { axis, below: low + tolerance, above: high - tolerance })
+    }
+
+    /// Whether a plane perpendicular to the axis has the hull on one side and the body on the other, or in it.
+    fn leaves_out(&self, body: &Body) -> bool {
+        let (low, high) = body.range(self.axis);
+        high <= self.below || low >= self.above
+    }
 }
 
 /// Whether a body touches a flat light in more than an edge, as far as the boxes around them tell.
