@@ -14,6 +14,7 @@ use crate::hierarchy_node::{Node, Slabs, WIDTH};
 use crate::hierarchy_part::Leaves;
 use crate::hierarchy_vectors::{Processor, Vectors};
 use crate::ray::Ray;
+use crate::shaft::Shaft;
 use glam::DVec3;
 
 /// Padding of boxes as a share of the size of the whole: well above the rounding of single precision in the slab tests.
@@ -209,6 +210,30 @@ impl Hierarchy {
                 }
             }
             let Some(next) = stack.pop(farthest) else { return };
+            current = next;
+        }
+    }
+
+    /// Visits the slots of items whose boxes reach into a shaft, until `visit` returns true, and tells whether it did.
+    pub(crate) fn any_in(&self, shaft: &Shaft, mut visit: impl FnMut(u32) -> bool) -> bool {
+        let sides = shaft.about(self.center);
+        let mut stack = Stack::default();
+        let mut current = self.root;
+        loop {
+            if current.is_leaf() {
+                let slots = match self.blocks.get(current.block_index()) {
+                    Some(block) => block.slots(),
+                    None => current.slots(),
+                };
+                if slots.into_iter().any(&mut visit) {
+                    return true;
+                }
+            } else if let Some(node) = self.nodes.get(current.0 as usize) {
+                for child in node.reaching_into(&sides) {
+                    stack.push(Waiting::new(child, 0.0));
+                }
+            }
+            let Some(next) = stack.pop(0.0) else { return false };
             current = next;
         }
     }

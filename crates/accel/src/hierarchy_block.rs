@@ -56,6 +56,12 @@ impl Block {
         self.slots & ((1 << COUNT_SHIFT) - 1)
     }
 
+    /// All slots.
+    pub(crate) fn slots(&self) -> std::ops::Range<u32> {
+        let first = self.first_slot();
+        first..first + (self.slots >> COUNT_SHIFT & 3) + 1
+    }
+
     /// A bit for each item.
     #[inline(always)]
     fn all(&self) -> u32 {

@@ -2,6 +2,7 @@
 //! Traversal on GPUs Through Compressed Wide BVHs", High-Performance Graphics 2017, section 3.1).
 
 use crate::hierarchy_child::{Child, Waiting};
+use crate::shaft::SIDES;
 use glam::{Vec3, Vec4};
 
 /// A grid of 256 places along each axis.
@@ -71,6 +72,30 @@ impl Node {
             }
         }
         Node { planes, grid, children }
+    }
+
+    /// The children whose boxes are not wholly outside of one of the sides of a convex region (see [`crate::Shaft`]).
+    #[inline]
+    pub(crate) fn reaching_into(&self, sides: &[(Vec3, f32); SIDES]) -> impl Iterator<Item = Child> {
+        let mut lanes_in = u32::MAX;
+        for (normal, offset) in sides {
+            let mut inward = [Vec4::splat(*offset); WIDTH / 4];
+            for axis in 0..3 {
+                // The corner that lies farthest in.
+                let planes = &self.planes[if normal[axis] < 0.0 { axis } else { axis + 3 }];
+                let start = Vec4::splat(self.grid.origin[axis] * normal[axis]);
+                let step = Vec4::splat(self.grid.step[axis] * normal[axis]);
+                for half in 0..WIDTH / 4 {
+                    inward[half] += lanes(planes[half]) * step + start;
+                }
+            }
+            let zero = Vec4::ZERO;
+            lanes_in &= inward[0].cmpge(zero).bitmask() | inward[1].cmpge(zero).bitmask() << 4;
+        }
+        (0..WIDTH)
+            .filter(move |lane| lanes_in >> lane & 1 != 0)
+            .map(|lane| self.children[lane])
+            .filter(|child| *child != Child::NONE)
     }
 }
 

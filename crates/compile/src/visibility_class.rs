@@ -78,12 +78,17 @@ impl Visibility {
             .collect();
         let (_, radius) = geometry.bounding_sphere();
         let tolerance = IN_PLANE * radius;
+        let emitters: Vec<Option<Emitter>> =
+            lights.iter().map(|light| Emitter::new(light, &occluders, geometry.tolerance())).collect();
         let receivers = occluders
             .iter()
             .map(|occluder| Receiver {
-                between: lights
+                between: emitters
                     .iter()
-                    .map(|light| between(occluder, light, &occluders, [tolerance, geometry.tolerance()]))
+                    .map(|emitter| match emitter {
+                        Some(emitter) => between(occluder, emitter, &occluders, tolerance),
+                        None => VisibilityClass::Anything,
+                    })
                     .collect(),
                 sees_only_lights: !unsampled_light && sees_only_lights(occluder, &occluders, lights, tolerance),
                 lights_suffice: lights_are_small(occluder, lights),
@@ -183,20 +188,29 @@ fn hull(scene: &Scene, geometry: &Geometry, shape: Shape) -> Vec<DVec3> {
     }
 }
 
-/// Possible blockers between a receiver and a light. A surface no farther from the light than
-/// `touch` may block it, wherever it lies.
-fn between(
-    occluder: &Occluder,
-    light: &Light,
-    occluders: &[Occluder],
-    [tolerance, touch]: [f64; 2],
-) -> VisibilityClass {
-    if !light.virtual_sources.is_empty() || light.radius.is_infinite() {
-        return VisibilityClass::Anything;
+/// A light at finite distance, with what is the same for all receivers.
+struct Emitter<'a> {
+    light: &'a Light,
+    source: &'a Occluder,
+    /// For each occluder, whether it lies on the light and may therefore block it from everywhere.
+    hidden_by: Vec<bool>,
+}
+
+impl Emitter<'_> {
+    /// `None` for a distant light or a virtual source. A surface no farther from it than `touch` lies on it.
+    fn new<'a>(light: &'a Light, occluders: &'a [Occluder], touch: f64) -> Option<Emitter<'a>> {
+        if !light.virtual_sources.is_empty() || light.radius.is_infinite() {
+            return None;
+        }
+        let source = occluders.iter().find(|other| other.surface == light.surface)?;
+        let hidden_by = occluders.iter().map(|other| lies_on(source, other, touch)).collect();
+        Some(Emitter { light, source, hidden_by })
     }
-    let Some(source) = occluders.iter().find(|other| other.surface == light.surface) else {
-        return VisibilityClass::Anything;
-    };
+}
+
+/// Possible blockers between a receiver and a light.
+fn between(occluder: &Occluder, emitter: &Emitter, occluders: &[Occluder], tolerance: f64) -> VisibilityClass {
+    let Emitter { light, source, hidden_by } = emitter;
     if occluder.surface == light.surface {
         return VisibilityClass::Anything;
     }
@@ -205,18 +219,18 @@ fn between(
     {
         return VisibilityClass::Dark;
     }
-    let mut axes = vec![DVec3::X, DVec3::Y, DVec3::Z];
-    axes.extend(occluder.plane.map(|(normal, _)| normal));
-    axes.extend(source.plane.map(|(normal, _)| normal));
-    let stands_between = |other: &&Occluder| {
-        lies_on(source, other, touch) || !axes.iter().any(|axis| separated(*axis, occluder, source, other, tolerance))
-    };
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter();
+    let normals = [occluder, *source].into_iter().filter_map(|of| of.plane.map(|(normal, _)| normal));
+    let extents: Vec<Extent> =
+        axes.chain(normals).filter_map(|axis| Extent::new(axis, [occluder, *source], tolerance)).collect();
     let blockers: Vec<MemberId> = occluders
         .iter()
-        .filter(|other| other.surface != light.surface)
-        .filter(|other| other.member != occluder.member || occluder.plane.is_none())
-        .filter(stands_between)
-        .map(|other| other.member)
+        .zip(hidden_by)
+        .filter(|(other, _)| other.surface != light.surface)
+        .filter(|(other, _)| other.member != occluder.member || occluder.plane.is_none())
+        .filter(|(other, hides)| **hides || !extents.iter().any(|extent| extent.leaves_out(other)))
+        .map(|(other, _)| other.member)
+        .take(MAX_BLOCKERS + 1)
         .collect();
     match blockers.len() {
         0 => VisibilityClass::Nothing,
@@ -225,15 +239,28 @@ fn between(
     }
 }
 
-/// Whether a plane perpendicular to `axis` separates the receiver and the light from the other
-/// surface, or contains that surface.
-fn separated(axis: DVec3, occluder: &Occluder, source: &Occluder, other: &Occluder, tolerance: f64) -> bool {
-    let (a, b) = (occluder.range(axis), source.range(axis));
-    let (low, high) = (a.0.min(b.0), a.1.max(b.1));
-    let (other_low, other_high) = other.range(axis);
-    // A surface that only touches a flat face of the hull is beside the segments, not between their
-    // ends. A hull without extent along the axis has no inside.
-    high - low > 4.0 * tolerance && (other_high <= low + tolerance || other_low >= high - tolerance)
+/// The extent of the hull of a receiver and a light along an axis.
+struct Extent {
+    axis: DVec3,
+    /// A surface that ends below this, or begins above `above`, is beside the hull.
+    below: f64,
+    above: f64,
+}
+
+impl Extent {
+    /// `None` if the hull has no extent along the axis, and so no inside. A surface that only touches a flat face of the
+    /// hull is beside the segments, not between their ends.
+    fn new(axis: DVec3, ends: [&Occluder; 2], tolerance: f64) -> Option<Extent> {
+        let [a, b] = ends.map(|end| end.range(axis));
+        let (low, high) = (a.0.min(b.0), a.1.max(b.1));
+        (high - low > 4.0 * tolerance).then_some(Extent { axis, below: low + tolerance, above: high - tolerance })
+    }
+
+    /// Whether a plane perpendicular to the axis separates the hull from the occluder, or contains it.
+    fn leaves_out(&self, occluder: &Occluder) -> bool {
+        let (low, high) = occluder.range(self.axis);
+        high <= self.below || low >= self.above
+    }
 }
 
 /// Whether a surface touches a flat light in more than an edge, judged by bounding boxes.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use radsight_accel::polygon_normal;
 use radsight_ir::{Facing, Scene, Shape};
 use radsight_sampling::unit_disk;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 /// The emitting shape, as it is sampled.
 #[derive(Clone, Debug)]
@@ -324,11 +324,13 @@ impl LightForm {
         VisibleSide::new(receiver - *base, *axis, (radii[0], (radii[1] - radii[0]) / length), *facing)
     }
 
-    /// Solid angle of a distant light, or an upper bound by the area of a near one, sr.
+    /// Solid angle of a distant light; of a near one an estimate from its cross-section, as if it faced the point, sr.
     pub fn solid_angle(&self, distance: f64) -> f64 {
         match self {
             LightForm::Distant { half_angle_sin_squared_half, .. } => cap_solid_angle(*half_angle_sin_squared_half),
             LightForm::DistantImage { x, y, .. } => PI * x.cross(*y).length(),
+            LightForm::Sphere { radius, .. } => PI * radius * radius / (distance * distance),
+            LightForm::Cone { .. } => self.area() * FRAC_1_PI / (distance * distance),
             form => form.area() / (distance * distance),
         }
     }

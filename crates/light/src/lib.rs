@@ -9,6 +9,7 @@
 //! probability there. The crate knows no materials, no radiance and no occlusion.
 #![forbid(unsafe_code)]
 
+mod cover;
 mod disk_overlap;
 mod emission_profile;
 mod form;
@@ -25,5 +26,5 @@ pub use emission_profile::EmissionProfile;
 pub use form::{LightForm, LightSample, coordinates};
 pub use light::{Light, LightCone, LightId};
 pub use lobe_weighting::{DiskWarp, LobePeak};
-pub use tree::{Choice, LightSampleCount, LightTree, Reception, TreeCut};
+pub use tree::{Choice, LightSampleCount, LightTree, MOST_SAMPLES, Reception, TreeCut};
 pub use virtual_source::{Redirection, VirtualSource, virtual_form};

@@ -88,8 +88,8 @@ const WIDE: f64 = 0.35;
 /// A lobe is negligible where its exponent is below minus this.
 const NEGLIGIBLE: f64 = 30.0;
 
-/// Largest number of points on a light.
-const MOST_SAMPLES: f64 = 64.0;
+/// Largest number of points on a light, as in Radiance.
+pub const MOST_SAMPLES: u32 = 64;
 
 impl Reception {
     /// A point that samples every light, and where no component depends on direction.
@@ -109,7 +109,8 @@ impl Reception {
             return 1;
         }
         let distance = if light.radius.is_infinite() { 1.0 } else { point.distance(light.center).max(light.radius) };
-        let samples = (self.samples.per_sr * light.form.solid_angle(distance)).clamp(self.samples.least, MOST_SAMPLES);
+        let samples =
+            (self.samples.per_sr * light.form.solid_angle(distance)).clamp(self.samples.least, MOST_SAMPLES.into());
         // Only powers of two of a scrambled sequence are stratified in both dimensions.
         if samples > 1.0 { (samples.ceil() as u32).next_power_of_two() } else { 1 }
     }

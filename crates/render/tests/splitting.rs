@@ -142,3 +142,44 @@ fn a_large_light_is_sampled_in_more_places_by_a_ray_that_counts_by_itself() {
     let (coarse, usual) = (spread(0.0), spread(0.2));
     assert!(usual < 0.02 && coarse > 4.0 * usual, "standard deviations {coarse} and {usual}");
 }
+
+/// A panel above the origin and what hangs below it, if anything.
+fn below_a_panel(ball: Option<(DVec3, f64)>) -> Builder {
+    let mut scene = Builder::default();
+    let (lamp, paint) = (scene.light([10.0; 3]), scene.plastic([0.0; 3], 0.0, 0.0));
+    let mut panel = square(1.0, 2.0);
+    panel.reverse();
+    scene.polygon(lamp, &panel);
+    // What stands beside the way to the panel changes nothing.
+    scene.sphere(paint, Sphere { center: DVec3::new(2.0, 0.0, 1.0), radius: 0.5, facing: Facing::Outward });
+    if let Some((center, radius)) = ball {
+        scene.sphere(paint, Sphere { center, radius, facing: Facing::Outward });
+    }
+    scene
+}
+
+/// E = L·F·π with the form factor of a parallel square over a point below its middle, four times that of a quarter.
+#[test]
+fn a_light_in_clear_view_has_hardly_any_noise() {
+    let share = 1.0 / 5.0_f64.sqrt();
+    let expected = 10.0 * 4.0 * share * share.atan();
+    let options = RenderOptions { source_sampling: 0.2, ..irradiance(options(0, 1, 1e-6)) };
+    let found = values(&below_a_panel(None), options, DVec3::ZERO, DVec3::Z, 256);
+    let worst = found.iter().map(|value| (value / expected - 1.0).abs()).fold(0.0, f64::max);
+    assert!(worst < 0.008, "off by {worst} at most");
+}
+
+#[test]
+fn whatever_reaches_between_a_point_and_a_light_takes_its_part() {
+    for (x, radius) in [(0.0, 0.1), (0.45, 0.06), (0.55, 0.1), (0.7, 0.2), (0.5, 0.02)] {
+        let scene = below_a_panel(Some((DVec3::new(x, 0.1, 1.0), radius)));
+        let found = |side: f64, rays| {
+            let options = RenderOptions { source_sampling: side, ..irradiance(options(0, 1, 1e-6)) };
+            mean_and_error(&values(&scene, options, DVec3::ZERO, DVec3::Z, rays))
+        };
+        // One place a light is never told by a shaft.
+        let ((many, many_error), (one, one_error)) = (found(0.2, 1 << 9), found(0.0, 1 << 13));
+        let allowed = 4.0 * many_error.hypot(one_error);
+        assert!((many - one).abs() < allowed, "ball at {x}: {many} ± {many_error}, {one} ± {one_error}");
+    }
+}

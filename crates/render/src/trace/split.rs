@@ -65,9 +65,10 @@ impl Branches {
     }
 }
 
-/// Radiance samples the middle of each square into which it divides a light. Places drawn at
-/// random, which do not bend shadows, take more.
-const PLACES_IN_A_SQUARE: f64 = 4.0;
+/// Radiance halves a light until its pieces are no larger than a square, along each side alone, so
+/// that they are about half as large. Places drawn at random have as much noise at the edges of
+/// shadows with about two in a square.
+const PLACES_IN_A_SQUARE: f64 = 2.0;
 
 /// For so many branches another place is sampled on each light, up to so many.
 const BRANCHES_FOR_A_PLACE: f64 = 32.0;
@@ -76,7 +77,7 @@ const MOST_PLACES_FOR_BRANCHES: f64 = 16.0;
 /// A sensor samples few lights in more places than one, since it may stand where a light is half
 /// hidden.
 const FEW_LIGHTS: usize = 4;
-const PLACES_ON_FEW_LIGHTS: f64 = 4.0;
+const PLACES_ON_FEW_LIGHTS: f64 = 2.0;
 
 /// A ray that splits, to be taken up again after its branches.
 pub(super) struct SuspendedPath {
