@@ -72,7 +72,7 @@ pub(crate) struct Rooms {
     /// Errors that are asked for, as shares
     #[arg(long, value_name = "E,…", value_delimiter = ',', default_values_t = [0.1, 0.05, 0.02])]
     pub(crate) errors: Vec<f64>,
-    /// Seconds that rpict may take for a picture (its --time-limit); without it, as long as it takes
+    /// Seconds of processor time that rpict may take for a picture (its --time-limit); without it, as long as it takes
     #[arg(long, value_name = "SECONDS")]
     pub(crate) limit: Option<f64>,
     /// Columns of the pictures; rows are three quarters of that

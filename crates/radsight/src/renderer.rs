@@ -187,7 +187,11 @@ impl Renderer {
         let side = self.budget.prepass_spacing();
         let sources = self.scene.sources.clone();
         let renderer = self.prepare(options)?;
-        renderer.gather_irradiance(&camera.prepass_rays(side), camera.spread(side));
+        let (rays, spread) = (camera.prepass_rays(side), camera.spread(side));
+        if let SamplingBudget::Error { .. } = pixels {
+            renderer.guide_paths(&rays, spread);
+        }
+        renderer.gather_irradiance(&rays, spread);
         let mut film = Film::new(renderer, camera, pixels);
         let mut image = Vec::with_capacity(columns * rows);
         let mut row = 0;

@@ -25,6 +25,7 @@ mod mis;
 mod mixture;
 mod model_batch;
 mod model_light;
+mod path_guide;
 mod prism_manifold;
 mod ray_spacing;
 mod ray_tree;

@@ -64,7 +64,7 @@ pub(super) const RPICT: Program =
                         .default("+")
                         .listed(Switch(["warning messages off", "warning messages on"])),
                     value("-n", "N", "Threads").aliases(&["--threads"]),
-                    value("--time-limit", "S", "Stop work on an asked error after this time").unit("s"),
+                    value("--time-limit", "S", "Stop work on an asked error after this processor time").unit("s"),
                     value("-P", "FILE", "Keep the command line in a file, or do again what it says").aliases(&["-PP"]),
                 ],
             },
