@@ -3,6 +3,7 @@
 
 mod function_lengths;
 mod package;
+mod sanitize;
 mod structure;
 mod workspace;
 
@@ -11,10 +12,11 @@ use std::process::ExitCode;
 /// A task by its name, with what it does.
 type Task = (&'static str, &'static str, fn() -> Result<(), String>);
 
-const TASKS: [Task; 4] = [
+const TASKS: [Task; 5] = [
     ("ci", "all that must pass before a merge, as .ci/run has it", ci),
     ("lint", "format and lints alone", lint),
     ("structure", "measures crates, edges and functions, and writes them into docs/architecture.md", structure::write),
+    ("sanitize", "tests the crates with unsafe code under AddressSanitizer", sanitize::check),
     ("package", "checks that each crate that is to be published can be packaged", package::check),
 ];
 

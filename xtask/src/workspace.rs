@@ -13,12 +13,24 @@ pub(crate) fn root() -> &'static Path {
 
 /// Runs a program in the repository's root.
 pub(crate) fn run(program: &str, words: &[&str]) -> Result<(), String> {
-    let status = Command::new(program).args(words).current_dir(root()).status();
-    match status {
+    finish(Command::new(program).args(words))
+}
+
+/// Runs a command in the repository's root.
+pub(crate) fn finish(command: &mut Command) -> Result<(), String> {
+    match command.current_dir(root()).status() {
         Ok(status) if status.success() => Ok(()),
-        Ok(status) => Err(format!("{program} {}: {status}", words.join(" "))),
-        Err(error) => Err(format!("{program}: {error}")),
+        Ok(status) => Err(format!("{command:?}: {status}")),
+        Err(error) => Err(format!("{}: {error}", command.get_program().display())),
     }
+}
+
+/// The platform that the compiler builds for, such as `x86_64-unknown-linux-gnu`.
+pub(crate) fn host_triple() -> Result<String, String> {
+    let output = Command::new("rustc").arg("-vV").output().map_err(|error| format!("rustc: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let triple = text.lines().find_map(|line| line.strip_prefix("host: "));
+    triple.map(str::to_owned).ok_or_else(|| "rustc -vV names no host".to_owned())
 }
 
 /// A crate of the workspace.

@@ -10,8 +10,8 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// The smallest sine of the angle between `direction` and `up` at which the picture's right is still well defined.
 const SMALLEST_UP_SINE: f64 = 1e-6;
 
-/// The most pixels of a picture that is convolved: its transform takes 150 bytes a pixel.
-const MOST_CONVOLVED: u64 = 1 << 22;
+/// The most pixels of a picture that is convolved: its transforms take 430 bytes a pixel.
+const MOST_CONVOLVED: u64 = 1 << 23;
 
 /// The most bands of it that are kept apart.
 const MOST_BANDS_APART: usize = 3;
@@ -292,7 +292,7 @@ impl PinholeCamera {
             (optics.matrix.is_some(), "a camera_matrix distorts the picture"),
             (self.pattern_change() > MOST_PATTERN_CHANGE, "the sensor is tilted too much"),
             (optics.band_wavelengths_m.len() > MOST_BANDS_APART, "there are more than 3 band_wavelengths_nm"),
-            (self.pixel_count() > MOST_CONVOLVED, "there are more than 4 million pixels"),
+            (self.pixel_count() > MOST_CONVOLVED, "there are more than 8 million pixels"),
         ];
         reasons.into_iter().find_map(|(holds, reason)| holds.then_some(reason))
     }

@@ -66,13 +66,18 @@ impl<'a> Wings<'a> {
             Some(pixel) => values[pixel],
             None => self.cell_at(margin, column, row).map_or(0.0, |cell| around[cell]),
         });
-        filter(&mut planner, &mut blurred, size, spectra.iter().map(|[core, _]| *core));
+        filter(&mut planner, &mut blurred, size, spectra.iter().map(|spectrum| spectrum.re));
         // Beyond the edges nothing has been seen through the core yet.
-        let mut picture = self.field(size, |column, row| match self.pixel_at(margin, column, row) {
-            Some(pixel) => values[pixel],
-            None => self.cell_at(margin, column, row).map_or(0.0, |_| blurred[row * size[0] + column].re),
-        });
-        filter(&mut planner, &mut picture, size, spectra.iter().map(|[_, quotient]| *quotient));
+        let mut picture = blurred;
+        for (index, value) in picture.iter_mut().enumerate() {
+            let (column, row) = (index % size[0], index / size[0]);
+            *value = Complex::from(match self.pixel_at(margin, column, row) {
+                Some(pixel) => values[pixel],
+                None => self.cell_at(margin, column, row).map_or(0.0, |_| value.re),
+            });
+        }
+        filter(&mut planner, &mut picture, size, spectra.iter().map(|spectrum| spectrum.im));
+        drop(spectra);
         let far = self.far_light(around);
         let scale = self.wing.core_share();
         let at = |pixel: usize| (pixel / columns + margin[1]) * size[0] + pixel % columns + margin[0];
@@ -102,9 +107,9 @@ impl<'a> Wings<'a> {
         self.surround.cell_at(place)
     }
 
-    /// Over the frequencies of a periodic picture of this size the transform of the core, 1 at frequency 0, and B/A. The pattern is taken in
-    /// means over pixels, by the midpoint rule.
-    fn spectra(&self, planner: &mut FftPlanner<f64>, size: [usize; 2]) -> Vec<[f64; 2]> {
+    /// The transform of the core, 1 at frequency 0, as the real part and B/A as the imaginary part, over the frequencies of a periodic
+    /// picture of this size. The pattern is taken in means over pixels, by the midpoint rule.
+    fn spectra(&self, planner: &mut FftPlanner<f64>, size: [usize; 2]) -> Vec<Complex<f64>> {
         let pitch = self.camera.pixel_pitch_m();
         // Both parts are even, so their transforms are real: one goes into the real part, one into the imaginary.
         let mut parts = vec![Complex::ZERO; size[0] * size[1]];
@@ -132,7 +137,10 @@ impl<'a> Wings<'a> {
         let whole = parts[0].re;
         let least = (LEAST_CORE * whole).powi(2);
         let quotient = |part: &Complex<f64>| part.im * part.re / (part.re * part.re + least);
-        parts.iter().map(|part| [part.re / whole, quotient(part)]).collect()
+        for part in &mut parts {
+            *part = Complex::new(part.re / whole, quotient(part));
+        }
+        parts
     }
 
     /// What comes from beyond the part of the plane that the transform holds.
