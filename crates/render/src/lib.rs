@@ -15,6 +15,7 @@ mod checksum;
 mod contribution;
 mod direct;
 mod gather;
+mod guide_prepass;
 mod guiding;
 mod hemisphere_sampling;
 mod indirect;

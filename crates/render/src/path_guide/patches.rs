@@ -10,18 +10,18 @@ use radsight_compile::Portal;
 
 /// A point that a ray has found bright.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BrightPoint {
-    pub(super) position: DVec3,
+pub(crate) struct BrightPoint {
+    pub(crate) position: DVec3,
     /// Relative to what comes from elsewhere.
-    pub(super) radiance: f64,
+    pub(crate) radiance: f64,
     /// The area across the ray for which it stands: one over the density of points there.
-    pub(super) area: f64,
+    pub(crate) area: f64,
     /// What the ray adds to the mean square of all: much where it was not expected.
-    pub(super) surprise: f64,
+    pub(crate) surprise: f64,
 }
 
 /// No more patches are told apart at a time.
-pub(super) const MOST_PATCHES: usize = 8;
+pub(crate) const MOST_PATCHES: usize = 8;
 
 /// A patch has at least so many points: fewer say nothing of its extent.
 const LEAST_POINTS: usize = 4;
@@ -56,7 +56,7 @@ struct Patch {
 }
 
 /// The patches among these points where at least `bright` is bright and was not expected, those that matter most first.
-pub(super) fn patches(points: &[BrightPoint], bright: f64) -> Vec<Portal> {
+pub(crate) fn patches(points: &[BrightPoint], bright: f64) -> Vec<Portal> {
     let unexpected: Vec<BrightPoint> =
         points.iter().copied().filter(|point| point.surprise.sqrt() >= bright && point.radiance >= bright).collect();
     let all: f64 = points.iter().map(|point| point.surprise).sum();

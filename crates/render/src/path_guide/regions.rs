@@ -27,7 +27,7 @@ type Coordinates = [f64; 6];
 
 /// The tree over all regions.
 #[derive(Debug)]
-pub(super) struct Regions {
+pub(crate) struct Regions {
     nodes: Vec<Node>,
     scale: f64,
     leaves: Vec<Region>,
@@ -42,16 +42,16 @@ enum Node {
 
 /// What is known of the openings from one region.
 #[derive(Clone, Debug)]
-pub(super) struct Region {
+pub(crate) struct Region {
     /// How many times as often as by its size each opening is drawn.
-    pub(super) factors: Vec<f64>,
+    pub(crate) factors: Vec<f64>,
     /// The share of rays that go towards openings.
-    pub(super) chance: f64,
+    pub(crate) chance: f64,
 }
 
 /// What samples of a region tell of the mixture that drew them.
 #[derive(Clone, Debug)]
-pub(super) struct Experience {
+pub(crate) struct Experience {
     /// Sum of the samples' weights, and how many samples there are.
     weights: f64,
     samples: f64,
@@ -64,7 +64,7 @@ pub(super) struct Experience {
 
 impl Regions {
     /// Regions of these points with their unit normals, of which none has learned anything of so many openings.
-    pub(super) fn new(points: &[(DVec3, DVec3)], openings: usize) -> Regions {
+    pub(crate) fn new(points: &[(DVec3, DVec3)], openings: usize) -> Regions {
         let (least, most) = points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, most), (point, _)| {
             (least.min(*point), most.max(*point))
         });
@@ -78,12 +78,12 @@ impl Regions {
     }
 
     /// Begins anew with other openings.
-    pub(super) fn forget(&mut self, openings: usize) {
+    pub(crate) fn forget(&mut self, openings: usize) {
         let unknown = Region { factors: vec![1.0; openings], chance: 0.5 };
         self.leaves.iter_mut().for_each(|region| *region = unknown.clone());
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.leaves.len()
     }
 
@@ -126,7 +126,7 @@ impl Regions {
     }
 
     /// The number of the region of a point with a unit normal.
-    pub(super) fn find(&self, point: DVec3, normal: DVec3) -> usize {
+    pub(crate) fn find(&self, point: DVec3, normal: DVec3) -> usize {
         let coordinates = self.coordinates(point, normal);
         let mut node = 0;
         loop {
@@ -137,12 +137,12 @@ impl Regions {
         }
     }
 
-    pub(super) fn region(&self, index: usize) -> &Region {
+    pub(crate) fn region(&self, index: usize) -> &Region {
         &self.leaves[index]
     }
 
     /// Learns from what each region has experienced.
-    pub(super) fn learn(&mut self, experiences: &[Experience]) {
+    pub(crate) fn learn(&mut self, experiences: &[Experience]) {
         for (region, experience) in self.leaves.iter_mut().zip(experiences) {
             region.learn(experience);
         }
@@ -151,14 +151,14 @@ impl Regions {
 
 impl Experience {
     /// Of no sample yet.
-    pub(super) fn new(openings: usize) -> Experience {
+    pub(crate) fn new(openings: usize) -> Experience {
         let nothing = vec![0.0; openings];
         Experience { weights: 0.0, samples: 0.0, outward: 0.0, parts: nothing.clone(), shares: nothing }
     }
 
     /// A sample of a weight in a unit direction, and what its density was made of: the share of rays by the cosine times their density, and
     /// of each opening the number, its share among openings, and that times its density.
-    pub(super) fn add(
+    pub(crate) fn add(
         &mut self,
         weight: f64,
         by_cosine: f64,
