@@ -8,6 +8,7 @@ use std::time::Instant;
 pub(crate) struct Stopwatch {
     stages: Vec<Stage>,
     started: Instant,
+    started_processor_s: Option<f64>,
     /// Start of the current stage.
     begun: Instant,
     processor_s: Option<f64>,
@@ -16,13 +17,17 @@ pub(crate) struct Stopwatch {
 impl Stopwatch {
     /// Begins the first stage.
     pub(crate) fn start() -> Stopwatch {
-        let now = Instant::now();
-        Stopwatch { stages: Vec::new(), started: now, begun: now, processor_s: processor_seconds() }
+        let (now, processor_s) = (Instant::now(), processor_seconds());
+        Stopwatch { stages: Vec::new(), started: now, started_processor_s: processor_s, begun: now, processor_s }
     }
 
-    /// When the first stage began.
-    pub(crate) fn started(&self) -> Instant {
-        self.started
+    /// Tells the processor time since the first stage began, s; the time itself where the system does not say.
+    pub(crate) fn processor_clock(&self) -> impl Fn() -> f64 + Send + Sync + 'static {
+        let (started, before) = (self.started, self.started_processor_s);
+        move || match before.zip(processor_seconds()) {
+            Some((before, now)) => now - before,
+            None => started.elapsed().as_secs_f64(),
+        }
     }
 
     /// Ends the current stage, with its name, and starts the next.

@@ -76,7 +76,7 @@ pub(crate) struct Rooms {
     /// Requested relative errors
     #[arg(long, value_name = "E,…", value_delimiter = ',', default_values_t = [0.1, 0.05, 0.02])]
     pub(crate) errors: Vec<f64>,
-    /// Time limit of rpict for a picture, seconds (its --time-limit); unlimited by default
+    /// Limit of processor time of rpict for a picture, seconds (its --time-limit); unlimited by default
     #[arg(long, value_name = "SECONDS")]
     pub(crate) limit: Option<f64>,
     /// Columns of the pictures; rows are three quarters of them

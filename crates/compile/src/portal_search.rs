@@ -81,7 +81,7 @@ impl Portal {
         u: [f64; 4],
         scratch: &mut Scratch,
     ) -> f64 {
-        let Some((normal, point)) = self.form.point([u[0], u[1]]) else { return 0.0 };
+        let (Some((normal, _)), Some(point)) = (self.plane, self.form.point([u[0], u[1], 0.0])) else { return 0.0 };
         let (x, y) = normal.any_orthonormal_pair();
         let local = DVec3::from_array(cosine_hemisphere(u[2], u[3]));
         let direction = -(x * local.x + y * local.y + normal * local.z).normalize();

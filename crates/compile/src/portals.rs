@@ -15,16 +15,51 @@ use radsight_light::LightForm;
 #[derive(Debug, Default)]
 pub struct Portals(pub Vec<Portal>);
 
-/// One side of a flat surface through which light enters.
+/// Where light comes from: a flat surface, or a region that contains bright surfaces.
+#[derive(Clone, Debug)]
+pub enum PortalForm {
+    /// One side of a flat surface, oriented to where the light goes.
+    Flat(LightForm),
+    /// An axis-aligned box (minimum, maximum) around bright surfaces of any form.
+    Box([DVec3; 2]),
+}
+
+impl PortalForm {
+    /// Samples a point of it from a point of the unit cube.
+    pub fn point(&self, [u, v, w]: [f64; 3]) -> Option<DVec3> {
+        match self {
+            PortalForm::Flat(form) => form.point([u, v]).map(|(_, point)| point),
+            PortalForm::Box([least, most]) => Some(*least + (*most - *least) * DVec3::new(u, v, w)),
+        }
+    }
+
+    /// Pdf of the unit direction from a point to [`PortalForm::point`], 1/sr, times a weight.
+    pub fn weighted_pdf(&self, weight: f64, from: DVec3, direction: DVec3) -> f64 {
+        match self {
+            PortalForm::Flat(form) => {
+                let hit = form.intersect(from, direction);
+                hit.map_or(0.0, |(distance, cosine)| weight * distance * distance / (form.area() * cosine))
+            }
+            PortalForm::Box([least, most]) => {
+                let inverse = direction.recip();
+                let [one, two] = [(*least - from) * inverse, (*most - from) * inverse];
+                let [enters, leaves] = [one.min(two).max_element().max(0.0), one.max(two).min_element()];
+                // The integral of the squared distance along the ray, over the volume.
+                let volume = (*most - *least).element_product();
+                if leaves > enters { weight * (leaves.powi(3) - enters.powi(3)) / (3.0 * volume) } else { 0.0 }
+            }
+        }
+    }
+}
+
+/// One side of a flat surface through which light enters, or a region from which much light comes.
 #[derive(Clone, Debug)]
 pub struct Portal {
-    /// Its shape, oriented to where the light goes.
-    pub form: LightForm,
-    /// Unit normal on that side.
-    pub normal: DVec3,
-    /// A point of its plane, scene units.
-    pub point: DVec3,
-    /// Area, square scene units.
+    /// Its shape.
+    pub form: PortalForm,
+    /// Unit normal on that side, and a point of the plane, scene units; `None` for a box.
+    pub plane: Option<(DVec3, DVec3)>,
+    /// Area, square scene units; of a box the mean projected area over all directions.
     pub area: f64,
     /// Centre of its bounding sphere.
     pub center: DVec3,
@@ -48,7 +83,7 @@ pub struct VisiblePortals<'p> {
 }
 
 /// Maximum number of portals: the brightest ones.
-pub(crate) const MOST_PORTALS: usize = 48;
+pub const MOST_PORTALS: usize = 48;
 
 impl Portals {
     /// Number of portals.
@@ -68,17 +103,28 @@ impl Portals {
         if self.0.is_empty() {
             return None;
         }
+        self.weighted(point, VisiblePortals::SINGLE_RAY_FRACTION, |_, portal| portal.importance(point, normal))
+    }
+
+    /// The same with learned `factors` on the importance of each portal, and the fraction of single rays that sample portals.
+    ///
+    /// # Panics
+    /// If there is not one factor per portal, or there are more portals than [`MOST_PORTALS`].
+    pub fn seen_by(&self, point: DVec3, normal: DVec3, factors: &[f64], chance: f64) -> Option<VisiblePortals<'_>> {
+        assert!(factors.len() == self.0.len() && factors.len() <= MOST_PORTALS, "{} factors", factors.len());
+        self.weighted(point, chance, |index, portal| factors[index] * portal.importance(point, normal))
+    }
+
+    fn weighted(
+        &self,
+        point: DVec3,
+        chance: f64,
+        importance: impl Fn(usize, &Portal) -> f64,
+    ) -> Option<VisiblePortals<'_>> {
         let importances = [(0, 0.0); MOST_PORTALS];
-        let mut visible_portals = VisiblePortals {
-            portals: &self.0,
-            point,
-            importances,
-            len: 0,
-            total: 0.0,
-            chance: VisiblePortals::SINGLE_RAY_FRACTION,
-        };
+        let mut visible_portals = VisiblePortals { portals: &self.0, point, importances, len: 0, total: 0.0, chance };
         for (index, portal) in self.0.iter().enumerate() {
-            let importance = portal.importance(point, normal);
+            let importance = importance(index, portal);
             if importance > 0.0 {
                 visible_portals.importances[visible_portals.len] = (index as u32, importance);
                 visible_portals.len += 1;
@@ -92,9 +138,24 @@ impl Portals {
 impl Portal {
     /// One side of a flat shape, with unknown radiance.
     pub fn new(form: LightForm) -> Option<Portal> {
-        let (normal, point) = form.plane()?;
+        let plane = Some(form.plane()?);
         let (center, radius) = form.bounding_sphere();
-        Some(Portal { area: form.area(), form, normal, point, center, radius, radiance: 0.0 })
+        Some(Portal { area: form.area(), form: PortalForm::Flat(form), plane, center, radius, radiance: 0.0 })
+    }
+
+    /// A box of this mean radiance; `None` for a box without volume.
+    pub fn within([least, most]: [DVec3; 2], radiance: f64) -> Option<Portal> {
+        let size = most - least;
+        let area = 0.5 * size.dot(DVec3::new(size.y, size.z, size.x));
+        let is_box = size.min_element() > 0.0 && size.is_finite();
+        is_box.then(|| Portal {
+            form: PortalForm::Box([least, most]),
+            plane: None,
+            area,
+            center: 0.5 * (least + most),
+            radius: 0.5 * size.length(),
+            radiance,
+        })
     }
 
     /// Radiance times area.
@@ -104,15 +165,15 @@ impl Portal {
 
     /// Estimated irradiance at a point with this unit normal.
     fn importance(&self, point: DVec3, normal: DVec3) -> f64 {
-        let height = self.normal.dot(point - self.point);
         let offset = self.center - point;
         let squared = offset.length_squared().max(self.radius * self.radius);
         let above = normal.dot(offset) + self.radius;
-        if height <= 0.0 || above <= 0.0 {
+        let height = self.plane.map(|(normal, place)| normal.dot(point - place));
+        if height.is_some_and(|height| height <= 0.0) || above <= 0.0 {
             return 0.0;
         }
         let distance = squared.sqrt();
-        let shown = (height / distance).min(1.0);
+        let shown = height.map_or(1.0, |height| (height / distance).min(1.0));
         let cosine = (above / (distance + self.radius)).min(1.0);
         self.power() * shown * cosine / squared
     }
@@ -133,13 +194,16 @@ impl VisiblePortals<'_> {
         let mut left = choice * self.total;
         let mut chosen = None;
         for (index, importance) in &self.importances[..self.len] {
-            chosen = Some(*index);
+            chosen = Some((*index, *importance));
             if left < *importance {
                 break;
             }
             left -= importance;
         }
-        let (_, place) = self.portals[chosen? as usize].form.point([u, v])?;
+        let (index, importance) = chosen?;
+        // What is left of the choice is evenly spread again.
+        let depth = (left / importance).clamp(0.0, 1.0);
+        let place = self.portals[index as usize].form.point([u, v, depth])?;
         (place - self.point).try_normalize()
     }
 
@@ -148,7 +212,8 @@ impl VisiblePortals<'_> {
     pub fn crossed(&self, direction: DVec3) -> Option<(f64, DVec3)> {
         let hit = |(index, _): &(u32, f64)| {
             let portal = &self.portals[*index as usize];
-            portal.form.intersect(self.point, direction).map(|(distance, _)| (distance, portal.normal))
+            let (PortalForm::Flat(form), Some((normal, _))) = (&portal.form, portal.plane) else { return None };
+            form.intersect(self.point, direction).map(|(distance, _)| (distance, normal))
         };
         let nearer = |one: &(f64, DVec3), two: &(f64, DVec3)| one.0.total_cmp(&two.0);
         self.importances[..self.len].iter().filter_map(hit).min_by(nearer)
@@ -156,12 +221,18 @@ impl VisiblePortals<'_> {
 
     /// Density of [`VisiblePortals::sample`], 1/sr.
     pub fn pdf(&self, direction: DVec3) -> f64 {
-        let of_one = |(index, importance): &(u32, f64)| {
-            let portal = &self.portals[*index as usize];
-            let hit = portal.form.intersect(self.point, direction);
-            hit.map_or(0.0, |(distance, cosine)| importance * distance * distance / (portal.area * cosine))
-        };
-        self.importances[..self.len].iter().map(of_one).sum::<f64>() / self.total
+        self.importances[..self.len].iter().map(|seen| self.pdf_of(seen, direction)).sum::<f64>() / self.total
+    }
+
+    /// Index, selection probability and contribution to [`VisiblePortals::pdf`] of each visible portal.
+    pub fn parts(&self, direction: DVec3) -> impl Iterator<Item = (usize, f64, f64)> + Clone {
+        self.importances[..self.len]
+            .iter()
+            .map(move |seen| (seen.0 as usize, seen.1 / self.total, self.pdf_of(seen, direction) / self.total))
+    }
+
+    fn pdf_of(&self, (index, importance): &(u32, f64), direction: DVec3) -> f64 {
+        self.portals[*index as usize].form.weighted_pdf(*importance, self.point, direction)
     }
 }
 
@@ -216,11 +287,26 @@ mod tests {
         Portals([pane, behind, skylight, gable, away].map(portal).to_vec())
     }
 
+    /// A box before the point, and one around it.
+    fn boxes() -> Portals {
+        let place = |least: [f64; 3], most: [f64; 3]| Portal::within([least, most].map(DVec3::from_array), 1.5);
+        let all = [place([0.4, -0.3, 0.2], [0.9, 0.5, 1.0]), place([-0.5, -0.6, -0.4], [0.6, 0.5, 0.7])];
+        Portals(all.map(|portal| portal.expect("the box has a volume")).to_vec())
+    }
+
+    #[test]
+    fn a_flat_box_is_none() {
+        assert!(Portal::within([DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)], 1.0).is_none());
+        assert!(Portal::within([DVec3::ZERO, DVec3::splat(f64::NAN)], 1.0).is_none());
+    }
+
     #[test]
     fn portal_samples_have_the_density_of_pdf() {
-        let portals = portals();
-        for (point, normal) in [(DVec3::ZERO, DVec3::Z), (DVec3::new(0.2, -0.4, 0.1), DVec3::new(0.6, 0.0, 0.8))] {
-            let visible_portals = portals.seen_from(point, normal).expect("some portal is visible");
+        let cases = [(DVec3::ZERO, DVec3::Z), (DVec3::new(0.2, -0.4, 0.1), DVec3::new(0.6, 0.0, 0.8))];
+        let both = [portals(), boxes()];
+        for (portals, (point, normal)) in both.iter().flat_map(|portals| cases.map(|case| (portals, case))) {
+            let factors: Vec<f64> = (1..=portals.len()).map(|index| index as f64).collect();
+            let visible_portals = portals.seen_by(point, normal, &factors, 0.5).expect("some portal is visible");
             let mut sums = [0.0; 3];
             let (heights, turns) = (800, 1600);
             for cell in 0..heights * turns {

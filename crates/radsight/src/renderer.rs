@@ -201,6 +201,9 @@ impl Renderer {
         let (asked, used) = (self.budget.asked_error(), options.clone());
         let side = self.budget.prepass_spacing();
         let sources = self.scene.sources.clone();
+        if let SamplingBudget::Error { .. } = pixels {
+            self.prepare(options.clone())?.guide_paths(&camera.prepass_rays(side), camera.spread(side));
+        }
         if self.gather(&options, || camera.prepass_rays(side), camera.spread(side), progress)?.is_none() {
             return Ok(None);
         }

@@ -538,7 +538,7 @@ fn rays_of_few(factor: f64, asked: usize, points: usize) -> f64 {
 }
 
 /// What these rays want of the irradiance in the cache, of what is asked.
-fn cache_query<const BANDS: usize>(
+pub(crate) fn cache_query<const BANDS: usize>(
     plan: &RenderPlan,
     cache: &Cache<BANDS>,
     rays: &[Option<Ray>],
@@ -617,7 +617,7 @@ impl<const BANDS: usize> SecondaryGathers<BANDS> {
 }
 
 /// All indices, so that any first part of them is spread evenly: steps by the golden section (made coprime to the count).
-fn scattered(count: usize) -> Vec<usize> {
+pub(crate) fn scattered(count: usize) -> Vec<usize> {
     let common = |mut a: usize, mut b: usize| {
         while b > 0 {
             (a, b) = (b, a % b);

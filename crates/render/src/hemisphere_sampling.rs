@@ -2,6 +2,7 @@
 
 use crate::cache_query::{CachePoint, GatherDirection, HemisphereGather};
 use crate::guiding::{BRIGHT, GuidingDistribution, GuidingSample};
+use crate::path_guide::PathGuide;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_brdf::Density;
@@ -29,11 +30,16 @@ const MOST_BRIGHT: u64 = 1 << 12;
 /// What the diffuse component sees of openings, where it can be sent there.
 pub(crate) fn visible_portals<'p, const BANDS: usize>(
     bsdf: &Bsdf<'_, BANDS>,
-    plan: &'p RenderPlan,
+    (plan, guide): (&'p RenderPlan, Option<&'p PathGuide>),
     at: DVec3,
 ) -> Option<VisiblePortals<'p>> {
-    let is_simple = bsdf.transmission.is_none() && !bsdf.is_retroreflector();
-    if is_simple { plan.portals.seen_from(at, bsdf.diffuse_normal) } else { None }
+    if bsdf.transmission.is_some() || bsdf.is_retroreflector() {
+        return None;
+    }
+    match guide {
+        Some(guide) => guide.seen_from(at, bsdf.diffuse_normal),
+        None => plan.portals.seen_from(at, bsdf.diffuse_normal),
+    }
 }
 
 /// Draws from the diffuse component or towards an opening.

@@ -4,6 +4,7 @@ use crate::cache_prepass::{GatheredIrradiance, gather};
 use crate::caching::caches_irradiance;
 use crate::contribution::Contribution;
 use crate::mirrored_light::MirroredLight;
+use crate::path_guide::PathGuide;
 use crate::ray_spacing::RaySpacing;
 use crate::ray_tree::TreeRay;
 use crate::saved_cache::{CacheError, load, save};
@@ -18,6 +19,7 @@ use rayon::prelude::*;
 pub struct Renderer {
     plan: RenderPlan,
     shared: CachedIrradiance,
+    guide: Option<PathGuide>,
 }
 
 /// Irradiance that was gathered before the rays are answered, in as many bands as are traced; `None` before any was.
@@ -70,7 +72,7 @@ impl Renderer {
             36 => CachedIrradiance::Spectrum(None),
             _ => CachedIrradiance::WideSpectrum(None),
         };
-        Renderer { plan, shared }
+        Renderer { plan, shared, guide: None }
     }
 
     /// The plan.
@@ -98,6 +100,18 @@ impl Renderer {
         }
         let plan = &self.plan;
         in_bands!(&mut self.shared, CachedIrradiance(gathered) => gather((plan, stops), gathered, rays, spread))
+    }
+
+    /// Learns where rays like these find light by way of diffuse surfaces, if they find it by chance only: patches of sun, spots of
+    /// lamps, gaps between slats. Single paths of all rays that follow are sent there more often; their mean is
+    /// the same. Says how many such places there are; 0 leaves everything as it is.
+    pub fn guide_paths(&mut self, rays: &[Option<Ray>], spread: RaySpacing) -> usize {
+        self.guide = None;
+        if self.plan.options.ambient_bounces > 0 {
+            let plan = &self.plan;
+            self.guide = in_bands!(&self.shared, CachedIrradiance(gathered) => learn(plan, gathered, rays, spread));
+        }
+        self.guide.as_ref().map_or(0, PathGuide::len)
     }
 
     /// The irradiance that was gathered or loaded so far, as bytes that [`Renderer::load_irradiance_cache`] reads; `None` before any was. `scene` is a number by
@@ -133,13 +147,15 @@ impl Renderer {
     /// A worker for the calling thread.
     #[must_use]
     pub fn worker(&self) -> RayWorker<'_> {
-        let plan = &self.plan;
+        let (plan, guide) = (&self.plan, self.guide.as_ref());
         RayWorker(match &self.shared {
-            CachedIrradiance::Grey(gathered) => Bands::Grey(tracer(plan, gathered)),
-            CachedIrradiance::Color(gathered) => Bands::Color(tracer(plan, gathered)),
-            CachedIrradiance::NarrowSpectrum(gathered) => Bands::NarrowSpectrum(Box::new(tracer(plan, gathered))),
-            CachedIrradiance::Spectrum(gathered) => Bands::Spectrum(Box::new(tracer(plan, gathered))),
-            CachedIrradiance::WideSpectrum(gathered) => Bands::WideSpectrum(Box::new(tracer(plan, gathered))),
+            CachedIrradiance::Grey(gathered) => Bands::Grey(tracer((plan, guide), gathered)),
+            CachedIrradiance::Color(gathered) => Bands::Color(tracer((plan, guide), gathered)),
+            CachedIrradiance::NarrowSpectrum(gathered) => {
+                Bands::NarrowSpectrum(Box::new(tracer((plan, guide), gathered)))
+            }
+            CachedIrradiance::Spectrum(gathered) => Bands::Spectrum(Box::new(tracer((plan, guide), gathered))),
+            CachedIrradiance::WideSpectrum(gathered) => Bands::WideSpectrum(Box::new(tracer((plan, guide), gathered))),
         })
     }
 
@@ -162,10 +178,21 @@ impl Renderer {
 }
 
 fn tracer<'r, const BANDS: usize>(
-    plan: &'r RenderPlan,
+    (plan, guide): (&'r RenderPlan, Option<&'r PathGuide>),
     gathered: &'r Option<GatheredIrradiance<BANDS>>,
 ) -> PathIntegrator<'r, BANDS> {
-    PathIntegrator::new(plan, gathered.as_ref().map_or([None; 2], GatheredIrradiance::caches))
+    let caches = gathered.as_ref().map_or([None; 2], GatheredIrradiance::caches);
+    PathIntegrator::new(plan, caches).guided_by(guide)
+}
+
+/// A guide in the bands of the irradiance.
+fn learn<const BANDS: usize>(
+    plan: &RenderPlan,
+    _: &Option<GatheredIrradiance<BANDS>>,
+    rays: &[Option<Ray>],
+    spread: RaySpacing,
+) -> Option<PathGuide> {
+    PathGuide::learn::<BANDS>(plan, rays, spread)
 }
 
 impl RayWorker<'_> {

@@ -119,7 +119,11 @@ impl Picture {
     /// Fills the irradiance cache for the picture's rays.
     fn gather_irradiance(&self, options: &Options, renderer: &mut Renderer, ambient: &mut AmbientFile) -> Outcome {
         let side = options.prepass_spacing();
-        ambient.gather(renderer, &self.lens.prepass_rays(side), self.lens.spread(side))?;
+        let (rays, spread) = (self.lens.prepass_rays(side), self.lens.spread(side));
+        if let SamplingBudget::Error { .. } = options.pixels {
+            renderer.guide_paths(&rays, spread);
+        }
+        ambient.gather(renderer, &rays, spread)?;
         ambient.settle(renderer)
     }
 
@@ -137,8 +141,8 @@ impl Picture {
         let mut report = Report::new(options.report);
         let mut frame = Film::new(renderer, self.lens, options.pixels);
         if let Some(limit) = options.time_limit {
-            let started = stopwatch.started();
-            frame = frame.while_time_is_left(Box::new(move |share| started.elapsed().as_secs_f64() < share * limit));
+            let spent = stopwatch.processor_clock();
+            frame = frame.while_time_is_left(Box::new(move |share| spent() < share * limit));
         }
         let mut row = done;
         while row < rows {

@@ -61,7 +61,8 @@ pub(super) const RPICT: Program = Program {
                     .default("+")
                     .listed(Switch(["warning messages off", "warning messages on"])),
                 value("-n", "N", "Threads").aliases(&["--threads"]),
-                value("--time-limit", "S", "Stop the refinement to a requested error after this time").unit("s"),
+                value("--time-limit", "S", "Stop the refinement to a requested error after this processor time")
+                    .unit("s"),
                 value("-P", "FILE", "Store the command line in a file, or repeat a stored one").aliases(&["-PP"]),
             ],
         },

@@ -80,9 +80,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         reception.samples = self.places(path, branches);
         // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
         let shared = !self.plan.lights_are_covered;
-        let mut visible_portals = if follow_diffuse { visible_portals(point, self.plan, at) } else { None };
+        let mut visible_portals =
+            if follow_diffuse { visible_portals(point, (self.plan, self.guide), at) } else { None };
         let outward = branches.outward();
-        if let (Some(visible_portals), 2..) = (&mut visible_portals, branches.diffuse) {
+        if let (Some(visible_portals), 2.., None) = (&mut visible_portals, branches.diffuse, self.guide) {
             visible_portals.chance = f64::from(outward) / f64::from(branches.diffuse);
         }
         let direct = DirectSampler {

@@ -20,6 +20,7 @@ use path_state::{MediumId, PathState};
 use crate::cache_query::{CacheQuery, Caches};
 use crate::contribution::Contributions;
 use crate::model_batch::ModelBatch;
+use crate::path_guide::PathGuide;
 use crate::ray_tree::{BounceType, NodeId, RayTree};
 use crate::specular_chain::SpecularChain;
 use crate::subtraction::{AntimatterEvent, Subtraction, SubtractionId};
@@ -84,9 +85,13 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     /// Whether the ray went on behind that as if nothing were there.
     first_is_passed: bool,
     effective_distance: f64,
+    /// How far away the last plane mirror or pane of the direct view is; 0 for none.
+    passed_distance: f64,
     surface_key: u64,
     /// Irradiance that was gathered before.
     pub(crate) caches: Caches<'p, BANDS>,
+    /// Where single rays find light by way of diffuse surfaces, if that was learned.
+    pub(crate) guide: Option<&'p PathGuide>,
     /// While looking for points whose irradiance is wanted.
     pub(crate) cache_query: Option<CacheQuery<BANDS>>,
     /// What the present ray owes to the modifiers that are tracked; `None` where none is.
@@ -114,14 +119,21 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             first_hit: None,
             first_is_passed: false,
             effective_distance: f64::INFINITY,
+            passed_distance: 0.0,
             surface_key: 0,
             caches,
+            guide: None,
             cache_query: None,
             contributions: Contributions::wanted(&plan.options),
             tree: RayTree::wanted(&plan.options),
             limit: f64::INFINITY,
             splits: false,
         }
+    }
+
+    /// The same, where a guide may know the way.
+    pub(crate) fn guided_by(self, guide: Option<&'p PathGuide>) -> Self {
+        PathIntegrator { guide, ..self }
     }
 
     /// Traces ray number `index`.
@@ -193,6 +205,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         self.first_hit = None;
         self.first_is_passed = false;
         self.effective_distance = f64::INFINITY;
+        self.passed_distance = 0.0;
         self.surface_key = 0;
         if medium == self.media[0] {
             return MediumId(0);
@@ -242,6 +255,12 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     /// How far away what is seen appears, through plane mirrors and panes; infinite for none.
     pub(crate) fn effective_distance(&self) -> f64 {
         self.effective_distance
+    }
+
+    /// How far away what is seen appears, or else the last pane or plane mirror through which nothing is; infinite for none.
+    pub(crate) fn shown_distance(&self) -> f64 {
+        let seen = self.effective_distance;
+        if seen.is_finite() || self.passed_distance == 0.0 { seen } else { self.passed_distance }
     }
 
     /// Irradiance is π times the radiance of a white Lambertian surface.

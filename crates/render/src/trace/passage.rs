@@ -97,6 +97,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let direct_view = path.direct_view && !hides_what_is_beyond;
         if direct_view {
             self.effective_distance = f64::INFINITY;
+            self.passed_distance = self.passed_distance.max(travelled);
         }
         let next = PathState {
             ray: Ray { origin: hit.point, direction },

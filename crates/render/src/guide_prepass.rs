@@ -1,0 +1,258 @@
+//! Learning before a picture where single paths find light: random paths look for patches, and then for what each region gets of them.
+
+use crate::cache_prepass::{cache_query, scattered};
+use crate::cache_query::{CachePoint, CacheQuery};
+use crate::caching::gathering_limits;
+use crate::path_guide::PathGuide;
+use crate::path_guide::patches::{BrightPoint, MOST_PATCHES, patches};
+use crate::path_guide::regions::{Experience, Regions};
+use crate::ray_spacing::RaySpacing;
+use crate::trace::PathIntegrator;
+use glam::DVec3;
+use radsight_accel::Ray;
+use radsight_compile::{MOST_OPENINGS, Portals, RenderPlan};
+use radsight_irradiance_cache::{Cache, Record};
+use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
+use radsight_texture::luminance;
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_1_PI, PI};
+use std::ops::Range;
+
+/// Paths are guided at points like those that so many rays see, and like those that rays from these see.
+const MOST_POINTS: usize = 1024;
+
+/// So many rays look from each point in each round, and in one before that tells whether a guide is needed.
+const LOOKS: usize = 6;
+const FIRST_LOOKS: usize = 2;
+
+/// Rounds, each guided by what was learned before, and how many bounces behind what they find count in each: a patch is told
+/// from chance by the light that comes to it straight.
+const ROUNDS: [u32; 4] = [0, 1, u32::MAX, u32::MAX];
+
+/// Patches are looked for in so many rounds. The others teach regions: rays that were drawn before a patch was known say nothing of it.
+const ROUNDS_FOR_PATCHES: usize = 2;
+
+/// Steps of expectation maximisation after each round.
+const STEPS: usize = 3;
+
+/// Paths are guided only where the mean square of what rays find is so many times the square of the mean.
+const UNEVEN: f64 = 2.5;
+
+/// A guide that leaves more than this share of the mean square is not worth its time. What few rays say of the mean square without one
+/// is rather too low, since they have not found all.
+const WORTHWHILE: f64 = 1.0;
+
+/// No more portals are looked at, so that there is room for patches.
+const MOST_PORTALS: usize = MOST_OPENINGS - ROUNDS_FOR_PATCHES * MOST_PATCHES;
+
+/// What is so many times the mean is bright.
+const BRIGHT: f64 = 3.0;
+
+/// No sample teaches more than one of so many times the mean.
+const MOST_TAUGHT: f64 = 100.0;
+
+/// Rays are numbered apart from others.
+const GUIDE_SEED: u64 = 0x6775_6964_696e;
+const SECOND_SEED: u64 = 0x7365_636f_6e64;
+
+/// A ray that has looked.
+#[derive(Clone, Copy, Debug)]
+struct GuideRay {
+    point: usize,
+    direction: DVec3,
+    /// Density of the direction, 1/sr.
+    pdf: f64,
+    /// Luminance, and what it makes of the irradiance: times cosine over density.
+    radiance: f64,
+    irradiance: f64,
+    /// How far away it appears, and where, through panes and plane mirrors; `None` for what is infinitely far.
+    found: Option<(f64, DVec3)>,
+}
+
+impl PathGuide {
+    /// Learns where rays like these find light by way of diffuse surfaces; `None` where they need no guide.
+    pub(crate) fn learn<const BANDS: usize>(
+        plan: &RenderPlan,
+        rays: &[Option<Ray>],
+        spread: RaySpacing,
+    ) -> Option<PathGuide> {
+        let points = guided_points::<BANDS>(plan, rays, spread);
+        if points.is_empty() {
+            return None;
+        }
+        let places: Vec<(DVec3, DVec3)> = points.iter().map(|point| (point.point, point.normal)).collect();
+        let openings = Portals(plan.portals.0.iter().take(MOST_PORTALS).cloned().collect());
+        let regions = Regions::new(&places, openings.len());
+        let mut guide = PathGuide { openings, regions };
+        let first = guide.look(plan, &points, (0..FIRST_LOOKS, u32::MAX));
+        if unevenness(&guide.relative(&points, &first, &first)) < UNEVEN {
+            return None;
+        }
+        let (mut known, mut guided) = (Vec::new(), Vec::new());
+        for (round, bounces) in ROUNDS.into_iter().enumerate() {
+            let begin = FIRST_LOOKS + round * LOOKS;
+            let looked = guide.look(plan, &points, (begin..begin + LOOKS, bounces));
+            if round < ROUNDS_FOR_PATCHES {
+                let relative = guide.relative(&points, &looked, &looked);
+                guide.find_patches(&looked, &relative);
+            } else {
+                known.extend_from_slice(&looked);
+                let relative = guide.relative(&points, &known, &known);
+                for _ in 0..STEPS {
+                    guide.teach(&points, &known, &relative);
+                }
+            }
+            guided = looked;
+        }
+        let [without, with] = [&first, &guided].map(|looked| unevenness(&guide.relative(&points, looked, &guided)));
+        (with < WORTHWHILE * without).then_some(guide)
+    }
+
+    /// Sends some rays from each point.
+    fn look<const BANDS: usize>(
+        &self,
+        plan: &RenderPlan,
+        points: &[CachePoint<BANDS>],
+        (looks, bounces): (Range<usize>, u32),
+    ) -> Vec<GuideRay> {
+        let points: Vec<CachePoint<BANDS>> =
+            points.iter().map(|point| CachePoint { bounces: point.bounces.min(bounces), ..point.clone() }).collect();
+        points
+            .par_iter()
+            .enumerate()
+            .with_min_len(8)
+            .map_init(
+                || PathIntegrator::new(plan, [None; 2]).guided_by(Some(self)),
+                |tracer, (index, point)| {
+                    let look = |look: usize| self.ray(tracer, (index, point), (look * points.len() + index) as u64);
+                    looks.clone().filter_map(look).collect::<Vec<_>>()
+                },
+            )
+            .flatten_iter()
+            .collect()
+    }
+
+    fn ray<const BANDS: usize>(
+        &self,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        (index, point): (usize, &CachePoint<BANDS>),
+        number: u64,
+    ) -> Option<GuideRay> {
+        let sampler = RaySampler::new(tracer.plan.options.seed ^ GUIDE_SEED, number);
+        let [choice, u, v, _] = sampler.take(DimensionSet::CAMERA);
+        let openings = self.seen_from(point.point, point.normal);
+        let chance = openings.as_ref().map_or(0.0, |openings| openings.chance);
+        let direction = match &openings {
+            Some(openings) if choice < chance => openings.draw([choice / chance, u, v])?,
+            _ => by_cosine(point.normal, [u, v]),
+        };
+        let cosine = direction.dot(point.normal);
+        if cosine <= 0.0 {
+            return None;
+        }
+        let by_cosine = (1.0 - chance) * cosine * FRAC_1_PI;
+        let pdf = by_cosine + chance * openings.as_ref().map_or(0.0, |openings| openings.pdf(direction));
+        let radiance = luminance(&tracer.look(point, direction, sampler).radiance);
+        let distance = tracer.shown_distance();
+        let found = distance.is_finite().then(|| (distance, point.point + direction * distance));
+        Some(GuideRay { point: index, direction, pdf, radiance, irradiance: radiance * cosine / pdf, found })
+    }
+
+    /// What each ray has found relative to the mean of its region among those that `all` have found.
+    fn relative<const BANDS: usize>(
+        &self,
+        points: &[CachePoint<BANDS>],
+        looked: &[GuideRay],
+        all: &[GuideRay],
+    ) -> Vec<f64> {
+        let region = |ray: &GuideRay| self.regions.find(points[ray.point].point, points[ray.point].normal);
+        let mut sums = vec![(0.0, 0.0); self.regions.len()];
+        for ray in all {
+            let (sum, count) = &mut sums[region(ray)];
+            *sum += ray.irradiance;
+            *count += 1.0;
+        }
+        let relative = |ray: &GuideRay| {
+            let (sum, count) = sums[region(ray)];
+            if sum > 0.0 { ray.irradiance * count / sum } else { 0.0 }
+        };
+        looked.iter().map(relative).collect()
+    }
+
+    /// Takes what is bright for patches, beside the portals and those that are known.
+    fn find_patches(&mut self, looked: &[GuideRay], relative: &[f64]) {
+        let point = |(ray, relative): (&GuideRay, &f64)| {
+            let (distance, position) = ray.found?;
+            // As a ray by the cosine would find it.
+            let radiance = relative * PI * ray.radiance / ray.irradiance.max(f64::MIN_POSITIVE);
+            let area = distance * distance / (looked.len() as f64 * ray.pdf);
+            area.is_finite().then_some(BrightPoint { position, radiance, area, surprise: relative * relative })
+        };
+        let points: Vec<BrightPoint> = looked.iter().zip(relative).filter_map(point).collect();
+        let mut openings = std::mem::take(&mut self.openings.0);
+        let room = MOST_OPENINGS - openings.len();
+        openings.extend(patches(&points, BRIGHT).into_iter().take(room));
+        self.regions.forget(openings.len());
+        self.openings = Portals(openings);
+    }
+
+    /// Learns the mixture of each region from what rays have found there.
+    fn teach<const BANDS: usize>(&mut self, points: &[CachePoint<BANDS>], looked: &[GuideRay], relative: &[f64]) {
+        let unknown = Experience::new(self.openings.len());
+        let mut experiences = vec![unknown; self.regions.len()];
+        for (ray, relative) in looked.iter().zip(relative) {
+            let CachePoint { point, normal, .. } = points[ray.point];
+            let Some(openings) = self.seen_from(point, normal) else { continue };
+            let by_cosine = (1.0 - openings.chance) * ray.direction.dot(normal) * FRAC_1_PI;
+            let experience = &mut experiences[self.regions.find(point, normal)];
+            experience.add(relative.min(MOST_TAUGHT), by_cosine, openings.chance, openings.parts(ray.direction));
+        }
+        self.regions.learn(&experiences);
+    }
+}
+
+/// The mean square of some numbers whose mean is 1.
+fn unevenness(relative: &[f64]) -> f64 {
+    relative.iter().map(|relative| relative * relative).sum::<f64>() / relative.len().max(1) as f64
+}
+
+/// A unit direction over a unit normal, with the density of its cosine.
+fn by_cosine(normal: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+    let [x, y, z] = Record::<1>::frame(normal);
+    let (a, b) = unit_disk(u, v);
+    (x * a + y * b + z * (1.0 - a * a - b * b).max(0.0).sqrt()).normalize()
+}
+
+/// Where these rays see diffuse surfaces, and where rays from there do.
+fn guided_points<const BANDS: usize>(
+    plan: &RenderPlan,
+    rays: &[Option<Ray>],
+    spread: RaySpacing,
+) -> Vec<CachePoint<BANDS>> {
+    let nothing = Cache::<BANDS>::new(gathering_limits(plan));
+    let asked = CacheQuery::Missing(Vec::new(), spread);
+    let order = scattered(rays.len());
+    let some = &order[..order.len().min(MOST_POINTS)];
+    let mut points: Vec<CachePoint<BANDS>> =
+        cache_query(plan, &nothing, rays, some, &asked).into_iter().flat_map(CacheQuery::missing).collect();
+    points.retain(|point| point.point.is_finite());
+    let seen: Vec<CachePoint<BANDS>> = points
+        .par_iter()
+        .enumerate()
+        .with_min_len(64)
+        .filter(|(_, point)| point.bounces > 0)
+        .map_init(
+            || PathIntegrator::new(plan, [None, Some(&nothing)]),
+            |tracer, (index, point)| {
+                tracer.cache_query = Some(asked.clone());
+                let sampler = RaySampler::new(plan.options.seed ^ SECOND_SEED, index as u64);
+                let [u, v, ..] = sampler.take(DimensionSet::CAMERA);
+                let _ = tracer.look(point, by_cosine(point.normal, [u, v]), sampler);
+                tracer.cache_query.take().map_or(Vec::new(), CacheQuery::missing)
+            },
+        )
+        .flatten_iter()
+        .collect();
+    points.extend(seen);
+    points
+}

@@ -1,0 +1,193 @@
+//! Small bright patches, made of single points that rays have found bright.
+//!
+//! A patch is a box: sunlit floor, slats of a blind and their gaps, a window in a mirror are patches alike. What rays towards it leave of the
+//! variance goes with the area A that it shows times S, the integral of the squared radiance over it. Points are divided among
+//! boxes as long as that lowers the sum of `√(A·S)` over all: with rays in proportion to it, the square of that sum is
+//! the second moment of all of them.
+
+use glam::DVec3;
+use radsight_compile::Portal;
+
+/// A point that a ray has found bright.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BrightPoint {
+    pub(crate) position: DVec3,
+    /// Relative to what comes from elsewhere.
+    pub(crate) radiance: f64,
+    /// The area across the ray for which it stands: one over the density of points there.
+    pub(crate) area: f64,
+    /// What the ray adds to the mean square of all: much where it was not expected.
+    pub(crate) surprise: f64,
+}
+
+/// No more patches are told apart at a time.
+pub(crate) const MOST_PATCHES: usize = 8;
+
+/// A patch has at least so many points: fewer say nothing of its extent.
+const LEAST_POINTS: usize = 4;
+
+/// A patch ends so far beyond its points, as a share of their extent. Of N evenly spread points the outermost are 1/(N − 1) of their extent from
+/// the border in the mean; with several times that hardly anything is left outside.
+const MARGIN: f64 = 0.1;
+const MARGIN_OF_FEW: f64 = 3.0;
+
+/// Of all points of a patch at least this share is bright; else it was chance that made some so.
+const LEAST_BRIGHT: f64 = 0.3;
+
+/// A patch is divided where that takes at least this share of what it leaves.
+const LEAST_GAIN: f64 = 0.15;
+
+/// Patches that add less than this share of the mean square of all rays do not matter.
+const LEAST_SURPRISE: f64 = 0.01;
+
+/// A patch is cut at best at one of so many places along each axis.
+const CUTS: usize = 15;
+
+/// What is thinner than this share of its length is flat.
+const FLAT: f64 = 0.01;
+
+/// Some points in a box.
+#[derive(Clone, Debug)]
+struct Patch {
+    points: Vec<BrightPoint>,
+    bounds: [DVec3; 2],
+    area: f64,
+    cost: f64,
+}
+
+/// The patches among these points where at least `bright` is bright and was not expected, those that matter most first.
+pub(crate) fn patches(points: &[BrightPoint], bright: f64) -> Vec<Portal> {
+    let unexpected: Vec<BrightPoint> =
+        points.iter().copied().filter(|point| point.surprise.sqrt() >= bright && point.radiance >= bright).collect();
+    let all: f64 = points.iter().map(|point| point.surprise).sum();
+    let mut patches: Vec<Patch> = Patch::new(unexpected).into_iter().collect();
+    let mut finished = Vec::new();
+    while let Some(patch) = patches.pop() {
+        match patch.divided() {
+            Some(parts) => patches.extend(parts),
+            None => finished.push(patch),
+        }
+    }
+    finished.retain(|patch| {
+        patch.surprise() >= LEAST_SURPRISE * all && patch.share_of_bright(points, bright) >= LEAST_BRIGHT
+    });
+    finished.sort_by(|one, two| two.surprise().total_cmp(&one.surprise()));
+    finished.iter().filter_map(Patch::portal).take(MOST_PATCHES).collect()
+}
+
+impl Patch {
+    /// `None` of too few points.
+    fn new(points: Vec<BrightPoint>) -> Option<Patch> {
+        if points.len() < LEAST_POINTS {
+            return None;
+        }
+        // Half of the side of the square for which a point stands in the middle. What is beyond the box is found by
+        // chance again, so rather a little too much is in it.
+        let mut sides: Vec<f64> = points.iter().map(|point| 0.5 * point.area.sqrt()).collect();
+        sides.sort_unstable_by(f64::total_cmp);
+        let margin = sides[sides.len() / 2];
+        let (least, most) = points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, most), point| {
+            (least.min(point.position), most.max(point.position))
+        });
+        let size = most - least;
+        let thin = FLAT * size.max_element();
+        let beyond = MARGIN.max(MARGIN_OF_FEW / points.len() as f64);
+        let margins =
+            DVec3::from_array(size.to_array().map(|size| if size <= thin { thin } else { margin.max(beyond * size) }));
+        let (least, most) = (least - margins, most + margins);
+        let size = most - least;
+        let area = 0.5 * size.dot(DVec3::new(size.y, size.z, size.x));
+        let squares: f64 = points.iter().map(|point| point.radiance * point.radiance * point.area).sum();
+        Some(Patch { cost: (area * squares).sqrt(), points, bounds: [least, most], area })
+    }
+
+    /// Two patches, where these leave clearly less.
+    fn divided(&self) -> Option<[Patch; 2]> {
+        let mut best: Option<[Patch; 2]> = None;
+        let mut lowest = (1.0 - LEAST_GAIN) * self.cost;
+        let [least, most] = self.bounds;
+        for axis in 0..3 {
+            for cut in 1..=CUTS {
+                let cut = least[axis] + (most[axis] - least[axis]) * cut as f64 / (CUTS + 1) as f64;
+                let (below, above): (Vec<_>, Vec<_>) = self.points.iter().partition(|point| point.position[axis] < cut);
+                let (Some(below), Some(above)) = (Patch::new(below), Patch::new(above)) else { continue };
+                let parts = [below, above];
+                let cost = parts[0].cost + parts[1].cost;
+                if cost < lowest {
+                    lowest = cost;
+                    best = Some(parts);
+                }
+            }
+        }
+        best
+    }
+
+    fn surprise(&self) -> f64 {
+        self.points.iter().map(|point| point.surprise).sum()
+    }
+
+    /// The share of bright ones among all points that are in it.
+    fn share_of_bright(&self, points: &[BrightPoint], bright: f64) -> f64 {
+        let [least, most] = self.bounds;
+        let is_inside = |point: &&BrightPoint| point.position.cmpge(least).all() && point.position.cmple(most).all();
+        let (mut inside, mut found) = (0.0_f64, 0.0);
+        for point in points.iter().filter(is_inside) {
+            inside += 1.0;
+            found += f64::from(u8::from(point.radiance >= bright));
+        }
+        found / inside.max(1.0)
+    }
+
+    fn portal(&self) -> Option<Portal> {
+        let power: f64 = self.points.iter().map(|point| point.radiance * point.area).sum();
+        Portal::within(self.bounds, power / self.area)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use radsight_sampling::{DimensionSet, RaySampler};
+
+    /// Points of a floor of 10 × 10, of which two small squares are bright.
+    fn floor() -> Vec<BrightPoint> {
+        let corners = [[1.0, 1.0], [6.0, 7.0]];
+        (0..20_000)
+            .map(|index| {
+                let [x, y, ..] = RaySampler::new(1, index).take(DimensionSet::CAMERA).map(|u| 10.0 * u);
+                let is_bright = corners.iter().any(|[left, low]| (x - left).abs() < 0.25 && (y - low).abs() < 0.25);
+                let radiance = if is_bright { 50.0 } else { 0.5 };
+                let position = DVec3::new(x, y, 0.0);
+                BrightPoint { position, radiance, area: 0.005, surprise: radiance * radiance }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn two_bright_squares_are_two_patches() {
+        let patches = patches(&floor(), 3.0);
+        assert_eq!(patches.len(), 2);
+        for patch in patches {
+            let place = patch.center.truncate();
+            assert!(place.distance(glam::dvec2(1.0, 1.0)) < 0.05 || place.distance(glam::dvec2(6.0, 7.0)) < 0.05);
+            assert!((0.3..0.5).contains(&patch.radius), "{patch:?}");
+        }
+    }
+
+    #[test]
+    fn points_that_are_bright_by_chance_are_no_patch() {
+        let mut points = floor();
+        for (index, point) in points.iter_mut().enumerate() {
+            let radiance = if index % 10 == 0 { 30.0 } else { 0.5 };
+            (point.radiance, point.surprise) = (radiance, radiance * radiance);
+        }
+        assert!(patches(&points, 3.0).is_empty());
+    }
+
+    #[test]
+    fn what_was_expected_is_no_patch() {
+        let mut points = floor();
+        points.iter_mut().for_each(|point| point.surprise = 1.0);
+        assert!(patches(&points, 3.0).is_empty());
+    }
+}

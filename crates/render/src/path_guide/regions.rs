@@ -1,0 +1,260 @@
+//! Regions of points whose surroundings are alike, and what each has learned of the openings that it sees.
+//!
+//! A region is a leaf of a k-d tree over position and normal (Müller et al. 2017 divide space alike). What is learned are
+//! the weights of a mixture: rays by the cosine, and rays towards each opening. They are found by expectation maximisation
+//! over weighted samples (Vorba et al. 2014, with fixed components). An opening's weight changes within a region as
+//! its solid angle and its cosine do; only a factor to that is learned.
+
+use glam::DVec3;
+
+/// A region is divided further while it has more points than this.
+const MOST_POINTS: usize = 48;
+
+/// In the tree a turn of the normal by one radian counts like this share of the extent of all points.
+const TURN: f64 = 0.5;
+
+/// What was believed before counts like so many samples of mean weight.
+const BELIEF: f64 = 16.0;
+
+/// Of the rays of a region so many go towards openings, at least and at most: what is not known yet must be found.
+const CHANCES: [f64; 2] = [0.05, 0.8];
+
+/// No factor is below this share of the largest: what seemed useless may be seen from a part of the region.
+const LEAST_FACTOR: f64 = 0.01;
+
+/// A point with a unit normal, as a point of six dimensions.
+type Coordinates = [f64; 6];
+
+/// The tree over all regions.
+#[derive(Debug)]
+pub(crate) struct Regions {
+    nodes: Vec<Node>,
+    scale: f64,
+    leaves: Vec<Region>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Node {
+    /// Coordinate, where it is cut, and the node above that; the one below comes next.
+    Cut(usize, f64, usize),
+    Leaf(usize),
+}
+
+/// What is known of the openings from one region.
+#[derive(Clone, Debug)]
+pub(crate) struct Region {
+    /// How many times as often as by its size each opening is drawn.
+    pub(crate) factors: Vec<f64>,
+    /// The share of rays that go towards openings.
+    pub(crate) chance: f64,
+}
+
+/// What samples of a region tell of the mixture that drew them.
+#[derive(Clone, Debug)]
+pub(crate) struct Experience {
+    /// Sum of the samples' weights, and how many samples there are.
+    weights: f64,
+    samples: f64,
+    /// The part of that for which rays towards openings are responsible.
+    outward: f64,
+    /// The part of each opening, and the mean share with which it was drawn among openings, summed over samples.
+    parts: Vec<f64>,
+    shares: Vec<f64>,
+}
+
+impl Regions {
+    /// Regions of these points with their unit normals, of which none has learned anything of so many openings.
+    pub(crate) fn new(points: &[(DVec3, DVec3)], openings: usize) -> Regions {
+        let (least, most) = points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, most), (point, _)| {
+            (least.min(*point), most.max(*point))
+        });
+        let scale = (most - least).max_element().max(f64::MIN_POSITIVE).recip();
+        let mut regions = Regions { nodes: Vec::new(), scale, leaves: Vec::new() };
+        let mut coordinates: Vec<Coordinates> =
+            points.iter().map(|(point, normal)| regions.coordinates(*point, *normal)).collect();
+        regions.divide(&mut coordinates);
+        regions.forget(openings);
+        regions
+    }
+
+    /// Begins anew with other openings.
+    pub(crate) fn forget(&mut self, openings: usize) {
+        let unknown = Region { factors: vec![1.0; openings], chance: 0.5 };
+        self.leaves.iter_mut().for_each(|region| *region = unknown.clone());
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.leaves.len()
+    }
+
+    fn coordinates(&self, point: DVec3, normal: DVec3) -> Coordinates {
+        let (point, normal) = (point * self.scale, normal * TURN);
+        [point.x, point.y, point.z, normal.x, normal.y, normal.z]
+    }
+
+    fn divide(&mut self, points: &mut [Coordinates]) {
+        let extent = |axis: usize| {
+            let (least, most) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), point| {
+                (least.min(point[axis]), most.max(point[axis]))
+            });
+            most - least
+        };
+        let axis = (0..6).max_by(|one, two| extent(*one).total_cmp(&extent(*two))).unwrap_or(0);
+        let node = self.nodes.len();
+        if points.len() <= MOST_POINTS || extent(axis) <= 0.0 {
+            self.nodes.push(Node::Leaf(self.leaves.len()));
+            self.leaves.push(Region { factors: Vec::new(), chance: 0.0 });
+            return;
+        }
+        points.sort_unstable_by(|one, two| one[axis].total_cmp(&two[axis]));
+        let cut = points[points.len() / 2][axis];
+        let below = points.partition_point(|point| point[axis] < cut);
+        // Where half of the points have the least coordinate, the others are cut off.
+        let (below, cut) = match below {
+            0 => {
+                let below = points.partition_point(|point| point[axis] <= cut);
+                (below, points[below][axis])
+            }
+            below => (below, cut),
+        };
+        self.nodes.push(Node::Leaf(0));
+        let (low, high) = points.split_at_mut(below);
+        self.divide(low);
+        let above = self.nodes.len();
+        self.divide(high);
+        self.nodes[node] = Node::Cut(axis, cut, above);
+    }
+
+    /// The number of the region of a point with a unit normal.
+    pub(crate) fn find(&self, point: DVec3, normal: DVec3) -> usize {
+        let coordinates = self.coordinates(point, normal);
+        let mut node = 0;
+        loop {
+            match self.nodes[node] {
+                Node::Cut(axis, cut, above) => node = if coordinates[axis] < cut { node + 1 } else { above },
+                Node::Leaf(leaf) => return leaf,
+            }
+        }
+    }
+
+    pub(crate) fn region(&self, index: usize) -> &Region {
+        &self.leaves[index]
+    }
+
+    /// Learns from what each region has experienced.
+    pub(crate) fn learn(&mut self, experiences: &[Experience]) {
+        for (region, experience) in self.leaves.iter_mut().zip(experiences) {
+            region.learn(experience);
+        }
+    }
+}
+
+impl Experience {
+    /// Of no sample yet.
+    pub(crate) fn new(openings: usize) -> Experience {
+        let nothing = vec![0.0; openings];
+        Experience { weights: 0.0, samples: 0.0, outward: 0.0, parts: nothing.clone(), shares: nothing }
+    }
+
+    /// A sample of a weight in a unit direction, and what its density was made of: the share of rays by the cosine times their density, and
+    /// of each opening the number, its share among openings, and that times its density.
+    pub(crate) fn add(
+        &mut self,
+        weight: f64,
+        by_cosine: f64,
+        chance: f64,
+        openings: impl Iterator<Item = (usize, f64, f64)> + Clone,
+    ) {
+        let outward = chance * openings.clone().map(|(_, _, pdf)| pdf).sum::<f64>();
+        let pdf = by_cosine + outward;
+        self.weights += weight;
+        self.samples += 1.0;
+        self.outward += weight * outward / pdf;
+        for (index, share, of_one) in openings {
+            self.parts[index] += weight * chance * of_one / pdf;
+            self.shares[index] += weight * chance * share;
+        }
+    }
+}
+
+impl Region {
+    fn learn(&mut self, experience: &Experience) {
+        let Experience { weights, samples, .. } = *experience;
+        if weights <= 0.0 {
+            return;
+        }
+        let belief = BELIEF * weights / samples;
+        let all = weights + belief;
+        for (factor, (part, share)) in self.factors.iter_mut().zip(experience.parts.iter().zip(&experience.shares)) {
+            if *share > 0.0 {
+                let before = share / weights;
+                *factor *= (part + belief * before) / (all * before);
+            }
+        }
+        let most = self.factors.iter().copied().fold(0.0, f64::max);
+        self.factors.iter_mut().for_each(|factor| *factor = factor.max(LEAST_FACTOR * most));
+        self.chance = ((experience.outward + belief * self.chance) / all).clamp(CHANCES[0], CHANCES[1]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use radsight_sampling::{DimensionSet, RaySampler};
+
+    fn points() -> Vec<(DVec3, DVec3)> {
+        (0..500)
+            .map(|index| {
+                let [x, y, z, _] = RaySampler::new(1, index).take(DimensionSet::CAMERA);
+                let normal = if index % 2 == 0 { DVec3::X } else { -DVec3::X };
+                (DVec3::new(4.0 * x, y, z), normal)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn regions_hold_neighbours_that_face_the_same_way() {
+        let points = points();
+        let regions = Regions::new(&points, 1);
+        assert!((10..=40).contains(&regions.len()), "{} regions", regions.len());
+        let mut counts = vec![[0, 0]; regions.len()];
+        for (point, normal) in &points {
+            counts[regions.find(*point, *normal)][usize::from(normal.x > 0.0)] += 1;
+        }
+        assert!(counts.iter().all(|[one, two]| (one + two <= MOST_POINTS) && (*one == 0 || *two == 0)), "{counts:?}");
+    }
+
+    #[test]
+    fn many_points_at_one_place_are_a_region() {
+        let same = vec![(DVec3::ONE, DVec3::Z); 300];
+        assert_eq!(Regions::new(&same, 2).len(), 1);
+        let mut most = same;
+        most.push((DVec3::ZERO, DVec3::Z));
+        assert_eq!(Regions::new(&most, 2).len(), 2);
+    }
+
+    /// All light comes from the second of two openings, as bright as large; the first is hidden.
+    #[test]
+    fn a_hidden_opening_is_given_up_and_what_shines_is_drawn() {
+        let mut regions = Regions::new(&[(DVec3::ZERO, DVec3::Z)], 2);
+        for _ in 0..8 {
+            let region = regions.region(0).clone();
+            let shares =
+                [region.factors[0], region.factors[1]].map(|factor| factor / region.factors.iter().sum::<f64>());
+            let mut experience = Experience::new(2);
+            for index in 0..400 {
+                // Half of the directions are in each opening, where its density is 2 and that of the cosine 1.
+                let inside = index % 2;
+                let parts = (0..2).map(|opening| {
+                    let density = if opening == inside { 2.0 } else { 0.0 };
+                    (opening, shares[opening], shares[opening] * density)
+                });
+                experience.add(if inside == 1 { 1.0 } else { 0.0 }, 1.0 - region.chance, region.chance, parts);
+            }
+            regions.learn(&[experience]);
+        }
+        let Region { factors, chance } = regions.region(0);
+        assert!(factors[1] > 20.0 * factors[0], "{factors:?}");
+        assert!(*chance > 0.7, "{chance}");
+    }
+}
