@@ -1,7 +1,7 @@
 //! Scene text for intersection tests, without light or materials.
 
 use glam::DVec3;
-use radsight_accel::{Geometry, Ray, ShaderId, ShaderTable, Substance};
+use radsight_accel::{Builder, Geometry, Ray, ShaderId, ShaderTable, Substance};
 use radsight_ir::{Cone, Ring, Scene, Shape, Sphere, Surface, Transform, ValidScene};
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, ReadOptions, read_scene};
@@ -53,7 +53,7 @@ impl Built {
 
     fn of(scene: Scene) -> Built {
         let scene = scene.validate().expect("the scene is valid").scene;
-        let geometry = Geometry::build(&scene, |_, _| Substance::Opaque, |_| true).expect("few surfaces");
+        let geometry = Geometry::build(&scene, |_, _| Substance::Opaque, |_| true, Builder::Quick).expect("few surfaces");
         let shaders = ShaderTable::new((0..=scene.modifiers.len() as u32).map(ShaderId).collect(), Vec::new());
         Built { scene, geometry, shaders }
     }
