@@ -92,6 +92,7 @@ impl Geometry {
 mod tests {
     use super::*;
     use crate::coincident::Substance;
+    use crate::Builder;
     use radsight_ir::{Facing, Scene, Sphere, Surface};
 
     const LAMP: [DVec3; 4] = [
@@ -109,7 +110,7 @@ mod tests {
             scene.surfaces.add(Surface { name, span: None, modifier: None, shape: Shape::Sphere(ball) });
         }
         let scene = scene.validate().unwrap().scene;
-        let geometry = Geometry::build(&scene, |_, _| Substance::Opaque, |_| true).unwrap();
+        let geometry = Geometry::build(&scene, |_, _| Substance::Opaque, |_| true, Builder::Quick).unwrap();
         (scene, geometry)
     }
 

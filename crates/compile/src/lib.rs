@@ -56,7 +56,7 @@ pub use options::{
     Quantity, RayTreeOutput, RenderOptions, Skip, Skipping, TrackedValue, Uncached,
 };
 pub use plan::{PlanDecision, RenderPlan, Sky};
-pub use portals::{MOST_OPENINGS, Portal, PortalForm, Portals, VisiblePortals};
+pub use portals::{MOST_PORTALS, Portal, PortalForm, Portals, VisiblePortals};
 pub use prism::PrismKind;
 pub use reflectors::Reflector;
 pub use refraction::{DielectricInterface, Refracted};

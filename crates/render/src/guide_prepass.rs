@@ -10,7 +10,7 @@ use crate::ray_spacing::RaySpacing;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_accel::Ray;
-use radsight_compile::{MOST_OPENINGS, Portals, RenderPlan};
+use radsight_compile::{MOST_PORTALS, Portals, RenderPlan};
 use radsight_irradiance_cache::{Cache, Record};
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 use radsight_texture::luminance;
@@ -43,7 +43,7 @@ const UNEVEN: f64 = 2.5;
 const WORTHWHILE: f64 = 1.0;
 
 /// No more portals are looked at, so that there is room for patches.
-const MOST_PORTALS: usize = MOST_OPENINGS - ROUNDS_FOR_PATCHES * MOST_PATCHES;
+const MOST_GUIDED_PORTALS: usize = MOST_PORTALS - ROUNDS_FOR_PATCHES * MOST_PATCHES;
 
 /// What is so many times the mean is bright.
 const BRIGHT: f64 = 3.0;
@@ -81,7 +81,7 @@ impl PathGuide {
             return None;
         }
         let places: Vec<(DVec3, DVec3)> = points.iter().map(|point| (point.point, point.normal)).collect();
-        let openings = Portals(plan.portals.0.iter().take(MOST_PORTALS).cloned().collect());
+        let openings = Portals(plan.portals.0.iter().take(MOST_GUIDED_PORTALS).cloned().collect());
         let regions = Regions::new(&places, openings.len());
         let mut guide = PathGuide { openings, regions };
         let first = guide.look(plan, &points, (0..FIRST_LOOKS, u32::MAX));
@@ -143,7 +143,7 @@ impl PathGuide {
         let openings = self.seen_from(point.point, point.normal);
         let chance = openings.as_ref().map_or(0.0, |openings| openings.chance);
         let direction = match &openings {
-            Some(openings) if choice < chance => openings.draw([choice / chance, u, v])?,
+            Some(openings) if choice < chance => openings.sample([choice / chance, u, v])?,
             _ => by_cosine(point.normal, [u, v]),
         };
         let cosine = direction.dot(point.normal);
@@ -190,7 +190,7 @@ impl PathGuide {
         };
         let points: Vec<BrightPoint> = looked.iter().zip(relative).filter_map(point).collect();
         let mut openings = std::mem::take(&mut self.openings.0);
-        let room = MOST_OPENINGS - openings.len();
+        let room = MOST_PORTALS - openings.len();
         openings.extend(patches(&points, BRIGHT).into_iter().take(room));
         self.regions.forget(openings.len());
         self.openings = Portals(openings);
