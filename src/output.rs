@@ -149,8 +149,8 @@ fn refuse_inputs(name: &str, path: &Path) -> Outcome {
             Err(Failure::usage(format!("\"{name}\" is an input and an output, expected another name for the output")))
         }
         Some(input) => {
-            let input = if input == "standard input" { input } else { format!("\"{input}\"") };
-            Err(Failure::usage(format!("\"{name}\" is an output, but it is the same file as the input {input}")))
+            let input = if input == "standard input" { input } else { format!("the input \"{input}\"") };
+            Err(Failure::usage(format!("\"{name}\" is an output, but it is the same file as {input}")))
         }
         None => Ok(()),
     }

@@ -53,7 +53,8 @@ impl Built {
 
     fn of(scene: Scene) -> Built {
         let scene = scene.validate().expect("the scene is valid").scene;
-        let geometry = Geometry::build(&scene, |_, _| Substance::Opaque, |_| true, Builder::Quick).expect("few surfaces");
+        let geometry =
+            Geometry::build(&scene, |_, _| Substance::Opaque, |_| true, Builder::Quick).expect("few surfaces");
         let shaders = ShaderTable::new((0..=scene.modifiers.len() as u32).map(ShaderId).collect(), Vec::new());
         Built { scene, geometry, shaders }
     }

@@ -21,6 +21,8 @@ use std::sync::Arc;
 pub struct Geometry {
     /// The surface of each member; members stand in the order of the hierarchy's slots.
     pub(crate) members: Vec<SurfaceHandle>,
+    /// The members in the order of the quick builder's slots, if that is another one; else empty.
+    listing: Vec<MemberId>,
     /// Their shapes, beside each other for the rays.
     pub(crate) shapes: Vec<Shape>,
     /// Their corners, where all are triangles and many rays are worth a second copy that stands in the order of the slots; else empty.
@@ -93,7 +95,14 @@ impl Geometry {
             geometry.bounds(scene, shape).unwrap_or(Bounds::point(DVec3::ZERO))
         };
         let triangle = |index: usize| triangle_of(scene, scene.surfaces[handles[index]].shape);
-        let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of, triangle, builder);
+        let (hierarchy, order, quick_order) = Hierarchy::build(handles.len(), bounds_of, triangle, builder);
+        if let Some(quick_order) = quick_order {
+            let mut member_of = vec![MemberId(0); order.len()];
+            for (member, item) in order.iter().enumerate() {
+                member_of[*item as usize] = MemberId(member as u32);
+            }
+            geometry.listing = quick_order.into_iter().map(|item| member_of[item as usize]).collect();
+        }
         geometry.nearest = SELF_HIT * hierarchy.bounds().reach();
         geometry.tolerance = coincident::tolerance(hierarchy.bounds().reach());
         geometry.hierarchy = hierarchy;
@@ -112,6 +121,7 @@ impl Geometry {
     fn holding(meshes: Vec<MeshGeometry>, octrees: Vec<Arc<Geometry>>, substance_of: SubstanceOf) -> Geometry {
         Geometry {
             members: Vec::new(),
+            listing: Vec::new(),
             shapes: Vec::new(),
             corners: Vec::new(),
             holders: Vec::new(),
@@ -198,7 +208,12 @@ impl Geometry {
         let members = size_of::<SurfaceHandle>() + size_of::<Shape>();
         let meshes: usize = self.meshes.iter().map(MeshGeometry::bytes).sum();
         let octrees: usize = self.octrees.iter().map(|octree| octree.hierarchy_bytes()).sum();
-        self.hierarchy.bytes() + size_of_val(&*self.corners) + self.members.len() * members + meshes + octrees
+        self.hierarchy.bytes()
+            + size_of_val(&*self.corners)
+            + self.members.len() * members
+            + size_of_val(&*self.listing)
+            + meshes
+            + octrees
     }
 
     /// How many members there are.
@@ -216,6 +231,12 @@ impl Geometry {
     /// The surfaces, by member.
     pub fn members(&self) -> impl Iterator<Item = (MemberId, SurfaceHandle)> {
         self.members.iter().enumerate().map(|(index, handle)| (MemberId(index as u32), *handle))
+    }
+
+    /// The surfaces in an order that does not depend on the builder, for what must not depend on it either.
+    pub fn listed_members(&self) -> impl Iterator<Item = (MemberId, SurfaceHandle)> {
+        let listed = |index: usize| self.listing.get(index).copied().unwrap_or(MemberId(index as u32));
+        (0..self.members.len()).map(move |index| (listed(index), self.surface_of(listed(index))))
     }
 
     /// Whether a member holds no other surfaces, so that its own name is that of its primitive.

@@ -91,13 +91,14 @@ impl Stack {
 }
 
 impl Hierarchy {
-    /// Around items that are numbered from 0, of which some may be triangles; tells also which item is in which slot.
+    /// Builds the hierarchy of items numbered from 0, some of which may be triangles. Also returns the item of each slot, and the
+    /// order in which the quick builder would have put the items, if that is another one.
     pub(crate) fn build(
         count: usize,
         bounds_of: impl Fn(usize) -> Bounds + Sync,
         triangle_of: impl Fn(usize) -> Option<[DVec3; 3]>,
         builder: Builder,
-    ) -> (Hierarchy, Vec<u32>) {
+    ) -> (Hierarchy, Vec<u32>, Option<Vec<u32>>) {
         let all = (0..count).map(&bounds_of);
         let bounds = all.reduce(Bounds::union).unwrap_or(Bounds::point(DVec3::ZERO));
         let center = (bounds.min + bounds.max) * 0.5;
@@ -111,9 +112,11 @@ impl Hierarchy {
             [(min - center - padding).as_vec3(), (max - center + padding).as_vec3()]
         };
         let (mut parts, mut order) = cut(count, leaves, box_of);
+        let mut quick_order = None;
         if builder == Builder::Thorough && radius < LARGEST_CLUSTERED {
             let clustered = cluster(count, leaves, box_of);
             if cost(&clustered.0, leaves) < cost(&parts, leaves) {
+                quick_order = Some(order);
                 (parts, order) = clustered;
             }
         }
@@ -127,7 +130,7 @@ impl Hierarchy {
                 Some(triangle.map(|corner| corner - center))
             });
         }
-        (hierarchy, order)
+        (hierarchy, order, quick_order)
     }
 
     /// Puts what is in each leaf into a block.

@@ -50,6 +50,7 @@ mod outline;
 mod polygon;
 mod ray;
 mod shaft;
+mod shaft_query;
 mod shape;
 mod sphere;
 mod traversal;

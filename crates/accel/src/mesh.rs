@@ -36,7 +36,7 @@ impl MeshGeometry {
     pub(crate) fn build(mesh: &Mesh, builder: Builder) -> MeshGeometry {
         let bounds_of = |index: usize| bounds(mesh, mesh.triangles[index].vertices);
         let triangle_of = |index: usize| Some(corners(mesh, mesh.triangles[index].vertices));
-        let (hierarchy, order) = Hierarchy::build(mesh.triangles.len(), bounds_of, triangle_of, builder);
+        let (hierarchy, order, _) = Hierarchy::build(mesh.triangles.len(), bounds_of, triangle_of, builder);
         let slots: Vec<([u32; 3], u32)> =
             order.into_iter().map(|index| (mesh.triangles[index as usize].vertices, index)).collect();
         let nearest = SELF_HIT * hierarchy.bounds().reach();

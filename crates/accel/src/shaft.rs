@@ -1,14 +1,8 @@
-//! Shaft culling: whether anything reaches into the pyramid between a point and a flat cover of what it looks at.
+//! The pyramid of all rays between a point and a convex quadrangle.
 //!
-//! Haines and Wallace, "Shaft Culling for Efficient Ray-Traced Radiosity", Eurographics Workshop on Rendering 1991. One search of the
-//! hierarchy stands for all rays from the point to the cover; it may say that something is in the way where nothing is, never the
-//! other way round.
+//! Haines and Wallace, "Shaft Culling for Efficient Ray-Traced Radiosity", Eurographics Workshop on Rendering 1991.
 
-use crate::bounds::Bounds;
-use crate::geometry::Geometry;
-use crate::ids::{MemberId, PrimitiveId};
 use glam::{DVec3, Vec3};
-use radsight_ir::{Shape, ValidScene};
 
 /// Four sides, the base and the plane through the apex.
 pub(crate) const SIDES: usize = 6;
@@ -16,7 +10,7 @@ pub(crate) const SIDES: usize = 6;
 /// The base among the sides.
 const BASE: usize = 4;
 
-/// A cover that is seen under less than this sine has no shaft.
+/// Smallest sine of the angle between the quadrangle's plane and the direction to it.
 const LEAST_SINE: f64 = 1e-6;
 
 /// A pyramid from a point to a convex quadrangle.
@@ -28,7 +22,7 @@ pub struct Shaft {
 }
 
 impl Shaft {
-    /// From a point to the corners of a convex quadrangle, one after the other; none where the point is all but in its plane.
+    /// The shaft from a point to the corners of a convex quadrangle, in order; `None` if the point is nearly in its plane.
     #[must_use]
     pub fn new(apex: DVec3, corners: [DVec3; 4]) -> Option<Shaft> {
         let corners = corners.map(|corner| corner - apex);
@@ -56,122 +50,10 @@ impl Shaft {
     }
 
     /// Whether all points are outside of one side. Those on a side count as outside, those on the base as inside.
-    fn leaves_out(&self, points: &[DVec3], tolerance: f64) -> bool {
+    pub(crate) fn leaves_out(&self, points: &[DVec3], tolerance: f64) -> bool {
         self.sides.iter().enumerate().any(|(index, (normal, offset))| {
             let slack = if index == BASE { -tolerance } else { tolerance };
             points.iter().all(|point| normal.dot(*point - self.apex) - offset < slack)
         })
-    }
-}
-
-impl Geometry {
-    /// Whether anything may reach into a shaft but the two primitives that it runs between.
-    #[must_use]
-    pub fn reaches_into(&self, scene: &ValidScene, shaft: &Shaft, ends: [Option<PrimitiveId>; 2]) -> bool {
-        self.hierarchy.any_in(shaft, |slot| {
-            let member = MemberId(slot);
-            let is_end = self.is_plain(member) && ends.contains(&Some(member.primitive()));
-            !is_end && !self.is_outside(scene, shaft, member)
-        })
-    }
-
-    fn is_outside(&self, scene: &ValidScene, shaft: &Shaft, member: MemberId) -> bool {
-        match self.shapes[member.0 as usize] {
-            Shape::Polygon { start, count } => {
-                shaft.leaves_out(&scene.vertices[start as usize..][..count as usize], self.tolerance)
-            }
-            shape => {
-                let bounds = self.bounds(scene, shape).map(Bounds::corners);
-                bounds.is_none_or(|corners| shaft.leaves_out(&corners, self.tolerance))
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::coincident::Substance;
-    use crate::Builder;
-    use radsight_ir::{Facing, Scene, Sphere, Surface};
-
-    const LAMP: [DVec3; 4] = [
-        DVec3::new(-1.0, -1.0, 2.0),
-        DVec3::new(1.0, -1.0, 2.0),
-        DVec3::new(1.0, 1.0, 2.0),
-        DVec3::new(-1.0, 1.0, 2.0),
-    ];
-
-    fn scene(balls: &[(DVec3, f64)]) -> (ValidScene, Geometry) {
-        let mut scene = Scene::default();
-        let name = scene.names.add("ball");
-        for &(center, radius) in balls {
-            let ball = scene.spheres.add(Sphere { center, radius, facing: Facing::Outward });
-            scene.surfaces.add(Surface { name, span: None, modifier: None, shape: Shape::Sphere(ball) });
-        }
-        let scene = scene.validate().unwrap().scene;
-        let geometry = Geometry::build(&scene, |_, _| Substance::Opaque, |_| true, Builder::Quick).unwrap();
-        (scene, geometry)
-    }
-
-    fn reaches_in(balls: &[(DVec3, f64)]) -> bool {
-        let (scene, geometry) = scene(balls);
-        geometry.reaches_into(&scene, &Shaft::new(DVec3::ZERO, LAMP).unwrap(), [None; 2])
-    }
-
-    #[test]
-    fn what_stands_between_reaches_in() {
-        assert!(reaches_in(&[(DVec3::new(0.0, 0.0, 1.0), 0.1)]));
-        assert!(reaches_in(&[(DVec3::new(0.55, 0.0, 1.0), 0.1)]));
-        assert!(reaches_in(&[(DVec3::new(-0.9, 0.9, 2.0), 0.05)]));
-    }
-
-    #[test]
-    fn what_is_beside_behind_or_below_does_not() {
-        let beside = (DVec3::new(0.8, 0.0, 1.0), 0.1);
-        let beyond = (DVec3::new(0.0, 0.0, 2.5), 0.3);
-        let below = (DVec3::new(0.0, 0.0, -0.5), 0.3);
-        assert!(!reaches_in(&[beside, beyond, below]));
-    }
-
-    #[test]
-    fn the_ends_do_not_count() {
-        let (scene, geometry) = scene(&[(DVec3::new(0.0, 0.0, 1.0), 0.1)]);
-        let shaft = Shaft::new(DVec3::ZERO, LAMP).unwrap();
-        assert!(!geometry.reaches_into(&scene, &shaft, [None, Some(PrimitiveId(0))]));
-    }
-
-    #[test]
-    fn a_point_in_the_plane_of_the_cover_has_no_shaft() {
-        assert!(Shaft::new(DVec3::new(3.0, 0.0, 2.0), LAMP).is_none());
-    }
-
-    /// No ray to the cover meets anything where nothing reaches in.
-    #[test]
-    fn an_empty_shaft_lets_all_rays_through() {
-        let mut state = 1_u32;
-        let mut random = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1_u32 << 24)
-        };
-        let mut empty = 0;
-        for _ in 0..400 {
-            let balls: [(DVec3, f64); 3] = std::array::from_fn(|_| {
-                (DVec3::new(3.0 * random() - 1.5, 3.0 * random() - 1.5, 2.0 * random()), 0.2 * random())
-            });
-            let (scene, geometry) = scene(&balls);
-            let shaft = Shaft::new(DVec3::ZERO, LAMP).unwrap();
-            if geometry.reaches_into(&scene, &shaft, [None; 2]) {
-                continue;
-            }
-            empty += 1;
-            for _ in 0..64 {
-                let target = DVec3::new(2.0 * random() - 1.0, 2.0 * random() - 1.0, 2.0);
-                let ray = crate::Ray::new(DVec3::ZERO, target).unwrap();
-                let met = geometry.distance(&scene, &ray);
-                assert!(met.is_none_or(|distance| distance > target.length()), "{balls:?} {target}");
-            }
-        }
-        assert!(empty > 40, "{empty} of 400 are empty");
     }
 }

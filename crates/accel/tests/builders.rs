@@ -146,6 +146,9 @@ fn rays_meet_the_same_bits_whoever_builds() {
         .map(|builder| Geometry::build(&scene, substance, |_| true, builder).expect("few surfaces"));
     let order = |geometry: &Geometry| geometry.members().map(|(_, surface)| surface.index()).collect::<Vec<_>>();
     assert_ne!(order(&quick), order(&thorough), "the builders should differ");
+    let listed =
+        |geometry: &Geometry| geometry.listed_members().map(|(_, surface)| surface.index()).collect::<Vec<_>>();
+    assert_eq!((listed(&quick), listed(&thorough)), (order(&quick), order(&quick)));
     let [quick, thorough] = [quick, thorough].map(|geometry| told(&mut Numbers(7), &scene, &geometry));
     assert!(quick.iter().filter(|(hit, _)| hit.is_some()).count() > 1000);
     let differing = quick.iter().zip(&thorough).filter(|(one, other)| one != other).count();

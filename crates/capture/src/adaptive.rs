@@ -13,7 +13,7 @@ use crate::mirrored_lights::PixelImages;
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
 use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// No pixel gets more samples: what one scramble of the sequence holds.
 pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
@@ -90,7 +90,7 @@ impl Exposer<'_> {
         let work = Work::new(self, progress, &state.pixels);
         let is_new = state.pixels.iter().all(|pixel| pixel.samples == 0);
         let sparse = if is_new { work.sparse(&mut state, error) } else { None };
-        if sparse.is_none() {
+        if sparse.is_none() && !work.is_on_lattice.load(Ordering::Relaxed) {
             work.begin(&mut state);
         }
         let pixels_done = state.pixels.iter().filter(|pixel| pixel.samples > 0).count();
@@ -112,12 +112,12 @@ impl Exposer<'_> {
         let estimated_error = estimate.as_ref().map(Estimate::relative_error);
         Exposure {
             values,
-            rays: work.traced.into_inner(),
+            rays: work.traced.load(Ordering::Relaxed) - work.discarded.load(Ordering::Relaxed),
             estimated_error,
             pixels_done: pixels_done as u64,
             is_partial: progress.stops() && estimated_error.is_none_or(|reached| reached > error),
             pixels: estimate.map(|estimate| estimate.statistics(scale)),
-            checkpoint: Checkpoint(State::Adaptive(state)),
+            checkpoint: work.checkpoint(state),
         }
     }
 }
@@ -129,7 +129,11 @@ pub(crate) struct Work<'a> {
     pub(crate) images: PixelImages,
     pub(crate) progress: &'a dyn Progress,
     traced: AtomicU64,
+    /// Traced rays on which no pixel rests: those of a lattice that was given up, and those that audited one.
+    pub(crate) discarded: AtomicU64,
     planned: AtomicU64,
+    /// Whether some pixels of a lattice are being exposed instead of all.
+    pub(crate) is_on_lattice: AtomicBool,
 }
 
 impl<'a> Work<'a> {
@@ -142,7 +146,9 @@ impl<'a> Work<'a> {
             images: images(exposer),
             progress,
             traced: AtomicU64::new(traced),
+            discarded: AtomicU64::new(0),
             planned: AtomicU64::new(traced + first),
+            is_on_lattice: AtomicBool::new(false),
         }
     }
 
@@ -272,7 +278,14 @@ impl<'a> Work<'a> {
     }
 
     pub(crate) fn save(&self, state: &AdaptiveState) {
-        self.progress.save(Checkpoint(State::Adaptive(state.clone())));
+        self.progress.save(self.checkpoint(state.clone()));
+    }
+
+    /// The checkpoint of a state. A lattice of pixels takes seconds and depends on no more than the seed, so its checkpoint is an empty
+    /// one: a resumed exposure begins the same lattice again and ends with the same bits.
+    fn checkpoint(&self, state: AdaptiveState) -> Checkpoint {
+        let is_on_lattice = self.is_on_lattice.load(Ordering::Relaxed);
+        Checkpoint(State::Adaptive(if is_on_lattice { state.restarted() } else { state }))
     }
 
     /// Sums of radiance·cos⁴ over some of a pixel's samples; every pixel has a scramble of the sequence of its own.

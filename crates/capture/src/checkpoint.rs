@@ -45,6 +45,17 @@ pub(crate) struct AdaptiveState {
     pub(crate) bands: usize,
 }
 
+impl AdaptiveState {
+    /// The state before the first sample.
+    pub(crate) fn restarted(self) -> AdaptiveState {
+        AdaptiveState {
+            pixels: vec![Pixel::default(); self.pixels.len()],
+            bands: self.bands,
+            ..AdaptiveState::default()
+        }
+    }
+}
+
 /// Why bytes are no checkpoint of an exposure.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 #[non_exhaustive]

@@ -63,7 +63,7 @@ impl Exposer<'_> {
 pub struct Exposure {
     /// E_pixel in J/m², in scanline order from the top left.
     pub values: Vec<f64>,
-    /// Rays that were traced from the camera.
+    /// Rays from the camera on which the exposure rests.
     pub rays: u64,
     /// Estimated rms error over the pixels as a share of the mean exposure, where it was estimated.
     pub estimated_error: Option<f64>,

@@ -16,6 +16,7 @@ use crate::sparse_estimate::SparseEstimate;
 use radsight_pinhole::Hole;
 use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
 use rayon::prelude::*;
+use std::sync::atomic::Ordering;
 
 /// Where more than this share of the pixels beside edges is to be exposed, all pixels are: the adaptive sampler then needs fewer rays.
 const MOST_NODES: f64 = 0.06;
@@ -76,10 +77,11 @@ impl Sparse {
 }
 
 impl Work<'_> {
-    /// Exposes some pixels and interpolates the others, until the error is what it is to be. `None` where that is not worth it, with no
-    /// samples kept, or where it was stopped: then some pixels have samples and others none.
+    /// Exposes some pixels and interpolates the others, until the error is what it is to be. `None` if that is not worth it, with no
+    /// samples kept, or if it was stopped: then some pixels have samples and others none, and the checkpoint is empty.
     pub(crate) fn sparse(&self, state: &mut AdaptiveState, error: f64) -> Option<Estimate> {
         let mut sparse = self.lattice().filter(|sparse| !sparse.is_dense())?;
+        self.is_on_lattice.store(true, Ordering::Relaxed);
         let mut audits = 0;
         while state.passes < MAX_PASSES {
             self.expose_nodes(state, &sparse.nodes);
@@ -98,7 +100,11 @@ impl Work<'_> {
             if refined.is_empty() && needed.is_empty() {
                 let found = if audits < MOST_AUDITS { self.audit(&sparse, &estimate, audits) } else { Vec::new() };
                 audits += 1;
+                if self.progress.stops() {
+                    return None;
+                }
                 if found.is_empty() {
+                    self.is_on_lattice.store(false, Ordering::Relaxed);
                     return Some(take_over(state, &sparse, &estimate));
                 }
                 sparse.refine(found);
@@ -110,10 +116,13 @@ impl Work<'_> {
             }
             for pending in needed {
                 state.pending = pending;
-                self.double_all(state);
+                self.double(state);
             }
         }
-        *state = AdaptiveState { pixels: vec![Pixel::default(); state.pixels.len()], ..AdaptiveState::default() };
+        self.is_on_lattice.store(false, Ordering::Relaxed);
+        let given_up = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        self.discarded.fetch_add(given_up, Ordering::Relaxed);
+        *state = std::mem::take(state).restarted();
         None
     }
 
@@ -154,14 +163,6 @@ impl Work<'_> {
         );
     }
 
-    /// Doubles the pending pixels. A checkpoint that is wanted in between has what is done; who goes on with it exposes every pixel.
-    fn double_all(&self, state: &mut AdaptiveState) {
-        self.double(state);
-        if self.progress.wants_checkpoint() {
-            self.save(state);
-        }
-    }
-
     /// Compares what was interpolated with rays of its own, and says which cells have to be how fine.
     fn audit(&self, sparse: &Sparse, estimate: &SparseEstimate, round: u32) -> Vec<(usize, u8)> {
         let chosen = self.audited_pixels(sparse, round);
@@ -172,6 +173,7 @@ impl Work<'_> {
                 || self.exposer.workers(),
                 |worker, pixel| {
                     self.report(1);
+                    self.discarded.fetch_add(1, Ordering::Relaxed);
                     (pixel, self.sums(worker, pixel, 0..1).whole)
                 },
             )

@@ -111,7 +111,7 @@ fn collect_virtual_surfaces<'a>(
     virtual_source: &impl Fn(SurfaceHandle) -> &'a Shader,
 ) -> Vec<VirtualSourceSurface<'a>> {
     geometry
-        .members()
+        .listed_members()
         .filter_map(|(member, surface)| {
             let prism = match &virtual_source(surface).kind {
                 Kind::Mirror { .. } => None,

@@ -29,7 +29,7 @@ impl Portals {
         let has_sky = plan.sky.iter().any(|sky| !is_sampled(plan, sky.surface));
         let mut candidates: Vec<(MemberId, SurfaceHandle, LightForm)> = plan
             .geometry
-            .members()
+            .listed_members()
             .filter(|(member, handle)| plan.geometry.is_plain(*member) && can_admit_light(plan, *handle, has_sky))
             .filter_map(|(member, handle)| {
                 let form = LightForm::new(&plan.scene, plan.scene.surfaces[handle].shape)?;

@@ -65,7 +65,7 @@ pub(crate) fn find_reflectors<'a>(
         shape => mirrors(&shader(handle).kind, is_flat(shape)),
     };
     let mirrors: Vec<SurfaceHandle> =
-        geometry.members().map(|(_, handle)| handle).filter(|handle| is_mirror(*handle)).collect();
+        geometry.listed_members().map(|(_, handle)| handle).filter(|handle| is_mirror(*handle)).collect();
     let bounds = |handle: &SurfaceHandle| geometry.bounds(scene, scene.surfaces[*handle].shape);
     if mirrors.len() > MOST {
         let around = |a: Bounds, b: Bounds| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) };
