@@ -9,7 +9,9 @@ import threading
 import pytest
 
 START = """
-import numpy as np, radsight, sys
+import numpy as np, radsight, signal, sys
+# A shell's background jobs start with the signal ignored, and so do their children.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 text = '''void light lamp 0 0 3 100 100 100
 void plastic grey 0 0 5 .5 .4 .3 0 0
 lamp ring bulb 0 0 8 0 0 4 0 0 -1 0 .5
