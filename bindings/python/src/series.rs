@@ -1,7 +1,7 @@
 //! Series of captures of nearly one scene.
 
 use crate::capture::{Capture, CapturedImage};
-use crate::errors::{exception, wrong};
+use crate::errors::{RadsightError, exception};
 use crate::scene::{Scene, scene_builder};
 use crate::supervise::{Watch, stopped, supervised};
 use pyo3::prelude::*;
@@ -58,7 +58,8 @@ impl SeriesPicture {
     #[pyo3(signature = (capture, moves=BTreeMap::new(), name=String::new()))]
     fn new(capture: Py<Capture>, moves: BTreeMap<String, String>, name: String) -> PyResult<SeriesPicture> {
         let part = |(surfaces, words): (&String, &String)| {
-            PartMove::new(surfaces, words).map_err(|mistake| wrong(&format!("the move of {surfaces}"), words, &mistake))
+            PartMove::new(surfaces, words)
+                .map_err(|mistake| RadsightError::new_err(format!("the move \"{words}\" of {surfaces}: {mistake}")))
         };
         let moves = moves.iter().map(part).collect::<PyResult<_>>()?;
         Ok(SeriesPicture { name, capture, keys: BTreeMap::new(), moves })

@@ -88,5 +88,5 @@ def test_mistakes_in_jobs_have_their_place():
     assert "^" in str(raised.value)
     with pytest.raises(radsight.RadsightError, match="samples is 0"):
         radsight.RenderJob(samples=0, view=VIEW, columns=8, rows=8)
-    with pytest.raises(radsight.RadsightError, match="no part"):
+    with pytest.raises(radsight.RadsightError, match="not part of this picture"):
         radsight.JobResult.from_bytes(b"nothing")

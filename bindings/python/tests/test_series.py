@@ -43,7 +43,7 @@ def test_parts_that_move_are_elsewhere_in_the_picture(scene):
     # The same as a ball that is there from the start.
     there = radsight.Scene([("ball.rad", text.replace("0 0 .01 .008", ".02 0 .01 .008").encode()), ("sky.rad", lit.__reduce__()[1][0][1][1])])
     np.testing.assert_array_equal(moved, camera.expose(there).exposure_j_per_m2)
-    with pytest.raises(radsight.RadsightError, match="keeps its size"):
+    with pytest.raises(radsight.RadsightError, match="rigid"):
         radsight.SeriesPicture(camera, {"ball": "-s 2"})
 
 

@@ -319,7 +319,8 @@ fn samples_to_double(estimate: &SparseEstimate, allowed: f64) -> Vec<Vec<usize>>
 /// Gives the pixels that were not exposed what was interpolated, as if of as many samples as the nodes around them have: whoever goes on with
 /// them sees their errors and doubles them as any others.
 fn take_over(state: &mut AdaptiveState, sparse: &Sparse, estimate: &SparseEstimate) -> Estimate {
-    let mean = estimate.mean();
+    // Cubic interpolation can undershoot beside a dark part; no exposure is below zero.
+    let mean = estimate.values.iter().map(|value| value.max(0.0)).sum::<f64>() / estimate.values.len() as f64;
     let unit = (mean * mean).recip();
     let samples: u64 = estimate.nodes.iter().map(|(_, error)| u64::from(error.samples)).sum();
     let samples = ((samples / estimate.nodes.len().max(1) as u64).max(1) as u32).next_power_of_two().min(MAX_SAMPLES);
