@@ -295,12 +295,12 @@ pub fn job(bytes: &[u8]) {
         let again = RenderJob::from_json("again.json", job.to_json().as_bytes());
         assert_eq!(again.expect("what was read is a job"), job);
         let _ = job.picture_size();
-        let _ = job.split(3, 7);
+        let _ = (job.split(3, [5, 7]), job.split_tiles([2, 3], [5, 7]), job.split_rays(3, 7));
     }
     if let Ok(part) = JobResult::from_bytes("part.mtx", bytes)
         && part.size[0] * part.size[1] * part.components <= MOST_NUMBERS
         && let Ok(merged) = MergedJob::of(&[part])
     {
-        let _ = (merged.missing_rows(), merged.relative_error());
+        let _ = (merged.missing(), merged.relative_error());
     }
 }
