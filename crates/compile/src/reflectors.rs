@@ -34,7 +34,7 @@ impl Reflector {
             .then(|| (offset / distance, self.radius / (distance * distance - self.radius * self.radius).sqrt()))
     }
 
-    /// Whether part of it may be within [`REACH`] of the unit direction from a point.
+    /// Whether part of it may be within 0.1 rad of the unit direction from a point.
     #[inline]
     #[must_use]
     pub fn is_near(&self, from: DVec3, direction: DVec3) -> bool {
