@@ -277,7 +277,7 @@ void metal brass 0 0 5 .7 .5 .2 .9 0
 brass sphere bowl 0 0 4 2 2 1 .6
 ";
 
-const GLANCES: [&str; 9] = [
+const VIEW_RAYS: [&str; 9] = [
     "0 -.3 4 .1 .1 -1\n",
     "1.6 .1 1 1 .13 .11\n",
     "-2 -3 1.2 .03 1 .02\n",
@@ -314,7 +314,7 @@ fn trees_of_rays_are_those_of_real_rtrace() {
         &["-oTmL", "-te", "pane"],
     ];
     for words in cases {
-        for rays in GLANCES {
+        for rays in VIEW_RAYS {
             let [ours, theirs] = compare_rays(&radiance, words, rays);
             same_words(&ours, &theirs, &[words, &[rays]].concat());
         }
@@ -325,11 +325,11 @@ fn trees_of_rays_are_those_of_real_rtrace() {
 fn mirror_images_are_distinguished_as_in_real_rtrace() {
     let Some(radiance) = Radiance::find() else { return };
     for words in [["-orR"], ["-oxX"], ["-oRXvrx"]] {
-        let [ours, theirs] = compare_rays(&radiance, &words, &GLANCES.concat());
+        let [ours, theirs] = compare_rays(&radiance, &words, &VIEW_RAYS.concat());
         same_words(&ours, &theirs, &words);
     }
     // A flat mirror has its image behind it, and glass shows the pattern of the surface behind it.
-    let [ours, _] = compare_rays(&radiance, &["-oRX", "-pY"], GLANCES[1]);
+    let [ours, _] = compare_rays(&radiance, &["-oRX", "-pY"], VIEW_RAYS[1]);
     assert!(String::from_utf8_lossy(&ours).split_whitespace().all(|word| word.parse::<f64>().is_ok()));
 }
 

@@ -9,7 +9,7 @@ use crate::table::Table;
 /// figure.
 ///
 /// Extrapolation assumes time in proportion to 1/error², as for independent unbiased samples. This
-/// favours Radiance: it folds a light's extent into the highlight's width, and a bias does not
+/// makes Radiance look faster: it folds a light's extent into the highlight's width, and a bias does not
 /// decrease with more rays.
 pub(crate) fn report(runs: &[Run], figures: &[Figure]) -> String {
     let heading = ["figure", "rtrace", "at error %", "rtrace s", "--samples s", "ratio", "--error s", "ratio", "note"];

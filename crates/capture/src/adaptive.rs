@@ -8,7 +8,7 @@
 //! than an edge.
 
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
-use crate::fixed::{MOST_BANDS, radiance, radiance_apart};
+use crate::fixed::{MOST_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
 use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
@@ -86,8 +86,8 @@ impl Exposer<'_> {
         };
         let camera = self.rays.camera();
         state.pixels.resize(camera.pixel_count() as usize, Pixel::default());
-        state.bands = self.rays.bands_apart(self.weights).map_or(0, |bands| bands.min(MOST_BANDS));
         let work = Work::new(self, progress, &state.pixels);
+        state.bands = work.bands;
         let is_new = state.pixels.iter().all(|pixel| pixel.samples == 0);
         let sparse = if is_new { work.sparse(&mut state, error) } else { None };
         if sparse.is_none() && !work.is_on_lattice.load(Ordering::Relaxed) {
@@ -142,7 +142,7 @@ impl<'a> Work<'a> {
         let first = pixels.iter().filter(|pixel| pixel.samples == 0).count() as u64 * u64::from(FIRST_SAMPLES);
         Work {
             exposer,
-            bands: exposer.rays.bands_apart(exposer.weights).map_or(0, |bands| bands.min(MOST_BANDS)),
+            bands: bands_apart(exposer.rays, exposer.weights),
             images: images(exposer),
             progress,
             traced: AtomicU64::new(traced),

@@ -1,7 +1,7 @@
 //! What is done of an exposure, to be saved and gone on with to the same bits.
 
 use crate::adaptive::{MAX_SAMPLES, Pixel};
-use crate::fixed::MOST_BANDS;
+use crate::fixed::bands_apart;
 use radsight_pinhole::{BandWeights, Rays};
 use std::fmt;
 
@@ -121,7 +121,7 @@ impl Checkpoint {
         rays: &Rays,
         weights: &BandWeights,
     ) -> Result<Checkpoint, CheckpointError> {
-        let bands = rays.bands_apart(weights).map_or(0, |bands| bands.min(MOST_BANDS));
+        let bands = bands_apart(rays, weights);
         let counts = [rays.camera().pixel_count() as usize, rays.cells() as usize];
         Self::of_counts(bytes, key, counts, bands)
     }

@@ -159,6 +159,11 @@ impl Exposer<'_> {
 /// The most bands of a renderer.
 pub(crate) const MOST_BANDS: usize = 3;
 
+/// Number of bands that are kept apart; 0 if they add up ray by ray.
+pub(crate) fn bands_apart(rays: &Rays, weights: &BandWeights) -> usize {
+    rays.bands_apart(weights).map_or(0, |bands| bands.min(MOST_BANDS))
+}
+
 /// The radiance of ray number `index`, which goes to a pixel, bands added up.
 #[inline]
 pub(crate) fn radiance(
@@ -185,7 +190,7 @@ pub(crate) fn radiance_apart(
     ray: &CameraRay,
     weights: &BandWeights,
 ) -> [f64; MOST_BANDS] {
-    let kept = rays.bands_apart(weights).unwrap_or(0).min(MOST_BANDS);
+    let kept = bands_apart(rays, weights);
     let known = weights.as_slice().len().min(MOST_BANDS);
     let keep = |value: [f64; MOST_BANDS]| {
         let mut bands = [0.0; MOST_BANDS];

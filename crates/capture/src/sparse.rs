@@ -24,7 +24,7 @@ const MOST_NODES: f64 = 0.06;
 /// The part of the squared error that interpolation may make.
 const INTERPOLATION: f64 = 0.25;
 
-/// Cells are refined for small misfits once noise is no more than so many times what it may be.
+/// Cells are refined for small interpolation errors once noise is no more than so many times what it may be.
 const QUIET: f64 = 2.0;
 
 /// A pixel in each square of so many pixels a side is audited.
@@ -282,11 +282,11 @@ fn cells_to_refine(sparse: &Sparse, estimate: &SparseEstimate, allowed: f64) -> 
     }
     let is_quiet = noise <= QUIET * allowed;
     let is_candidate = |cell: &usize| {
-        let misfit = &estimate.misfits[*cell];
-        misfit.error() > 0.0 && (is_quiet || misfit.is_significant())
+        let residual = &estimate.residuals[*cell];
+        residual.error() > 0.0 && (is_quiet || residual.is_significant())
     };
     let mut worst: Vec<usize> = (0..sparse.levels.len()).filter(is_candidate).collect();
-    worst.sort_by(|a, b| estimate.misfits[*b].error().total_cmp(&estimate.misfits[*a].error()));
+    worst.sort_by(|a, b| estimate.residuals[*b].error().total_cmp(&estimate.residuals[*a].error()));
     let mut left = bias * estimate.values.len() as f64;
     let enough = 0.5 * INTERPOLATION * allowed * estimate.values.len() as f64;
     let mut refined = Vec::new();
@@ -294,7 +294,7 @@ fn cells_to_refine(sparse: &Sparse, estimate: &SparseEstimate, allowed: f64) -> 
         if left <= enough {
             break;
         }
-        left -= estimate.misfits[cell].error() * sparse.lattice.pixels(cell).count() as f64;
+        left -= estimate.residuals[cell].error() * sparse.lattice.pixels(cell).count() as f64;
         refined.push((cell, sparse.levels[cell] + 1));
     }
     refined

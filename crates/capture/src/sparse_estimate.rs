@@ -8,7 +8,7 @@ use radsight_sampling::PixelError;
 /// 16² with the stride, one with a kink by 4²; the profiles of lamps have kinks that the hole and the lamp blur.
 const FALL: f64 = 1.0 / 16.0;
 
-/// A cell is known to be interpolated badly where its misfit is so many times that of noise.
+/// A cell is known to be interpolated badly where its residual is so many times that of noise.
 const SIGNIFICANT: f64 = 9.0;
 
 /// The mean of the squared weights by which a pixel is interpolated along both axes: so much of a node's variance comes to each pixel.
@@ -16,14 +16,14 @@ const SPREAD: f64 = 0.6;
 
 /// How well the level before says what the nodes of a cell are.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Misfit {
+pub(crate) struct InterpolationResidual {
     /// Mean squared difference.
     squared: f64,
     /// What noise alone makes of it.
     noise: f64,
 }
 
-impl Misfit {
+impl InterpolationResidual {
     /// The squared error of what is interpolated in the cell.
     pub(crate) fn error(&self) -> f64 {
         FALL * self.squared
@@ -47,7 +47,7 @@ pub(crate) struct SparseEstimate {
     /// The nodes, with what their noise adds to the sum of squared errors over all pixels.
     pub(crate) nodes: Vec<(usize, PixelError)>,
     /// Of each cell.
-    pub(crate) misfits: Vec<Misfit>,
+    pub(crate) residuals: Vec<InterpolationResidual>,
 }
 
 impl SparseEstimate {
@@ -59,12 +59,12 @@ impl SparseEstimate {
         let mut noise = vec![0.0; values.len()];
         errors.iter().for_each(|(pixel, error)| noise[*pixel] = error.squared);
         lattice.fill(&mut noise, nodes, |weight| weight * weight);
-        let misfits: Vec<Misfit> =
-            (0..levels.len()).map(|cell| misfit(lattice, (cell, levels[cell]), &values, &noise)).collect();
+        let residuals: Vec<InterpolationResidual> =
+            (0..levels.len()).map(|cell| residual(lattice, (cell, levels[cell]), &values, &noise)).collect();
         let mut bias = vec![0.0_f64; values.len()];
-        for (cell, misfit) in misfits.iter().enumerate() {
+        for (cell, residual) in residuals.iter().enumerate() {
             for (pixel, _) in lattice.pixels(cell).filter(|(pixel, _)| nodes[*pixel] == 0) {
-                bias[pixel] = bias[pixel].max(misfit.error());
+                bias[pixel] = bias[pixel].max(residual.error());
             }
         }
         let weigh = |(pixel, error): (usize, PixelError)| {
@@ -73,7 +73,7 @@ impl SparseEstimate {
             (pixel, PixelError { squared: spread * error.squared, ..error })
         };
         let nodes = errors.into_iter().map(weigh).collect();
-        SparseEstimate { values, noise, bias, nodes, misfits }
+        SparseEstimate { values, noise, bias, nodes, residuals }
     }
 
     pub(crate) fn mean(&self) -> f64 {
@@ -104,20 +104,20 @@ fn node_errors(lattice: &Lattice, nodes: &[u8], pixels: &[Pixel]) -> Vec<(usize,
     nodes.iter().enumerate().filter(|(_, level)| **level > 0).map(of_node).collect()
 }
 
-fn misfit(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise: &[f64]) -> Misfit {
+fn residual(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise: &[f64]) -> InterpolationResidual {
     if level == lattice.finest() {
-        return Misfit::default();
+        return InterpolationResidual::default();
     }
-    let (mut misfit, mut count) = (Misfit::default(), 0.0);
+    let (mut residual, mut count) = (InterpolationResidual::default(), 0.0);
     for (pixel, _) in lattice.pixels(cell).filter(|(_, rank)| *rank == level) {
         let Some(predicted) = lattice.predicted(pixel, values, |weight| weight) else { continue };
         let expected = lattice.predicted(pixel, noise, |weight| weight * weight).unwrap_or(0.0);
-        misfit.squared += (values[pixel] - predicted).powi(2);
-        misfit.noise += noise[pixel] + expected;
+        residual.squared += (values[pixel] - predicted).powi(2);
+        residual.noise += noise[pixel] + expected;
         count += 1.0;
     }
     let count = f64::max(count, 1.0);
-    Misfit { squared: misfit.squared / count, noise: misfit.noise / count }
+    InterpolationResidual { squared: residual.squared / count, noise: residual.noise / count }
 }
 
 /// Sums over rectangles of pixels.
