@@ -12,7 +12,7 @@ use glam::DVec3;
 use radsight_accel::Ray;
 use radsight_compile::{MOST_PORTALS, Portals, RenderPlan};
 use radsight_irradiance_cache::{Cache, Record};
-use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
+use radsight_sampling::{DimensionSet, RaySampler, cosine_hemisphere};
 use radsight_texture::luminance;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI};
@@ -81,9 +81,9 @@ impl PathGuide {
             return None;
         }
         let places: Vec<(DVec3, DVec3)> = points.iter().map(|point| (point.point, point.normal)).collect();
-        let openings = Portals(plan.portals.0.iter().take(MOST_GUIDED_PORTALS).cloned().collect());
-        let regions = Regions::new(&places, openings.len());
-        let mut guide = PathGuide { openings, regions };
+        let portals = Portals(plan.portals.0.iter().take(MOST_GUIDED_PORTALS).cloned().collect());
+        let regions = Regions::new(&places, portals.len());
+        let mut guide = PathGuide { portals, regions };
         let first = guide.look(plan, &points, (0..FIRST_LOOKS, u32::MAX));
         if unevenness(&guide.relative(&points, &first, &first)) < UNEVEN {
             return None;
@@ -140,10 +140,10 @@ impl PathGuide {
     ) -> Option<GuideRay> {
         let sampler = RaySampler::new(tracer.plan.options.seed ^ GUIDE_SEED, number);
         let [choice, u, v, _] = sampler.take(DimensionSet::CAMERA);
-        let openings = self.seen_from(point.point, point.normal);
-        let chance = openings.as_ref().map_or(0.0, |openings| openings.chance);
-        let direction = match &openings {
-            Some(openings) if choice < chance => openings.sample([choice / chance, u, v])?,
+        let portals = self.seen_from(point.point, point.normal);
+        let chance = portals.as_ref().map_or(0.0, |portals| portals.chance);
+        let direction = match &portals {
+            Some(portals) if choice < chance => portals.sample([choice / chance, u, v])?,
             _ => by_cosine(point.normal, [u, v]),
         };
         let cosine = direction.dot(point.normal);
@@ -151,7 +151,7 @@ impl PathGuide {
             return None;
         }
         let by_cosine = (1.0 - chance) * cosine * FRAC_1_PI;
-        let pdf = by_cosine + chance * openings.as_ref().map_or(0.0, |openings| openings.pdf(direction));
+        let pdf = by_cosine + chance * portals.as_ref().map_or(0.0, |portals| portals.pdf(direction));
         let radiance = luminance(&tracer.look(point, direction, sampler).radiance);
         let distance = tracer.shown_distance();
         let found = distance.is_finite().then(|| (distance, point.point + direction * distance));
@@ -189,23 +189,23 @@ impl PathGuide {
             area.is_finite().then_some(BrightPoint { position, radiance, area, surprise: relative * relative })
         };
         let points: Vec<BrightPoint> = looked.iter().zip(relative).filter_map(point).collect();
-        let mut openings = std::mem::take(&mut self.openings.0);
-        let room = MOST_PORTALS - openings.len();
-        openings.extend(patches(&points, BRIGHT).into_iter().take(room));
-        self.regions.forget(openings.len());
-        self.openings = Portals(openings);
+        let mut portals = std::mem::take(&mut self.portals.0);
+        let room = MOST_PORTALS - portals.len();
+        portals.extend(patches(&points, BRIGHT).into_iter().take(room));
+        self.regions.forget(portals.len());
+        self.portals = Portals(portals);
     }
 
     /// Learns the mixture of each region from what rays have found there.
     fn teach<const BANDS: usize>(&mut self, points: &[CachePoint<BANDS>], looked: &[GuideRay], relative: &[f64]) {
-        let unknown = Experience::new(self.openings.len());
+        let unknown = Experience::new(self.portals.len());
         let mut experiences = vec![unknown; self.regions.len()];
         for (ray, relative) in looked.iter().zip(relative) {
             let CachePoint { point, normal, .. } = points[ray.point];
-            let Some(openings) = self.seen_from(point, normal) else { continue };
-            let by_cosine = (1.0 - openings.chance) * ray.direction.dot(normal) * FRAC_1_PI;
+            let Some(portals) = self.seen_from(point, normal) else { continue };
+            let by_cosine = (1.0 - portals.chance) * ray.direction.dot(normal) * FRAC_1_PI;
             let experience = &mut experiences[self.regions.find(point, normal)];
-            experience.add(relative.min(MOST_TAUGHT), by_cosine, openings.chance, openings.parts(ray.direction));
+            experience.add(relative.min(MOST_TAUGHT), by_cosine, portals.chance, portals.parts(ray.direction));
         }
         self.regions.learn(&experiences);
     }
@@ -219,8 +219,8 @@ fn unevenness(relative: &[f64]) -> f64 {
 /// A unit direction over a unit normal, with the density of its cosine.
 fn by_cosine(normal: DVec3, [u, v]: [f64; 2]) -> DVec3 {
     let [x, y, z] = Record::<1>::frame(normal);
-    let (a, b) = unit_disk(u, v);
-    (x * a + y * b + z * (1.0 - a * a - b * b).max(0.0).sqrt()).normalize()
+    let [a, b, c] = cosine_hemisphere(u, v);
+    (x * a + y * b + z * c).normalize()
 }
 
 /// Where these rays see diffuse surfaces, and where rays from there do.

@@ -21,7 +21,7 @@ use regions::Regions;
 /// Where to send rays from a point.
 #[derive(Debug)]
 pub(crate) struct PathGuide {
-    pub(crate) openings: Portals,
+    pub(crate) portals: Portals,
     pub(crate) regions: Regions,
 }
 
@@ -29,11 +29,11 @@ impl PathGuide {
     /// What a point with this unit normal sees of patches and portals.
     pub(crate) fn seen_from(&self, point: DVec3, normal: DVec3) -> Option<VisiblePortals<'_>> {
         let region = self.regions.region(self.regions.find(point, normal));
-        self.openings.seen_by(point, normal, &region.factors, region.chance)
+        self.portals.seen_by(point, normal, &region.factors, region.chance)
     }
 
     /// Patches and portals.
     pub(crate) fn len(&self) -> usize {
-        self.openings.len()
+        self.portals.len()
     }
 }

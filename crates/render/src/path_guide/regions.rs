@@ -1,8 +1,8 @@
-//! Regions of points whose surroundings are alike, and what each has learned of the openings that it sees.
+//! Regions of points whose surroundings are alike, and what each has learned of the portals that it sees.
 //!
 //! A region is a leaf of a k-d tree over position and normal (Müller et al. 2017 divide space alike). What is learned are
-//! the weights of a mixture: rays by the cosine, and rays towards each opening. They are found by expectation maximisation
-//! over weighted samples (Vorba et al. 2014, with fixed components). An opening's weight changes within a region as
+//! the weights of a mixture: rays by the cosine, and rays towards each portal. They are found by expectation maximisation
+//! over weighted samples (Vorba et al. 2014, with fixed components). An portal's weight changes within a region as
 //! its solid angle and its cosine do; only a factor to that is learned.
 
 use glam::DVec3;
@@ -16,7 +16,7 @@ const TURN: f64 = 0.5;
 /// What was believed before counts like so many samples of mean weight.
 const BELIEF: f64 = 16.0;
 
-/// Of the rays of a region so many go towards openings, at least and at most: what is not known yet must be found.
+/// Of the rays of a region so many go towards portals, at least and at most: what is not known yet must be found.
 const CHANCES: [f64; 2] = [0.05, 0.8];
 
 /// No factor is below this share of the largest: what seemed useless may be seen from a part of the region.
@@ -40,12 +40,12 @@ enum Node {
     Leaf(usize),
 }
 
-/// What is known of the openings from one region.
+/// What is known of the portals from one region.
 #[derive(Clone, Debug)]
 pub(crate) struct Region {
-    /// How many times as often as by its size each opening is drawn.
+    /// How many times as often as by its size each portal is drawn.
     pub(crate) factors: Vec<f64>,
-    /// The share of rays that go towards openings.
+    /// The share of rays that go towards portals.
     pub(crate) chance: f64,
 }
 
@@ -55,16 +55,16 @@ pub(crate) struct Experience {
     /// Sum of the samples' weights, and how many samples there are.
     weights: f64,
     samples: f64,
-    /// The part of that for which rays towards openings are responsible.
+    /// The part of that for which rays towards portals are responsible.
     outward: f64,
-    /// The part of each opening, and the mean share with which it was drawn among openings, summed over samples.
+    /// The part of each portal, and the mean share with which it was drawn among portals, summed over samples.
     parts: Vec<f64>,
     shares: Vec<f64>,
 }
 
 impl Regions {
-    /// Regions of these points with their unit normals, of which none has learned anything of so many openings.
-    pub(crate) fn new(points: &[(DVec3, DVec3)], openings: usize) -> Regions {
+    /// Regions of these points with their unit normals, of which none has learned anything of so many portals.
+    pub(crate) fn new(points: &[(DVec3, DVec3)], portals: usize) -> Regions {
         let (least, most) = points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, most), (point, _)| {
             (least.min(*point), most.max(*point))
         });
@@ -73,13 +73,13 @@ impl Regions {
         let mut coordinates: Vec<Coordinates> =
             points.iter().map(|(point, normal)| regions.coordinates(*point, *normal)).collect();
         regions.divide(&mut coordinates);
-        regions.forget(openings);
+        regions.forget(portals);
         regions
     }
 
-    /// Begins anew with other openings.
-    pub(crate) fn forget(&mut self, openings: usize) {
-        let unknown = Region { factors: vec![1.0; openings], chance: 0.5 };
+    /// Begins anew with other portals.
+    pub(crate) fn forget(&mut self, portals: usize) {
+        let unknown = Region { factors: vec![1.0; portals], chance: 0.5 };
         self.leaves.iter_mut().for_each(|region| *region = unknown.clone());
     }
 
@@ -151,26 +151,26 @@ impl Regions {
 
 impl Experience {
     /// Of no sample yet.
-    pub(crate) fn new(openings: usize) -> Experience {
-        let nothing = vec![0.0; openings];
+    pub(crate) fn new(portals: usize) -> Experience {
+        let nothing = vec![0.0; portals];
         Experience { weights: 0.0, samples: 0.0, outward: 0.0, parts: nothing.clone(), shares: nothing }
     }
 
     /// A sample of a weight in a unit direction, and what its density was made of: the share of rays by the cosine times their density, and
-    /// of each opening the number, its share among openings, and that times its density.
+    /// of each portal the number, its share among portals, and that times its density.
     pub(crate) fn add(
         &mut self,
         weight: f64,
         by_cosine: f64,
         chance: f64,
-        openings: impl Iterator<Item = (usize, f64, f64)> + Clone,
+        portals: impl Iterator<Item = (usize, f64, f64)> + Clone,
     ) {
-        let outward = chance * openings.clone().map(|(_, _, pdf)| pdf).sum::<f64>();
+        let outward = chance * portals.clone().map(|(_, _, pdf)| pdf).sum::<f64>();
         let pdf = by_cosine + outward;
         self.weights += weight;
         self.samples += 1.0;
         self.outward += weight * outward / pdf;
-        for (index, share, of_one) in openings {
+        for (index, share, of_one) in portals {
             self.parts[index] += weight * chance * of_one / pdf;
             self.shares[index] += weight * chance * share;
         }
@@ -233,7 +233,7 @@ mod tests {
         assert_eq!(Regions::new(&most, 2).len(), 2);
     }
 
-    /// All light comes from the second of two openings, as bright as large; the first is hidden.
+    /// All light comes from the second of two portals, as bright as large; the first is hidden.
     #[test]
     fn a_hidden_opening_is_given_up_and_what_shines_is_drawn() {
         let mut regions = Regions::new(&[(DVec3::ZERO, DVec3::Z)], 2);
@@ -243,11 +243,11 @@ mod tests {
                 [region.factors[0], region.factors[1]].map(|factor| factor / region.factors.iter().sum::<f64>());
             let mut experience = Experience::new(2);
             for index in 0..400 {
-                // Half of the directions are in each opening, where its density is 2 and that of the cosine 1.
+                // Half of the directions are in each portal, where its density is 2 and that of the cosine 1.
                 let inside = index % 2;
-                let parts = (0..2).map(|opening| {
-                    let density = if opening == inside { 2.0 } else { 0.0 };
-                    (opening, shares[opening], shares[opening] * density)
+                let parts = (0..2).map(|portal| {
+                    let density = if portal == inside { 2.0 } else { 0.0 };
+                    (portal, shares[portal], shares[portal] * density)
                 });
                 experience.add(if inside == 1 { 1.0 } else { 0.0 }, 1.0 - region.chance, region.chance, parts);
             }
