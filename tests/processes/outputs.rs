@@ -176,7 +176,7 @@ fn a_checkpoint_of_something_else_is_refused() {
     folder.file("grey.png.checkpoint", &saved[..saved.len() - 1]);
     let broken = run(&folder, &[&words[..], &["--resume"]].concat());
     assert_eq!(broken.code, 1, "{}", broken.messages);
-    assert!(broken.messages.contains("it is no whole checkpoint"), "{}", broken.messages);
+    assert!(broken.messages.contains("the checkpoint is damaged or incomplete"), "{}", broken.messages);
 }
 
 /// Default number of times that each program is killed.

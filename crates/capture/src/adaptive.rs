@@ -1,59 +1,62 @@
-//! As many rays as an asked error needs, where they are needed.
+//! Adaptive sampling until the requested error is reached.
 //!
-//! A pixel's samples are doubled. Halves of a low-discrepancy sequence complement each other, so the spread of samples says little
-//! about the error of their mean; the difference of the means of the two halves does. With `e(n)` the error of the mean of n samples and
-//! `d(n)` half the difference of its halves' means, `⟨e(n)²⟩ = ⟨e(n/2)²⟩ − ⟨d(n)²⟩` for exchangeable halves, so
-//! `⟨e(n)²⟩ = ⟨d(2n)²⟩ + ⟨d(4n)²⟩ + …`. If `⟨d²⟩` falls by a factor q at each doubling, the sum is `⟨d(n)²⟩·q/(1−q)`: all of `⟨d²⟩` for
-//! independent samples (q = ½), and much less for smooth integrands. q is measured over the pixels around each: what is smooth converges faster
-//! than an edge.
+//! The number of samples of a pixel is doubled. The two halves of a low-discrepancy sequence
+//! complement each other, so the variance of single samples says little about the error of their
+//! mean. The difference between the means of the two halves does. Let `e(n)` be the error of the
+//! mean of n samples, and `d(n)` half the difference between the means of its halves. For
+//! exchangeable halves `⟨e(n)²⟩ = ⟨e(n/2)²⟩ − ⟨d(n)²⟩`, so `⟨e(n)²⟩ = ⟨d(2n)²⟩ + ⟨d(4n)²⟩ + …`. If
+//! `⟨d²⟩` falls by a factor q at each doubling, the sum is `⟨d(n)²⟩·q/(1−q)`: all of `⟨d²⟩` for
+//! independent samples (q = ½), and much less for smooth integrands. q is estimated in a window
+//! around each pixel, since smooth regions converge faster than edges.
 
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
-use crate::fixed::{MOST_BANDS, bands_apart, radiance, radiance_apart};
+use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
 use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// No pixel gets more samples: what one scramble of the sequence holds.
+/// Maximum number of samples of a pixel: the length of one scrambled sequence.
 pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
 
 pub(crate) const SEQUENCE_LOG2: u32 = 16;
 
-/// Samples of every pixel before anything is decided.
+/// Samples of every pixel before the first error estimate.
 pub(crate) const FIRST_SAMPLES: u32 = 4;
 
-/// The factor by which `⟨d²⟩` falls is trusted between these.
+/// Limits of the estimated factor q by which `⟨d²⟩` falls.
 const GAIN_RANGE: (f64, f64) = (0.25, 0.5);
 
-/// Pixels whose halves agree by chance are left alone, so the estimate comes out low: by a quarter on pictures with sharp edges of
-/// light, measured against pictures that were integrated by other means.
-pub(crate) const CHANCE_AGREEMENT: f64 = 1.33;
+/// Correction of the selection bias: pixels whose halves agree by chance are not refined, so the
+/// estimated error is too low. On pictures with sharp shadow edges it was a quarter too low,
+/// measured against pictures that were integrated by other means.
+pub(crate) const SELECTION_BIAS: f64 = 1.33;
 
-/// Passes after which the work ends whatever the error is.
+/// Maximum number of passes, whatever the error is.
 pub(crate) const MAX_PASSES: u32 = 64;
 
-/// One pixel's samples so far.
+/// The samples of one pixel so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Pixel {
     /// Sum of radiance·cos⁴ over all samples.
     pub(crate) sum: f64,
-    /// 0 before anything is known.
+    /// 0 before the first sample.
     pub(crate) samples: u32,
-    /// d² of the last two doublings: half differences of the means of halves.
+    /// d² of the last two doublings: half the difference between the means of the halves, squared.
     pub(crate) last: f64,
     pub(crate) before: f64,
-    /// Sums of the bands that are kept apart, else 0.
-    pub(crate) bands: [f64; MOST_BANDS],
+    /// Sums of the separate bands, else 0.
+    pub(crate) bands: [f64; MAX_BANDS],
 }
 
 /// Sums of radiance·cos⁴ over some samples of a pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    /// Of all bands together.
+    /// Of all bands.
     pub(crate) whole: f64,
-    /// Of the bands that are kept apart, else 0.
-    bands: [f64; MOST_BANDS],
+    /// Of the separate bands, else 0.
+    bands: [f64; MAX_BANDS],
 }
 
 impl Pixel {
@@ -62,7 +65,7 @@ impl Pixel {
         self.sum / f64::from(self.samples.max(1))
     }
 
-    /// Takes in the second half of its samples.
+    /// Adds the second half of the samples.
     fn double(&mut self, second_half: &Sums) {
         let half_difference = (second_half.whole - self.sum) / f64::from(2 * self.samples);
         self.before = self.last;
@@ -74,10 +77,10 @@ impl Pixel {
 }
 
 impl Exposer<'_> {
-    /// Exposes until the estimated rms error over the pixels is `error` times the mean exposure; goes on with a checkpoint of such an
-    /// exposure.
+    /// Exposes until the estimated rms error over the pixels is `error` times the mean exposure.
+    /// Continues from a checkpoint of such an exposure.
     ///
-    /// The number of samples of [`Rays`](radsight_pinhole::Rays) is not used.
+    /// Ignores the number of samples of [`Rays`](radsight_pinhole::Rays).
     #[must_use]
     pub fn to_error(&self, error: f64, start: Option<Checkpoint>, progress: &dyn Progress) -> Exposure {
         let mut state = match start {
@@ -86,25 +89,25 @@ impl Exposer<'_> {
         };
         let camera = self.rays.camera();
         state.pixels.resize(camera.pixel_count() as usize, Pixel::default());
-        let work = Work::new(self, progress, &state.pixels);
-        state.bands = work.bands;
+        let sampler = AdaptiveSampler::new(self, progress, &state.pixels);
+        state.bands = sampler.bands;
         let is_new = state.pixels.iter().all(|pixel| pixel.samples == 0);
-        let sparse = if is_new { work.sparse(&mut state, error) } else { None };
-        if sparse.is_none() && !work.is_on_lattice.load(Ordering::Relaxed) {
-            work.begin(&mut state);
+        let sparse = if is_new { sampler.sparse(&mut state, error) } else { None };
+        if sparse.is_none() && !sampler.is_on_lattice.load(Ordering::Relaxed) {
+            sampler.begin(&mut state);
         }
         let pixels_done = state.pixels.iter().filter(|pixel| pixel.samples > 0).count();
         let columns = camera.columns() as usize;
         let estimate = match sparse {
             Some(estimate) => Some(estimate),
-            None => (pixels_done == state.pixels.len()).then(|| work.refine(&mut state, columns, error)),
+            None => (pixels_done == state.pixels.len()).then(|| sampler.refine(&mut state, columns, error)),
         };
         let scale = camera.exposure_per_radiance();
         let values = match estimate {
             None => state.pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
             Some(_) => {
-                let mut light = work.means(&state.pixels);
-                light.extend(work.around(&state.pixels));
+                let mut light = sampler.means(&state.pixels);
+                light.extend(sampler.surround(&state.pixels));
                 light.iter_mut().for_each(|mean| *mean *= scale);
                 self.rays.picture(light, self.weights)
             }
@@ -112,35 +115,36 @@ impl Exposer<'_> {
         let estimated_error = estimate.as_ref().map(Estimate::relative_error);
         Exposure {
             values,
-            rays: work.traced.load(Ordering::Relaxed) - work.discarded.load(Ordering::Relaxed),
+            rays: sampler.traced.load(Ordering::Relaxed) - sampler.discarded.load(Ordering::Relaxed),
             estimated_error,
             pixels_done: pixels_done as u64,
             is_partial: progress.stops() && estimated_error.is_none_or(|reached| reached > error),
             pixels: estimate.map(|estimate| estimate.statistics(scale)),
-            checkpoint: work.checkpoint(state),
+            checkpoint: sampler.checkpoint(state),
         }
     }
 }
 
-pub(crate) struct Work<'a> {
+pub(crate) struct AdaptiveSampler<'a> {
     pub(crate) exposer: &'a Exposer<'a>,
-    /// How many bands are kept apart; 0 where they add up.
+    /// Number of separate bands; 0 where bands are added up.
     pub(crate) bands: usize,
     pub(crate) images: PixelImages,
     pub(crate) progress: &'a dyn Progress,
     traced: AtomicU64,
-    /// Traced rays on which no pixel rests: those of a lattice that was given up, and those that audited one.
+    /// Traced rays that contribute to no pixel: those of an abandoned lattice, and those that
+    /// audited one.
     pub(crate) discarded: AtomicU64,
     planned: AtomicU64,
-    /// Whether some pixels of a lattice are being exposed instead of all.
+    /// Whether only the pixels of a lattice are exposed.
     pub(crate) is_on_lattice: AtomicBool,
 }
 
-impl<'a> Work<'a> {
-    fn new(exposer: &'a Exposer<'a>, progress: &'a dyn Progress, pixels: &[Pixel]) -> Work<'a> {
+impl<'a> AdaptiveSampler<'a> {
+    fn new(exposer: &'a Exposer<'a>, progress: &'a dyn Progress, pixels: &[Pixel]) -> AdaptiveSampler<'a> {
         let traced = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
         let first = pixels.iter().filter(|pixel| pixel.samples == 0).count() as u64 * u64::from(FIRST_SAMPLES);
-        Work {
+        AdaptiveSampler {
             exposer,
             bands: bands_apart(exposer.rays, exposer.weights),
             images: images(exposer),
@@ -152,7 +156,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Whether the threads are to come together.
+    /// Whether the threads should return to be joined.
     fn pauses(&self) -> bool {
         self.progress.stops() || self.progress.wants_checkpoint()
     }
@@ -162,7 +166,7 @@ impl<'a> Work<'a> {
         self.progress.report(done, self.planned.load(Ordering::Relaxed).max(done));
     }
 
-    /// The first samples of every pixel that has none, as far as the work goes on.
+    /// Traces the first samples of every pixel that has none, until the work is interrupted.
     fn begin(&self, state: &mut AdaptiveState) {
         loop {
             state.pixels.par_iter_mut().enumerate().with_min_len(32).for_each_init(
@@ -181,7 +185,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The first samples, with two doublings to see how the error falls.
+    /// The first samples, with two doublings for the rate of convergence.
     pub(crate) fn first(&self, worker: &mut Workers<'_>, index: usize) -> Pixel {
         let samples = FIRST_SAMPLES / 4;
         let Sums { whole, bands } = self.sums(worker, index, 0..samples);
@@ -192,7 +196,8 @@ impl<'a> Work<'a> {
         pixel
     }
 
-    /// Doubles samples where that lowers the error most for its cost, until the error is what it is to be or the work is stopped.
+    /// Doubles samples where that lowers the error most for its cost, until the requested error is
+    /// reached or the work is stopped.
     fn refine(&self, state: &mut AdaptiveState, columns: usize, error: f64) -> Estimate {
         self.double(state);
         let mut estimate = Estimate::new(&state.pixels, columns);
@@ -208,7 +213,7 @@ impl<'a> Work<'a> {
         estimate
     }
 
-    /// Doubles the samples of the pixels that are chosen for it, as far as the work goes on.
+    /// Doubles the samples of the pending pixels, until the work is interrupted.
     pub(crate) fn double(&self, state: &mut AdaptiveState) {
         let rays: u64 = state.pending.iter().map(|&index| u64::from(state.pixels[index].samples)).sum();
         self.planned.fetch_add(rays, Ordering::Relaxed);
@@ -249,7 +254,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The means of all pixels, in each band that is kept apart.
+    /// The means of all pixels, by separate band if there are any.
     fn means(&self, pixels: &[Pixel]) -> Vec<f64> {
         if self.bands == 0 {
             return pixels.iter().map(Pixel::mean).collect();
@@ -258,11 +263,11 @@ impl<'a> Work<'a> {
         pixels.iter().flat_map(|pixel| of_pixel(pixel).into_iter().take(self.bands)).collect()
     }
 
-    /// Those of the cells around the picture, each over as many rays as a pixel has on average.
-    fn around(&self, pixels: &[Pixel]) -> Vec<f64> {
+    /// The means of the cells around the picture, with the average number of rays of a pixel each.
+    fn surround(&self, pixels: &[Pixel]) -> Vec<f64> {
         let taken: u64 = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
         let samples = (taken / pixels.len() as u64).next_power_of_two().clamp(1, u64::from(MAX_SAMPLES)) as u32;
-        let around: Vec<Pixel> = (pixels.len()..self.exposer.rays.cells() as usize)
+        let surround: Vec<Pixel> = (pixels.len()..self.exposer.rays.cells() as usize)
             .into_par_iter()
             .with_min_len(4)
             .map_init(
@@ -274,21 +279,23 @@ impl<'a> Work<'a> {
                 },
             )
             .collect();
-        self.means(&around)
+        self.means(&surround)
     }
 
     pub(crate) fn save(&self, state: &AdaptiveState) {
         self.progress.save(self.checkpoint(state.clone()));
     }
 
-    /// The checkpoint of a state. A lattice of pixels takes seconds and depends on no more than the seed, so its checkpoint is an empty
-    /// one: a resumed exposure begins the same lattice again and ends with the same bits.
+    /// The checkpoint of a state. A lattice of pixels takes seconds and depends on the seed alone,
+    /// so its checkpoint is empty: a resumed exposure starts the same lattice again and ends with
+    /// the same bits.
     fn checkpoint(&self, state: AdaptiveState) -> Checkpoint {
         let is_on_lattice = self.is_on_lattice.load(Ordering::Relaxed);
         Checkpoint(State::Adaptive(if is_on_lattice { state.restarted() } else { state }))
     }
 
-    /// Sums of radiance·cos⁴ over some of a pixel's samples; every pixel has a scramble of the sequence of its own.
+    /// Sums of radiance·cos⁴ over some samples of a pixel. Every pixel has its own scramble of the
+    /// sequence.
     pub(crate) fn sums(&self, worker: &mut Workers<'_>, pixel: usize, samples: std::ops::Range<u32>) -> Sums {
         let first = (pixel as u64) << SEQUENCE_LOG2;
         let Exposer { rays, weights, .. } = *self.exposer;
@@ -303,7 +310,7 @@ impl<'a> Work<'a> {
                 .map(|(index, ray, weight)| weight * ray.cos4 * radiance(worker, index, (rays, number), &ray, weights));
             return Sums { whole: light.sum(), ..Sums::default() };
         }
-        let mut bands = [0.0; MOST_BANDS];
+        let mut bands = [0.0; MAX_BANDS];
         for (index, ray, weight) in drawn {
             let light = radiance_apart(worker, index, (rays, number), &ray, weights);
             bands.iter_mut().zip(light).for_each(|(sum, light)| *sum += weight * ray.cos4 * light);
@@ -312,16 +319,16 @@ impl<'a> Work<'a> {
     }
 }
 
-/// The images of the first lights that any pixel shows, by which its rays are aimed.
+/// The mirror images of the first lights that any pixel sees. Rays are aimed at them.
 fn images(exposer: &Exposer<'_>) -> PixelImages {
     let found = PixelImages::find(exposer.renderer, exposer.rays);
     let other = || exposer.by_row.iter().map(|light| PixelImages::find(&light.renderer, exposer.rays));
     if found.is_empty() { other().find(|images| !images.is_empty()).unwrap_or(found) } else { found }
 }
 
-/// What is known of the error.
+/// The estimated error.
 pub(crate) struct Estimate {
-    /// Squared error of each pixel relative to the mean of all.
+    /// Squared error of each pixel, relative to the mean of all pixels.
     pub(crate) pixels: Vec<PixelError>,
     /// The mean radiance·cos⁴ over all pixels.
     pub(crate) mean: f64,
@@ -331,15 +338,16 @@ impl Estimate {
     fn new(pixels: &[Pixel], columns: usize) -> Estimate {
         let mean = pixels.iter().map(Pixel::mean).sum::<f64>() / pixels.len() as f64;
         let unit = if mean > 0.0 { (mean * mean).recip() } else { 0.0 };
-        // As if of one sample, so that neighbours with other numbers of samples can be added up.
+        // Scaled to one sample, so that pixels with different numbers of samples can be added.
         let of_one = |squared: fn(&Pixel) -> f64| -> Vec<f64> {
             pixels.iter().map(|pixel| squared(pixel) * f64::from(pixel.samples)).collect()
         };
         let (last, before) = (of_one(|pixel| pixel.last), of_one(|pixel| pixel.before));
-        let near = window_means(&last, columns, NEAR);
-        let (around, around_before) = (window_means(&last, columns, AROUND), window_means(&before, columns, AROUND));
+        let near = window_means(&last, columns, ERROR_WINDOW);
+        let (wide, wide_before) =
+            (window_means(&last, columns, GAIN_WINDOW), window_means(&before, columns, GAIN_WINDOW));
         let estimate = |(index, pixel): (usize, &Pixel)| {
-            let gain = gain(around[index], around_before[index]);
+            let gain = gain(wide[index], wide_before[index]);
             unit_error(pixel, near[index], gain, unit)
         };
         Estimate { pixels: pixels.iter().enumerate().map(estimate).collect(), mean }
@@ -347,55 +355,57 @@ impl Estimate {
 
     pub(crate) fn relative_error(&self) -> f64 {
         let mean_square = self.pixels.iter().map(|pixel| pixel.squared).sum::<f64>() / self.pixels.len() as f64;
-        CHANCE_AGREEMENT * mean_square.sqrt()
+        SELECTION_BIAS * mean_square.sqrt()
     }
 
-    /// What it says of each pixel; `scale` is the exposure for a radiance of 1, J/m².
+    /// The statistics of each pixel; `scale` is the exposure for a radiance of 1, J/m².
     fn statistics(&self, scale: f64) -> PixelStatistics {
-        let error = |pixel: &PixelError| CHANCE_AGREEMENT * scale * self.mean * pixel.squared.sqrt();
+        let error = |pixel: &PixelError| SELECTION_BIAS * scale * self.mean * pixel.squared.sqrt();
         PixelStatistics {
             standard_errors: self.pixels.iter().map(error).collect(),
             samples: self.pixels.iter().map(|pixel| pixel.samples).collect(),
         }
     }
 
-    /// The pixels whose doubling lowers the error most for its cost, as many as it takes to reach the asked error. Of pixels that need
-    /// a fraction of a doubling that fraction is doubled, evenly over the picture.
+    /// Selects the pixels where doubling lowers the error most for its cost, as many as the
+    /// requested error needs. Where pixels need a fraction of a doubling, that fraction of them is
+    /// doubled, evenly over the picture.
     fn choose(&self, error: f64) -> Vec<usize> {
-        let needed = doublings(&self.pixels, (error / CHANCE_AGREEMENT).powi(2), MAX_SAMPLES);
-        let is_chosen = |(index, needed): &(usize, f64)| *needed > (*index as f64 * GOLDEN).fract();
+        let needed = doublings(&self.pixels, (error / SELECTION_BIAS).powi(2), MAX_SAMPLES);
+        let is_chosen = |(index, needed): &(usize, f64)| *needed > (*index as f64 * GOLDEN_RATIO).fract();
         needed.into_iter().enumerate().filter(is_chosen).map(|(index, _)| index).collect()
     }
 }
 
 /// The factor by which `⟨d²⟩` falls at a doubling, from its last two values around a pixel.
 pub(crate) fn gain(last: f64, before: f64) -> f64 {
-    let prior = PRIOR * before;
+    let prior = PRIOR_WEIGHT * before;
     let gain = (last + prior * GAIN_RANGE.1) / (before + prior);
     if gain.is_finite() { gain.clamp(GAIN_RANGE.0, GAIN_RANGE.1) } else { GAIN_RANGE.1 }
 }
 
-/// A pixel's squared error times `unit`, where `near` is d² as if of one sample near it.
+/// Squared error of a pixel times `unit`. `near` is the mean d² around it, scaled to one sample.
 pub(crate) fn unit_error(pixel: &Pixel, near: f64, gain: f64, unit: f64) -> PixelError {
     let pooled = (near / f64::from(pixel.samples)).max(0.25 * pixel.last);
-    // The fall slows down when only edges are left.
+    // Convergence slows down when only edges are left.
     let later = 0.5 * (gain + GAIN_RANGE.1);
     PixelError { squared: unit * pooled * later / (1.0 - later), gain, samples: pixel.samples }
 }
 
-/// Multiples of it are spread evenly between whole numbers.
-pub(crate) const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Fractional part of the golden ratio. The fractional parts of its multiples are uniform in [0,
+/// 1).
+pub(crate) const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
-/// One squared difference alone says little: they are averaged over a pixel and its neighbours up to this distance.
-pub(crate) const NEAR: usize = 1;
+/// Radius of the window for d², in pixels: a single squared difference says little.
+pub(crate) const ERROR_WINDOW: usize = 1;
 
-/// Their fall from doubling to doubling is taken from neighbours up to this distance.
-pub(crate) const AROUND: usize = 3;
+/// Radius of the window for the factor by which d² falls, in pixels.
+pub(crate) const GAIN_WINDOW: usize = 3;
 
-/// Share of what is known of that fall that is taken to be of independent samples.
-const PRIOR: f64 = 0.1;
+/// Weight of the prior for that factor: independent samples.
+const PRIOR_WEIGHT: f64 = 0.1;
 
-/// The mean over the square of pixels within `reach` of each, as far as the picture goes.
+/// Means over the square of pixels within `reach` of each pixel, clipped to the picture.
 fn window_means(values: &[f64], columns: usize, reach: usize) -> Vec<f64> {
     let rows = values.len() / columns.max(1);
     let along = |count: usize, at: &dyn Fn(usize) -> f64| -> Vec<f64> {

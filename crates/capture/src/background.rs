@@ -1,8 +1,9 @@
-//! What many pictures of nearly one scene have in common.
+//! The common background of many pictures of nearly the same scene.
 //!
-//! A part on a large sheet changes the pixels that see it, its shadow or its light, and no others. The scene without the parts is exposed
-//! once, and with it is found by which ways the light of each pixel came. A picture with parts then takes over every pixel whose ways pass
-//! beside them, with its samples, and exposes the rest.
+//! A part on a large sheet changes the pixels that see the part, its shadow or its reflected light,
+//! and no others. The scene without parts is exposed once, and the bounds of the light paths of
+//! each pixel are stored. A picture with parts then copies the samples of every pixel whose paths
+//! miss the parts, and exposes the rest.
 
 use crate::adaptive::{Pixel, SEQUENCE_LOG2};
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
@@ -13,43 +14,46 @@ use radsight_render::{Ray, Renderer};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 
-/// Rays of each pixel whose ways are looked at. A pixel's neighbours count as well, so that nine times as many stand for it.
-const WAYS_A_PIXEL: u64 = 4;
+/// Rays traced per pixel to find its light paths. The paths of neighbouring pixels count as well,
+/// so each pixel has nine times as many.
+const PATHS_PER_PIXEL: u64 = 4;
 
-/// A scene without its moving parts, exposed.
+/// The exposed scene without its moving parts.
 #[derive(Clone, Debug)]
 pub struct Background {
     state: AdaptiveState,
     /// For each pixel in scanline order.
-    ways: Vec<Ways>,
+    path_bounds: Vec<PathBounds>,
 }
 
-/// Where the light of one pixel came along.
+/// Bounds of the light paths of one pixel.
 #[derive(Clone, Copy, Debug)]
-struct Ways {
-    /// What its rays crossed of where parts may be.
+struct PathBounds {
+    /// Where its rays crossed the region of the parts.
     crossed: Region,
-    /// The points from which it looked for lights.
+    /// The points from which lights were sampled.
     lit: Region,
 }
 
-impl Ways {
-    const NONE: Ways = Ways { crossed: Region::EMPTY, lit: Region::EMPTY };
+impl PathBounds {
+    const NONE: PathBounds = PathBounds { crossed: Region::EMPTY, lit: Region::EMPTY };
 
-    fn united(self, other: &Ways) -> Ways {
-        Ways { crossed: self.crossed.united(&other.crossed), lit: self.lit.united(&other.lit) }
+    fn union(self, other: &PathBounds) -> PathBounds {
+        PathBounds { crossed: self.crossed.union(&other.crossed), lit: self.lit.union(&other.lit) }
     }
 }
 
 impl Background {
-    /// Exposes a scene without its parts to a relative error, as [`Exposer::to_error`] does. `told` answers the same rays by all the rays that
-    /// come of them ([`RayTreeOutput::AllAndLit`](radsight_render::RayTreeOutput)); `within` is where parts will be.
+    /// Exposes a scene without its parts to a relative error, as [`Exposer::to_error`] does.
+    /// `ray_tree` is a renderer of the same scene that returns all rays of a tree
+    /// ([`RayTreeOutput::AllAndLit`](radsight_render::RayTreeOutput)). `within` contains all
+    /// possible positions of parts.
     ///
-    /// `None` where the work was stopped.
+    /// `None` if the work was stopped.
     #[must_use]
     pub fn expose(
         exposer: &Exposer<'_>,
-        told: &Renderer,
+        ray_tree: &Renderer,
         within: &Region,
         error: f64,
         progress: &dyn Progress,
@@ -59,17 +63,19 @@ impl Background {
         if exposure.is_partial || progress.stops() {
             return None;
         }
-        let ways = with_neighbours(&ways(exposer.rays, told, within), exposer.rays.camera().columns() as usize);
-        Some(Background { state, ways })
+        let path_bounds =
+            with_neighbours(&path_bounds(exposer.rays, ray_tree, within), exposer.rays.camera().columns() as usize);
+        Some(Background { state, path_bounds })
     }
 
-    /// From where a picture goes on that has parts in these regions, and lights relayed by their mirrors.
+    /// The state from which a picture with parts in these regions starts. `virtual_sources` are
+    /// the images of lights in their mirrors.
     #[must_use]
-    pub fn with_parts(&self, parts: &[Region], relayed: &[LitRegion]) -> Checkpoint {
+    pub fn with_parts(&self, parts: &[Region], virtual_sources: &[LitRegion]) -> Checkpoint {
         let mut state = AdaptiveState { passes: 0, pending: Vec::new(), ..self.state.clone() };
-        for (pixel, ways) in state.pixels.iter_mut().zip(&self.ways) {
-            let is_met = parts.iter().any(|part| part.meets(&ways.crossed));
-            if is_met || relayed.iter().any(|light| light.reaches(&ways.lit)) {
+        for (pixel, bounds) in state.pixels.iter_mut().zip(&self.path_bounds) {
+            let is_met = parts.iter().any(|part| part.meets(&bounds.crossed));
+            if is_met || virtual_sources.iter().any(|source| source.reaches(&bounds.lit)) {
                 *pixel = Pixel::default();
             }
         }
@@ -78,7 +84,7 @@ impl Background {
 }
 
 impl Checkpoint {
-    /// How many pixels have no samples yet.
+    /// Number of pixels without samples.
     #[must_use]
     pub fn unexposed_pixels(&self) -> usize {
         match &self.0 {
@@ -88,46 +94,48 @@ impl Checkpoint {
     }
 }
 
-/// Follows some rays of each pixel.
-fn ways(rays: &Rays, told: &Renderer, within: &Region) -> Vec<Ways> {
+/// Traces some rays of each pixel and bounds their paths.
+fn path_bounds(rays: &Rays, ray_tree: &Renderer, within: &Region) -> Vec<PathBounds> {
     (0..rays.camera().pixel_count() as usize)
         .into_par_iter()
         .with_min_len(32)
         .map_init(
-            || told.worker(),
+            || ray_tree.worker(),
             |worker, pixel| {
-                let (pixel, mut ways) = (pixel as u64, Ways::NONE);
-                for sample in 0..WAYS_A_PIXEL {
+                let (pixel, mut bounds) = (pixel as u64, PathBounds::NONE);
+                for sample in 0..PATHS_PER_PIXEL {
                     let index = (pixel << SEQUENCE_LOG2) | sample;
                     let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
                     let ray = rays.ray(pixel, u);
                     let Some(ray) = Ray::new(ray.origin, ray.direction) else { continue };
                     let (_, tree) = worker.tree(index, &ray);
                     let mut below = 0;
-                    for told in tree {
-                        let distance = told.hit.map_or(f64::INFINITY, |hit| hit.distance);
-                        ways.crossed.add_segment(&told.ray, distance, within);
-                        // What came of a ray stands before it. The camera's own ray ends where lights are looked for even if none came.
-                        if (below > told.depth || told.depth == 0) && distance.is_finite() {
-                            ways.lit.add(told.ray.at(distance));
+                    for node in tree {
+                        let distance = node.hit.map_or(f64::INFINITY, |hit| hit.distance);
+                        bounds.crossed.add_segment(&node.ray, distance, within);
+                        // The children of a ray are listed before it. Lights are sampled at the end
+                        // of the camera ray, even if none contributes.
+                        if (below > node.depth || node.depth == 0) && distance.is_finite() {
+                            bounds.lit.add(node.ray.at(distance));
                         }
-                        below = told.depth;
+                        below = node.depth;
                     }
                 }
-                ways
+                bounds
             },
         )
         .collect()
 }
 
-/// Each pixel's ways with those of the eight around it: what lies between the rays of a pixel lies between those of its neighbours.
-fn with_neighbours(ways: &[Ways], columns: usize) -> Vec<Ways> {
+/// Unites the bounds of each pixel with those of its eight neighbours: what lies between the rays
+/// of a pixel lies between the rays of its neighbours.
+fn with_neighbours(path_bounds: &[PathBounds], columns: usize) -> Vec<PathBounds> {
     let near = |count: usize, index: usize| index.saturating_sub(1)..(index + 2).min(count);
-    let rows = ways.len() / columns.max(1);
+    let rows = path_bounds.len() / columns.max(1);
     let of_pixel = |pixel: usize| {
         let (row, column) = (pixel / columns, pixel % columns);
         let around = near(rows, row).flat_map(|row| near(columns, column).map(move |column| row * columns + column));
-        around.fold(Ways::NONE, |united, pixel| united.united(&ways[pixel]))
+        around.fold(PathBounds::NONE, |sum, pixel| sum.union(&path_bounds[pixel]))
     };
-    (0..ways.len()).map(of_pixel).collect()
+    (0..path_bounds.len()).map(of_pixel).collect()
 }

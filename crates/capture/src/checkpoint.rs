@@ -1,21 +1,21 @@
-//! What is done of an exposure, to be saved and gone on with to the same bits.
+//! The state of an unfinished exposure, which can be saved and resumed with the same bits.
 
 use crate::adaptive::{MAX_SAMPLES, Pixel};
 use crate::fixed::bands_apart;
 use radsight_pinhole::{BandWeights, Rays};
 use std::fmt;
 
-/// First bytes of every checkpoint, with the version of its layout.
+/// First bytes of every checkpoint, with the version of the format.
 const MAGIC: &[u8; 20] = b"radsight checkpoint1";
 
-/// The byte that says what follows; of an adaptive state it is larger by the number of bands that are kept apart.
+/// The kind of the state that follows. For an adaptive state the number of separate bands is added.
 const FIXED: u8 = 0;
 const ADAPTIVE: u8 = 1;
 
-/// An exposure that is not complete.
+/// An unfinished exposure.
 ///
-/// Which scene, camera and seed it belongs to is for the caller to know: [`Checkpoint::to_bytes`] takes a key that says so, and
-/// [`Checkpoint::from_bytes`] wants the same.
+/// It does not store the scene, the camera or the seed: [`Checkpoint::to_bytes`] takes a key that
+/// identifies them, and [`Checkpoint::from_bytes`] expects the same key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint(pub(crate) State);
 
@@ -25,23 +25,24 @@ pub(crate) enum State {
     Adaptive(AdaptiveState),
 }
 
-/// With the same number of rays for every pixel.
+/// A fixed number of rays for every pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FixedState {
     pub(crate) samples: u32,
-    /// Exposure of each cell of the camera in J/m², in each band that is kept apart; `None` where it is not known yet.
+    /// Exposure of each cell of the camera in J/m², by separate band; `None` where it is not known
+    /// yet.
     pub(crate) values: Vec<Option<f64>>,
 }
 
-/// With as many rays as an error needs.
+/// As many rays as an error needs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct AdaptiveState {
-    /// Passes that have begun.
+    /// Passes started.
     pub(crate) passes: u32,
     pub(crate) pixels: Vec<Pixel>,
-    /// Pixels whose samples the last pass has chosen to double, and has not doubled yet.
+    /// Pixels that the last pass selected for doubling and has not doubled yet.
     pub(crate) pending: Vec<usize>,
-    /// How many bands are kept apart; 0 where they add up.
+    /// Number of separate bands; 0 where bands are added up.
     pub(crate) bands: usize,
 }
 
@@ -56,21 +57,21 @@ impl AdaptiveState {
     }
 }
 
-/// Why bytes are no checkpoint of an exposure.
+/// Why bytes are not a checkpoint of this exposure.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// They are something else, or not all of it.
-    Broken,
-    /// Their key is another one.
-    OfAnother,
+    /// The bytes have another format or are truncated.
+    Malformed,
+    /// The key differs.
+    WrongKey,
 }
 
 impl fmt::Display for CheckpointError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            CheckpointError::Broken => "it is no whole checkpoint",
-            CheckpointError::OfAnother => "it belongs to another scene, camera file, seed or version",
+            CheckpointError::Malformed => "the checkpoint is damaged or incomplete",
+            CheckpointError::WrongKey => "it belongs to another scene, camera file, seed or version",
         })
     }
 }
@@ -111,10 +112,8 @@ impl Checkpoint {
         bytes
     }
 
-    /// Reads what [`Checkpoint::to_bytes`] has made with the same key, for a picture of these rays whose bands add up so.
-    ///
-    /// # Errors
-    /// [`CheckpointError`].
+    /// Reads the bytes of [`Checkpoint::to_bytes`] with the same key, for a picture of these rays
+    /// and band weights.
     pub fn from_bytes(
         bytes: &[u8],
         key: &[u8; 32],
@@ -134,19 +133,19 @@ impl Checkpoint {
     ) -> Result<Checkpoint, CheckpointError> {
         let mut reader = Reader(bytes);
         if reader.take::<20>()? != *MAGIC {
-            return Err(CheckpointError::Broken);
+            return Err(CheckpointError::Malformed);
         }
         if reader.take::<32>()? != *key {
-            return Err(CheckpointError::OfAnother);
+            return Err(CheckpointError::WrongKey);
         }
         let state = match reader.take()? {
             [FIXED] => State::Fixed(reader.fixed(cells * bands.max(1))?),
             [kind] if usize::from(kind) == usize::from(ADAPTIVE) + bands => {
                 State::Adaptive(reader.adaptive(pixels, bands)?)
             }
-            _ => return Err(CheckpointError::Broken),
+            _ => return Err(CheckpointError::Malformed),
         };
-        if reader.0.is_empty() { Ok(Checkpoint(state)) } else { Err(CheckpointError::Broken) }
+        if reader.0.is_empty() { Ok(Checkpoint(state)) } else { Err(CheckpointError::Malformed) }
     }
 }
 
@@ -158,12 +157,12 @@ fn put_f64(bytes: &mut Vec<u8>, value: f64) {
     bytes.extend(value.to_le_bytes());
 }
 
-/// Takes numbers from the front of bytes.
+/// Reads numbers from the front of bytes.
 struct Reader<'b>(&'b [u8]);
 
 impl Reader<'_> {
     fn take<const N: usize>(&mut self) -> Result<[u8; N], CheckpointError> {
-        let (first, rest) = self.0.split_first_chunk::<N>().ok_or(CheckpointError::Broken)?;
+        let (first, rest) = self.0.split_first_chunk::<N>().ok_or(CheckpointError::Malformed)?;
         self.0 = rest;
         Ok(*first)
     }
@@ -172,15 +171,15 @@ impl Reader<'_> {
         self.take().map(u32::from_le_bytes)
     }
 
-    /// A finite number, as all sums of radiance and of squares are.
+    /// Reads a finite number, as all sums of radiance and of squares are.
     fn amount(&mut self) -> Result<f64, CheckpointError> {
         let value = self.take().map(f64::from_le_bytes)?;
-        if value.is_finite() { Ok(value) } else { Err(CheckpointError::Broken) }
+        if value.is_finite() { Ok(value) } else { Err(CheckpointError::Malformed) }
     }
 
-    /// The number of pixels, which must be this one.
+    /// Reads the number of pixels, which must be `pixels`.
     fn pixel_count(&mut self, pixels: usize) -> Result<(), CheckpointError> {
-        if self.u32()? as usize == pixels { Ok(()) } else { Err(CheckpointError::Broken) }
+        if self.u32()? as usize == pixels { Ok(()) } else { Err(CheckpointError::Malformed) }
     }
 
     fn fixed(&mut self, pixels: usize) -> Result<FixedState, CheckpointError> {
@@ -189,7 +188,7 @@ impl Reader<'_> {
         let value = |_| match (self.take()?, self.amount()?) {
             ([0], _) => Ok(None),
             ([1], value) => Ok(Some(value)),
-            _ => Err(CheckpointError::Broken),
+            _ => Err(CheckpointError::Malformed),
         };
         let values: Result<Vec<_>, _> = (0..pixels).map(value).collect();
         Ok(FixedState { samples, values: values? })
@@ -201,7 +200,7 @@ impl Reader<'_> {
         let pixel = |_| {
             let samples = self.u32()?;
             if samples != 0 && !(samples.is_power_of_two() && samples <= MAX_SAMPLES) {
-                return Err(CheckpointError::Broken);
+                return Err(CheckpointError::Malformed);
             }
             let [sum, last, before] = [self.amount()?, self.amount()?, self.amount()?];
             let mut pixel = Pixel { samples, sum, last, before, ..Pixel::default() };
@@ -215,13 +214,13 @@ impl Reader<'_> {
         let count = self.u32()? as usize;
         let index = |_| match self.u32()? as usize {
             index if known.get(index).is_some_and(|pixel| pixel.samples > 0) => Ok(index),
-            _ => Err(CheckpointError::Broken),
+            _ => Err(CheckpointError::Malformed),
         };
         let pending: Result<Vec<usize>, _> = (0..count).map(index).collect();
         let pending = pending?;
         match pending.is_sorted_by(|before, after| before < after) {
             true => Ok(AdaptiveState { passes, pending, pixels: known, bands }),
-            false => Err(CheckpointError::Broken),
+            false => Err(CheckpointError::Malformed),
         }
     }
 }
@@ -246,15 +245,15 @@ mod tests {
     }
 
     #[test]
-    fn bands_that_are_kept_apart_are_kept_in_a_checkpoint() {
+    fn a_checkpoint_stores_separate_bands() {
         let bytes = with_bands(3).to_bytes(&[7; 32]);
         assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], 3), Ok(with_bands(3)));
         for other in [0, 1, 2] {
-            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], other), Err(CheckpointError::Broken));
+            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], other), Err(CheckpointError::Malformed));
         }
         let fixed = Checkpoint(State::Fixed(FixedState { samples: 16, values: vec![Some(0.5); 6] })).to_bytes(&[7; 32]);
         assert!(Checkpoint::of_counts(&fixed, &[7; 32], [2; 2], 3).is_ok());
-        assert_eq!(Checkpoint::of_counts(&fixed, &[7; 32], [2; 2], 2), Err(CheckpointError::Broken));
+        assert_eq!(Checkpoint::of_counts(&fixed, &[7; 32], [2; 2], 2), Err(CheckpointError::Malformed));
     }
 
     #[test]
@@ -263,30 +262,30 @@ mod tests {
         for checkpoint in [adaptive(), Checkpoint(State::Fixed(fixed))] {
             let bytes = checkpoint.to_bytes(&[7; 32]);
             assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], 0), Ok(checkpoint));
-            assert_eq!(Checkpoint::of_counts(&bytes, &[8; 32], [3; 2], 0), Err(CheckpointError::OfAnother));
-            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [4; 2], 0), Err(CheckpointError::Broken));
+            assert_eq!(Checkpoint::of_counts(&bytes, &[8; 32], [3; 2], 0), Err(CheckpointError::WrongKey));
+            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [4; 2], 0), Err(CheckpointError::Malformed));
         }
     }
 
     #[test]
-    fn no_part_of_a_checkpoint_is_taken_for_one() {
+    fn truncated_checkpoints_are_refused() {
         let bytes = adaptive().to_bytes(&[7; 32]);
         for length in 0..bytes.len() {
             assert_eq!(
                 Checkpoint::of_counts(&bytes[..length], &[7; 32], [3; 2], 0),
-                Err(CheckpointError::Broken),
+                Err(CheckpointError::Malformed),
                 "{length}"
             );
         }
         let longer = [&bytes[..], &[0]].concat();
-        assert_eq!(Checkpoint::of_counts(&longer, &[7; 32], [3; 2], 0), Err(CheckpointError::Broken));
+        assert_eq!(Checkpoint::of_counts(&longer, &[7; 32], [3; 2], 0), Err(CheckpointError::Malformed));
     }
 
     #[test]
-    fn a_pixel_without_samples_is_not_to_be_doubled() {
+    fn a_pending_pixel_without_samples_is_refused() {
         let Checkpoint(State::Adaptive(mut state)) = adaptive() else { unreachable!() };
         state.pending = vec![1];
         let bytes = Checkpoint(State::Adaptive(state)).to_bytes(&[7; 32]);
-        assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], 0), Err(CheckpointError::Broken));
+        assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], 0), Err(CheckpointError::Malformed));
     }
 }

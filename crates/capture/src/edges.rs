@@ -1,7 +1,8 @@
-//! Where a picture may have edges, found before any light is looked for.
+//! Possible edges of a picture, found before lights are sampled.
 //!
-//! One ray through the middle of each pixel tells the surface that it sees and the lights that reach it. Where that differs from pixel to
-//! pixel, or where radiance itself is sharp, is an edge; the hole blurs it over as many pixels as it has there.
+//! One ray through the centre of each pixel returns the surface that it hits and the lights that
+//! reach it. An edge is where these differ between pixels, or where the radiance itself is sharp.
+//! The pinhole blurs an edge over the pixels that its image covers there.
 
 use crate::Exposer;
 use crate::lattice::Lattice;
@@ -11,38 +12,38 @@ use radsight_render::{Ray, SmoothView};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
-/// Edges of a picture, added up so that any rectangle is asked in one step.
+/// Edges of a picture as a summed-area table, so that any rectangle is queried in one step.
 #[derive(Debug)]
 pub(crate) struct Edges {
     columns: usize,
     rows: usize,
-    /// Edges left of and above each corner of pixels.
+    /// Number of edges left of and above each corner of pixels.
     sums: Vec<u32>,
-    /// Over how many pixels the hole blurs them.
+    /// The number of pixels over which the pinhole blurs an edge.
     blur: usize,
 }
 
 impl Edges {
-    /// Looks for the edges of a picture.
+    /// Finds the edges of a picture.
     pub(crate) fn find(exposer: &Exposer<'_>, images: &PixelImages) -> Edges {
         let (plan, rays) = (exposer.renderer.plan(), exposer.rays);
         let (columns, rows) = (rays.camera().columns() as usize, rays.camera().rows() as usize);
         let views: Vec<Option<SmoothView>> = (0..columns * rows)
             .into_par_iter()
             .with_min_len(64)
-            .map(|pixel| middle_ray(rays, pixel).and_then(|ray| plan.smooth_view(&ray)))
+            .map(|pixel| center_ray(rays, pixel).and_then(|ray| plan.smooth_view(&ray)))
             .collect();
         let is_edge = |pixel: usize| {
             let differs = |other: usize| views.get(other).is_some_and(|other| !are_alike(&views[pixel], other));
             let is_last = (pixel + 1).is_multiple_of(columns);
-            images.shows_any(pixel)
+            images.sees_any(pixel)
                 || views[pixel].is_none()
                 || (!is_last && differs(pixel + 1))
                 || differs(pixel + columns)
         };
         let edges: Vec<bool> = (0..columns * rows).map(is_edge).collect();
         let blur_at = |pixel: usize| {
-            let distance = |pixel: usize| middle_ray(rays, pixel).and_then(|ray| plan.distance(&ray));
+            let distance = |pixel: usize| center_ray(rays, pixel).and_then(|ray| plan.distance(&ray));
             let near = [Some(pixel), Some(pixel + 1), Some(pixel + columns)].into_iter().flatten();
             let nearest = near.filter(|near| *near < columns * rows).filter_map(distance).fold(f64::INFINITY, f64::min);
             blur(rays, pixel as u64, nearest)
@@ -53,7 +54,8 @@ impl Edges {
         Edges { columns, rows, sums: summed(&edges, columns), blur }
     }
 
-    /// The coarsest level at which a cell is interpolated from points that all lie beside the edges; the finest if there is none.
+    /// The coarsest level at which no point of a cell's interpolation is near an edge; the finest
+    /// level if there is none.
     pub(crate) fn level(&self, lattice: &Lattice, cell: usize) -> u8 {
         let [columns, rows] = lattice.cell(cell);
         let is_clear = |level: &u8| {
@@ -73,7 +75,7 @@ impl Edges {
     }
 }
 
-fn middle_ray(rays: &Rays, pixel: usize) -> Option<Ray> {
+fn center_ray(rays: &Rays, pixel: usize) -> Option<Ray> {
     let ray = rays.ray_through(pixel as u64, [0.5; 2], [0.0; 2])?;
     Ray::new(ray.origin, ray.direction)
 }
@@ -85,9 +87,9 @@ fn are_alike(a: &Option<SmoothView>, b: &Option<SmoothView>) -> bool {
     }
 }
 
-/// Pixels over which the hole spreads what a pixel sees at a distance.
+/// Number of pixels over which the pinhole blurs an object at a distance.
 fn blur(rays: &Rays, pixel: u64, distance: f64) -> f64 {
-    let through = |place, on_hole| rays.ray_through(pixel, place, on_hole);
+    let through = |place, on_pinhole| rays.ray_through(pixel, place, on_pinhole);
     let (Some(middle), Some(rim), Some(beside)) =
         (through([0.5; 2], [0.0; 2]), through([0.5; 2], [1.0, 0.0]), through([1.5, 0.5], [0.0; 2]))
     else {
@@ -105,7 +107,7 @@ fn blur(rays: &Rays, pixel: u64, distance: f64) -> f64 {
     if blur.is_finite() { blur } else { 0.0 }
 }
 
-/// The count of edges left of and above each corner.
+/// The number of edges left of and above each corner.
 fn summed(edges: &[bool], columns: usize) -> Vec<u32> {
     let mut sums = vec![0; columns + 1];
     for row in edges.chunks(columns) {

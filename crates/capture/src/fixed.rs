@@ -1,4 +1,4 @@
-//! The same number of rays for every pixel.
+//! Sampling with a fixed number of rays per pixel.
 
 use crate::checkpoint::{Checkpoint, FixedState, State};
 use crate::{Exposer, Exposure, Progress, Workers};
@@ -8,11 +8,12 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Pixels that a thread takes at a time.
+/// Pixels of a thread's unit of work.
 const CHUNK: usize = 64;
 
 impl Exposer<'_> {
-    /// Exposes every pixel with its rays of [`Rays`]; goes on with a checkpoint of as many rays a pixel.
+    /// Exposes every pixel with its rays of [`Rays`]. Continues from a checkpoint with the same
+    /// number of rays per pixel.
     #[must_use]
     pub fn with_samples(&self, start: Option<Checkpoint>, progress: &dyn Progress) -> Exposure {
         let samples = self.rays.samples();
@@ -39,11 +40,11 @@ impl Exposer<'_> {
         let exposures: Vec<f64> = values.iter().map(|value| value.unwrap_or(0.0)).collect();
         Exposure {
             checkpoint,
-            // What diffraction spreads is known when all is.
+            // Diffraction spreads light over the picture, so it needs all pixels.
             values: if cells_done == cells {
                 self.rays.picture(exposures, self.weights)
             } else {
-                self.unspread(&exposures[..(pixels * bands) as usize])
+                self.before_diffraction(&exposures[..(pixels * bands) as usize])
             },
             rays: cells_done * u64::from(samples),
             estimated_error: None,
@@ -53,9 +54,10 @@ impl Exposer<'_> {
         }
     }
 
-    /// Exposes some of [`Rays::cells`], each with its rays, for who exposes the others elsewhere: the exposure in J/m², to the last
-    /// bit that of [`Exposer::with_samples`], and half the difference of the exposures that the two halves of its rays give, which
-    /// estimates its standard error (NaN with one ray). `None` if the work was stopped.
+    /// Exposes some of [`Rays::cells`], each with its rays; other processes can expose the rest.
+    /// Returns the exposure in J/m², equal to the last bit to that of [`Exposer::with_samples`],
+    /// and half the difference of the exposures of the two halves of the rays, which estimates the
+    /// standard error (NaN with one ray). `None` if the work was stopped.
     #[must_use]
     pub fn cells(&self, cells: Range<u64>, progress: &dyn Progress) -> Option<Vec<[f64; 2]>> {
         let (done, total) = (AtomicU64::new(0), cells.end.saturating_sub(cells.start));
@@ -76,7 +78,7 @@ impl Exposer<'_> {
             .collect()
     }
 
-    /// E_pixel of one pixel in J/m², and half the difference of what the halves of its rays give.
+    /// E_pixel of one pixel in J/m², and half the difference between the halves of its rays.
     fn halves(&self, worker: &mut Workers<'_>, pixel: u64) -> [f64; 2] {
         let rays = self.rays;
         let mut averages = [PixelAverage::default(); 3];
@@ -92,8 +94,8 @@ impl Exposer<'_> {
         [whole, if rays.samples() < 2 { f64::NAN } else { 0.5 * (second - first) }]
     }
 
-    /// The exposures of pixels as long as diffraction has not spread them.
-    fn unspread(&self, exposures: &[f64]) -> Vec<f64> {
+    /// The exposures of pixels before diffraction spreads them.
+    fn before_diffraction(&self, exposures: &[f64]) -> Vec<f64> {
         match self.rays.bands_apart(self.weights) {
             None => exposures.to_vec(),
             Some(bands) => {
@@ -103,7 +105,7 @@ impl Exposer<'_> {
         }
     }
 
-    /// Exposes what is not known yet, until it is all or something else is wanted.
+    /// Exposes cells without a value, until none is left or the work is interrupted.
     fn expose_unknown(&self, values: &mut [Option<f64>], progress: &dyn Progress) {
         let bands = self.rays.bands_apart(self.weights);
         let each = bands.unwrap_or(1);
@@ -142,10 +144,10 @@ impl Exposer<'_> {
         average.exposure(rays.camera())
     }
 
-    /// The exposures of one cell in the bands that are kept apart, J/m².
+    /// The exposures of one cell by separate band, J/m².
     fn expose_apart(&self, worker: &mut Workers<'_>, cell: u64, values: &mut [Option<f64>]) {
         let rays = self.rays;
-        let mut averages = [PixelAverage::default(); MOST_BANDS];
+        let mut averages = [PixelAverage::default(); MAX_BANDS];
         for sample in 0..rays.samples() {
             let index = cell * u64::from(rays.samples()) + u64::from(sample);
             let ray = rays.of_sample(cell, sample);
@@ -156,15 +158,15 @@ impl Exposer<'_> {
     }
 }
 
-/// The most bands of a renderer.
-pub(crate) const MOST_BANDS: usize = 3;
+/// Maximum number of bands of a renderer.
+pub(crate) const MAX_BANDS: usize = 3;
 
-/// Number of bands that are kept apart; 0 if they add up ray by ray.
+/// Number of separate bands; 0 if bands are added up ray by ray.
 pub(crate) fn bands_apart(rays: &Rays, weights: &BandWeights) -> usize {
-    rays.bands_apart(weights).map_or(0, |bands| bands.min(MOST_BANDS))
+    rays.bands_apart(weights).map_or(0, |bands| bands.min(MAX_BANDS))
 }
 
-/// The radiance of ray number `index`, which goes to a pixel, bands added up.
+/// The radiance of ray number `index` of a pixel, bands added up.
 #[inline]
 pub(crate) fn radiance(
     worker: &mut Workers<'_>,
@@ -173,8 +175,8 @@ pub(crate) fn radiance(
     ray: &CameraRay,
     weights: &BandWeights,
 ) -> f64 {
-    let combine = |mut value: [f64; MOST_BANDS]| {
-        let bands = &mut value[..weights.as_slice().len().min(MOST_BANDS)];
+    let combine = |mut value: [f64; MAX_BANDS]| {
+        let bands = &mut value[..weights.as_slice().len().min(MAX_BANDS)];
         rays.weigh_bands(ray, bands);
         [weights.combine_at(pixel, bands)]
     };
@@ -182,34 +184,34 @@ pub(crate) fn radiance(
     sum
 }
 
-/// The same in the bands that are kept apart; those beyond them are 0.
+/// The radiance by separate band; the others are 0.
 pub(crate) fn radiance_apart(
     worker: &mut Workers<'_>,
     index: u64,
     (rays, pixel): (&Rays, u64),
     ray: &CameraRay,
     weights: &BandWeights,
-) -> [f64; MOST_BANDS] {
+) -> [f64; MAX_BANDS] {
     let kept = bands_apart(rays, weights);
-    let known = weights.as_slice().len().min(MOST_BANDS);
-    let keep = |value: [f64; MOST_BANDS]| {
-        let mut bands = [0.0; MOST_BANDS];
+    let known = weights.as_slice().len().min(MAX_BANDS);
+    let keep = |value: [f64; MAX_BANDS]| {
+        let mut bands = [0.0; MAX_BANDS];
         rays.keep_apart(ray, &value[..known], &mut bands[..kept]);
         bands
     };
     traced(worker, index, (rays, pixel), ray, keep)
 }
 
-/// What `light` makes of the radiance of a ray, added up over all lights.
+/// Sum over all renderers of what `light` computes from the radiance of a ray.
 #[inline]
 fn traced<const N: usize>(
     worker: &mut Workers<'_>,
     index: u64,
     (rays, pixel): (&Rays, u64),
     ray: &CameraRay,
-    light: impl Fn([f64; MOST_BANDS]) -> [f64; N],
+    light: impl Fn([f64; MAX_BANDS]) -> [f64; N],
 ) -> [f64; N] {
-    // Nothing comes through a stop.
+    // A stop blocks the ray.
     if ray.cos4 == 0.0 {
         return [0.0; N];
     }
@@ -217,7 +219,7 @@ fn traced<const N: usize>(
     let mut sum = light(worker.main.trace(index, &traced).value);
     for (lamps, brightness) in &mut worker.by_row {
         let row = (pixel / u64::from(rays.camera().columns())) as usize;
-        // Equal numbers would draw equal samples, which is no harm: each sum of them is right on the average.
+        // Equal ray numbers draw equal samples. This is harmless: each term of the sum is unbiased.
         let of_lamps = light(lamps.trace(index, &traced).value);
         let share = brightness.get(row).copied();
         sum.iter_mut().zip(of_lamps).for_each(|(sum, light)| *sum += share.map_or(0.0, |share| share * light));

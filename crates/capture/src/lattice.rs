@@ -1,16 +1,18 @@
-//! Lattices of pixels, each finer than the one before, and interpolation from one to the next.
+//! Nested lattices of pixels, and interpolation from each level to the next.
 //!
-//! Along each axis a level has the coordinates of the level before and the middles between them; the last has all pixels. The picture's cells
-//! lie between the coordinates of level 1. Level 0 has every second of those: what it says of level 1 tells how well a level is
-//! interpolated by the one before.
+//! Along each axis a level has the coordinates of the previous level and the midpoints between
+//! them; the last level has all pixels. The cells of the picture lie between the coordinates of
+//! level 1. Level 0 has every second of these coordinates: how well it predicts level 1 shows how
+//! well a level is interpolated from the previous one.
 
-/// Between the coordinates of level 1, in pixels.
+/// Distance between the coordinates of level 1, pixels.
 pub(crate) const STRIDE: u32 = 8;
 
-/// Points of the lattice before by which a point is interpolated along one axis: Lagrange's polynomial of third degree.
+/// Points of the previous level that interpolate a point along one axis: Lagrange's cubic
+/// polynomial.
 const POINTS: usize = 4;
 
-/// How a coordinate is interpolated from the level before.
+/// The interpolation of a coordinate from the previous level.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Stencil {
     at: [usize; POINTS],
@@ -47,17 +49,18 @@ impl Stencil {
 
 /// The levels along one axis.
 #[derive(Clone, Debug)]
-struct Ladder {
-    /// Sorted, by level.
+struct AxisLevels {
+    /// By level, sorted.
     coordinates: Vec<Vec<u32>>,
-    /// The first level from 1 on that has a pixel.
+    /// The first level, from 1, that contains each pixel.
     ranks: Vec<u8>,
-    /// By level and pixel, from the level before; those of level 0 and of pixels that are not on a level are empty.
+    /// By level and pixel, from the previous level. Empty for level 0 and for pixels that are not
+    /// on a level.
     stencils: Vec<Vec<Stencil>>,
 }
 
-impl Ladder {
-    fn new(count: u32, offset: u32, depth: usize) -> Ladder {
+impl AxisLevels {
+    fn new(count: u32, offset: u32, depth: usize) -> AxisLevels {
         let last = count - 1;
         let mut level: Vec<u32> = vec![0];
         level.extend((offset..).step_by(STRIDE as usize).take_while(|at| at + STRIDE / 2 <= last));
@@ -87,13 +90,13 @@ impl Ladder {
             }
             stencils
         });
-        Ladder { stencils: stencils.collect(), coordinates, ranks }
+        AxisLevels { stencils: stencils.collect(), coordinates, ranks }
     }
 
-    /// How many levels it takes until all pixels are on one.
+    /// Number of levels until all pixels are on one.
     fn depth(count: u32, offset: u32) -> usize {
         let mut depth = 3;
-        while Ladder::new(count, offset, depth).coordinates[depth - 1].len() < count as usize {
+        while AxisLevels::new(count, offset, depth).coordinates[depth - 1].len() < count as usize {
             depth += 1;
         }
         depth
@@ -103,7 +106,7 @@ impl Ladder {
         self.coordinates[1].len() - 1
     }
 
-    /// The first and last pixel of a cell; neighbours share them.
+    /// The first and last pixel of a cell; neighbouring cells share them.
     fn cell(&self, cell: usize) -> std::ops::RangeInclusive<usize> {
         self.coordinates[1][cell] as usize..=self.coordinates[1][cell + 1] as usize
     }
@@ -112,21 +115,22 @@ impl Ladder {
 /// The lattices of a picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Lattice {
-    x: Ladder,
-    y: Ladder,
-    /// Levels; the last has all pixels.
+    x: AxisLevels,
+    y: AxisLevels,
+    /// Number of levels; the last has all pixels.
     depth: usize,
 }
 
 impl Lattice {
-    /// The first inner coordinates of level 1 lie at `offset`, from 0 to 1 each, of what they may be. `None` for a picture that is too small.
+    /// `offset`, from 0 to 1 each, places the first inner coordinates of level 1 in their range.
+    /// `None` if the picture is too small.
     pub(crate) fn new(columns: u32, rows: u32, offset: [f64; 2]) -> Option<Lattice> {
         if columns.min(rows) < 4 * STRIDE {
             return None;
         }
         let [x, y] = offset.map(|share| STRIDE / 2 + (share * f64::from(STRIDE)) as u32);
-        let depth = Ladder::depth(columns, x).max(Ladder::depth(rows, y));
-        Some(Lattice { x: Ladder::new(columns, x, depth), y: Ladder::new(rows, y, depth), depth })
+        let depth = AxisLevels::depth(columns, x).max(AxisLevels::depth(rows, y));
+        Some(Lattice { x: AxisLevels::new(columns, x, depth), y: AxisLevels::new(rows, y, depth), depth })
     }
 
     pub(crate) fn columns(&self) -> usize {
@@ -137,12 +141,12 @@ impl Lattice {
         self.columns() * self.y.ranks.len()
     }
 
-    /// The level that has all pixels.
+    /// The level with all pixels.
     pub(crate) fn finest(&self) -> u8 {
         (self.depth - 1) as u8
     }
 
-    /// Pixels from one point of a level to the next, about.
+    /// Approximate distance between the points of a level, pixels.
     pub(crate) fn stride(level: u8) -> usize {
         (STRIDE as usize >> (level - 1)).max(1)
     }
@@ -157,7 +161,7 @@ impl Lattice {
         [self.x.cell(cell % self.x.cells()), self.y.cell(cell / self.x.cells())]
     }
 
-    /// The pixels of a cell, with the level from which on each is on the lattice.
+    /// The pixels of a cell, each with the first level that contains it.
     pub(crate) fn pixels(&self, cell: usize) -> impl Iterator<Item = (usize, u8)> {
         let [columns, rows] = self.cell(cell);
         let of_row = move |y: usize| {
@@ -167,7 +171,8 @@ impl Lattice {
         rows.flat_map(of_row)
     }
 
-    /// For each pixel the finest level of the cells in which it is a point of the lattice; 0 where it is none.
+    /// For each pixel the finest level of the cells that have it as a lattice point; 0 where it is
+    /// none.
     pub(crate) fn nodes(&self, levels: &[u8]) -> Vec<u8> {
         let mut nodes = vec![0; self.pixel_count()];
         for (cell, level) in levels.iter().enumerate() {
@@ -178,7 +183,8 @@ impl Lattice {
         nodes
     }
 
-    /// Interpolates all pixels that are no nodes, each level from the one before; `of_weight` is applied to every weight.
+    /// Interpolates all pixels that are not nodes, each level from the previous one. `of_weight` is
+    /// applied to every weight.
     pub(crate) fn fill(&self, values: &mut [f64], nodes: &[u8], of_weight: impl Fn(f64) -> f64) {
         let columns = self.columns();
         for level in 2..self.depth {
@@ -203,7 +209,8 @@ impl Lattice {
         }
     }
 
-    /// What the level before the pixel's rank says of it; level 0 of pixels of level 1, `None` of those that are on level 0 themselves.
+    /// The interpolation of a pixel from the level before its own. Pixels of level 1 use level 0;
+    /// `None` for pixels of level 0.
     pub(crate) fn predicted(&self, pixel: usize, values: &[f64], of_weight: impl Fn(f64) -> f64) -> Option<f64> {
         let (x, y) = (pixel % self.columns(), pixel / self.columns());
         let level = usize::from(self.x.ranks[x].max(self.y.ranks[y]));
@@ -240,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn polynomials_of_third_degree_are_interpolated_exactly() {
+    fn cubic_polynomials_are_interpolated_exactly() {
         let lattice = Lattice::new(61, 50, [0.3, 0.7]).expect("the picture is large enough");
         let [across, down] = lattice.cells();
         let mut levels = vec![1; across * down];

@@ -1,7 +1,9 @@
-//! Exposes the pixels of a camera to a scene: with a fixed number of rays a pixel, or with as many as an asked error needs.
+//! Exposes the pixels of a camera to a scene, with a fixed number of rays per pixel or adaptively
+//! to a requested error.
 //!
-//! With fixed samples the result is, bit for bit, what `pinhole rays | rtrace | pinhole average` gives: the same rays with the
-//! same numbers through the same average. Results do not depend on the number of threads. Knows neither files nor sensors.
+//! With a fixed number of samples the result is, bit for bit, that of `pinhole rays | rtrace |
+//! pinhole average`: the same rays with the same numbers are averaged in the same order. Results do
+//! not depend on the number of threads. Knows neither files nor sensors.
 #![forbid(unsafe_code)]
 
 mod adaptive;
@@ -26,26 +28,27 @@ use radsight_render::{RayWorker, Renderer};
 /// A camera in front of a scene. [`Exposer::with_samples`] and [`Exposer::to_error`] expose it.
 #[derive(Clone, Copy, Debug)]
 pub struct Exposer<'a> {
-    /// Answers rays.
+    /// Traces the rays.
     pub renderer: &'a Renderer,
     /// The camera's rays.
     pub rays: &'a Rays,
-    /// How the bands of radiance add up.
+    /// The weights of the bands of a radiance.
     pub weights: &'a BandWeights,
-    /// The light of lamps whose brightness differs from row to row; it is added to the renderer's. Empty for most.
+    /// The light of lamps whose brightness varies from row to row, added to the renderer's. Usually
+    /// empty.
     pub by_row: &'a [LightByRow],
 }
 
-/// The light of some lamps of a scene, which is not equally bright for all rows.
+/// The light of some lamps of a scene, whose brightness varies from row to row.
 #[derive(Debug)]
 pub struct LightByRow {
-    /// Answers rays by the light of these lamps alone.
+    /// Traces rays with the light of these lamps alone.
     pub renderer: Renderer,
-    /// By what its radiance is multiplied in each row, from the top.
+    /// Relative brightness of each row, from the top.
     pub brightness: Vec<f64>,
 }
 
-/// What answers the rays of one thread.
+/// The ray workers of one thread.
 pub(crate) struct Workers<'a> {
     main: RayWorker<'a>,
     by_row: Vec<(RayWorker<'a>, &'a [f64])>,
@@ -58,32 +61,33 @@ impl Exposer<'_> {
     }
 }
 
-/// The exposed picture.
+/// An exposed picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exposure {
     /// E_pixel in J/m², in scanline order from the top left.
     pub values: Vec<f64>,
-    /// Rays from the camera on which the exposure rests.
+    /// Camera rays that contribute to the exposure.
     pub rays: u64,
-    /// Estimated rms error over the pixels as a share of the mean exposure, where it was estimated.
+    /// Estimated rms error over the pixels, relative to the mean exposure; with adaptive sampling
+    /// only.
     pub estimated_error: Option<f64>,
-    /// How many pixels have a value; the others have 0. All of them, unless the work was stopped.
+    /// Number of pixels with a value; the others are 0. All pixels, unless the work was stopped.
     pub pixels_done: u64,
-    /// Whether the work was stopped before it was done.
+    /// Whether the work was stopped before its end.
     pub is_partial: bool,
-    /// What is known of each pixel, where the error was estimated.
+    /// Statistics of each pixel, where the error was estimated.
     pub pixels: Option<PixelStatistics>,
-    /// With it the exposure can go on: to its end, or to a smaller error.
+    /// With it the exposure can be resumed, up to its end or to a smaller error.
     pub checkpoint: Checkpoint,
 }
 
-/// How exact each pixel is, in scanline order from the top left.
+/// Accuracy of each pixel, in scanline order from the top left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PixelStatistics {
-    /// Estimated standard error of E_pixel, J/m², pooled with its neighbours. Its rms over the mean exposure is
-    /// [`Exposure::estimated_error`].
+    /// Estimated standard error of E_pixel, J/m², pooled with its neighbours. Its rms over the mean
+    /// exposure is [`Exposure::estimated_error`].
     pub standard_errors: Vec<f64>,
-    /// Rays that were traced for the pixel.
+    /// Number of rays of each pixel.
     pub samples: Vec<u32>,
 }
 
@@ -95,26 +99,26 @@ impl Exposure {
     }
 }
 
-/// Hears how far the work is.
+/// Receives the progress of the work.
 pub trait Progress: Sync {
     /// `done` of `total` steps; `total` may grow.
     fn report(&self, done: u64, total: u64);
 
-    /// Whether the work is to stop where it is; once it is so it stays so.
+    /// Whether the work should stop now. Once true, it stays true.
     fn stops(&self) -> bool {
         false
     }
 
-    /// Whether [`Progress::save`] is to be called soon. Until then it stays so.
+    /// Whether [`Progress::save`] should be called soon. Stays true until then.
     fn wants_checkpoint(&self) -> bool {
         false
     }
 
-    /// Takes what is done so far; [`Progress::wants_checkpoint`] is false after it.
+    /// Receives the state so far; [`Progress::wants_checkpoint`] is false afterwards.
     fn save(&self, _checkpoint: Checkpoint) {}
 }
 
-/// Says nothing.
+/// Reports nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 

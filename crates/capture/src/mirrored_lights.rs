@@ -1,9 +1,11 @@
-//! Rays to the images of lights in curved mirrors.
+//! Rays towards the images of lights in curved mirrors.
 //!
-//! A ball shows each LED as a point a thousand times as bright as the sheet and a millionth of a pixel in size. Rays that are spread evenly over
-//! pixel and hole meet it by chance only. Where such an image is found, some of the pixel's rays go there: for a place on the pixel the
-//! points of the hole from which the image is seen fill an ellipse, known by the linear map from the hole to the light. The rays of a pixel
-//! are then drawn from a mixture of densities and divided by it, so that the mean stays what it was (Owen and Zhou 2000).
+//! A sphere reflects each LED as a point a thousand times as bright as the sheet and a millionth of
+//! a pixel in size. Rays that are uniform over pixel and pinhole hit it by chance only. Where such
+//! an image is found, some of the rays of the pixel are aimed at it. For a point on the pixel, the
+//! points of the pinhole that see the image fill an ellipse, known from the linear map from pinhole
+//! to light. The rays of a pixel are then drawn from a mixture of densities and divided by its pdf,
+//! so the estimate stays unbiased (Owen and Zhou 2000).
 
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Hole, Rays};
@@ -12,51 +14,55 @@ use radsight_sampling::{choose, unit_disk};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
-/// This share of a pixel's rays goes to the images that it shows.
-const SHARE: f64 = 0.5;
+/// Fraction of the rays of a pixel that is aimed at its images.
+const IMAGE_FRACTION: f64 = 0.5;
 
-/// Ellipses from which an image's rays are drawn, each with its size in that of the linear map and its share of the rays. The map of a smoothed
-/// mesh differs from facet to facet, so that some of the light comes from beside the first.
+/// Ellipses from which the rays of an image are drawn: size relative to the ellipse of the linear
+/// map, and fraction of the rays. The map of a smoothed mesh changes from facet to facet, so some
+/// light arrives from outside the first ellipse.
 const ELLIPSES: [(f64, f64); 2] = [(1.03, 0.8), (4.0, 0.2)];
 
-/// Steps of derivatives, in radii of the hole and in pixels.
+/// Step of the numerical derivatives, in radii of the pinhole and in pixels.
 const STEP: f64 = 1e-4;
 
-/// Newton's method takes no more steps, and ends within this share of a light's radius from its middle.
-const MOST_STEPS: u32 = 8;
-const MET: f64 = 0.02;
+/// Newton's method takes at most this many steps, and converges within this fraction of a light's
+/// radius.
+const MAX_STEPS: u32 = 8;
+const CONVERGED: f64 = 0.02;
 
-/// Where it does not end, as between the facets of a mesh, so near is near enough.
-const FARTHEST_MISS: f64 = 1.5;
+/// Accepted distance where it does not converge, as between the facets of a mesh, in radii of the
+/// light.
+const MAX_MISS: f64 = 1.5;
 
-/// Places farther out than this, in radii of the hole or in pixels, belong to other pixels.
-const FARTHEST: f64 = 3.0;
+/// Points farther out than this, in radii of the pinhole or in pixels, belong to other pixels.
+const MAX_COORDINATE: f64 = 3.0;
 
-/// The images that each pixel shows.
+/// The images that each pixel sees.
 #[derive(Debug)]
 pub(crate) struct PixelImages {
     hole: Hole,
-    /// By pixel; empty where no pixel shows any.
+    /// By pixel; empty if no pixel sees any.
     images: Vec<Vec<PixelImage>>,
 }
 
-/// The image of a light as a pixel shows it: an ellipse on the hole, or on the pixel itself where the hole is a point.
+/// The image of a light in a pixel: an ellipse on the pinhole, or on the pixel itself if the
+/// pinhole is a point.
 #[derive(Clone, Copy, Debug)]
 struct PixelImage {
-    /// For the pixel's middle.
+    /// For the centre of the pixel.
     center: DVec2,
-    /// How the centre moves with the place on the pixel.
+    /// Derivative of the centre by the point on the pixel.
     slope: DMat2,
     /// From the unit disk.
     map: DMat2,
     inverse: DMat2,
     /// Share of the draws.
-    chance: f64,
-    /// Density of all draws in it as a multiple of even ones.
+    probability: f64,
+    /// Pdf of all samples in the ellipse, relative to uniform sampling.
     density: f64,
 }
 
-/// What the linear map makes of a light.
+/// The image of a light under the linear map.
 struct Ellipse {
     center: DVec2,
     slope: DMat2,
@@ -64,14 +70,14 @@ struct Ellipse {
 }
 
 impl Ellipse {
-    /// The images from which its share of the rays is drawn.
+    /// The ellipses from which the image's fraction of the rays is drawn.
     fn images(&self, hole: Hole, share: f64) -> [PixelImage; ELLIPSES.len()] {
-        // Even draws have density 1 on the pixel, 1/π on the disk.
+        // Uniform sampling has the pdf 1 on the pixel and 1/π on the disk.
         let unit = if hole == Hole::Point { FRAC_1_PI } else { 1.0 };
         ELLIPSES.map(|(size, part)| {
-            let (map, chance) = (self.map * size, share * part);
-            let density = chance * unit / map.determinant().abs();
-            PixelImage { center: self.center, slope: self.slope, map, inverse: map.inverse(), chance, density }
+            let (map, probability) = (self.map * size, share * part);
+            let density = probability * unit / map.determinant().abs();
+            PixelImage { center: self.center, slope: self.slope, map, inverse: map.inverse(), probability, density }
         })
     }
 }
@@ -83,17 +89,17 @@ impl PixelImage {
 }
 
 impl PixelImages {
-    /// Whether no pixel shows any.
+    /// Whether no pixel sees an image.
     pub(crate) fn is_empty(&self) -> bool {
         self.images.is_empty()
     }
 
-    /// Whether a pixel shows any.
-    pub(crate) fn shows_any(&self, pixel: usize) -> bool {
+    /// Whether a pixel sees an image.
+    pub(crate) fn sees_any(&self, pixel: usize) -> bool {
         self.images.get(pixel).is_some_and(|images| !images.is_empty())
     }
 
-    /// Looks for the images that the pixels of a camera show.
+    /// Finds the images that the pixels of a camera see.
     pub(crate) fn find(renderer: &Renderer, rays: &Rays) -> PixelImages {
         let hole = rays.hole();
         let none = PixelImages { hole, images: Vec::new() };
@@ -113,7 +119,7 @@ impl PixelImages {
                 |worker, pixel| {
                     let pixel = pixel as u64;
                     let cone = PixelCone::new(rays, pixel);
-                    let images = found.iter().filter(|image| cone.as_ref().is_some_and(|cone| cone.holds(image)));
+                    let images = found.iter().filter(|image| cone.as_ref().is_some_and(|cone| cone.contains(image)));
                     let search = &mut Search { worker, rays, pixel };
                     let ellipses: Vec<_> = images.filter_map(|image| search.image(image)).collect();
                     let share = (ellipses.len() as f64).recip();
@@ -125,7 +131,8 @@ impl PixelImages {
         PixelImages { hole, images }
     }
 
-    /// The ray of a pixel for a point of the unit cube, and its weight; `None` where it would miss the hole or the pixel.
+    /// The ray of a pixel for a point of the unit cube, and its weight; `None` where it would miss
+    /// the pinhole or the pixel.
     #[inline]
     pub(crate) fn ray(&self, rays: &Rays, pixel: usize, u: [f64; 4]) -> Option<(CameraRay, f64)> {
         match self.images.get(pixel) {
@@ -135,18 +142,18 @@ impl PixelImages {
     }
 
     fn mixed_ray(&self, rays: &Rays, (pixel, images): (usize, &[PixelImage]), u: [f64; 4]) -> Option<(CameraRay, f64)> {
-        // With a hole that is a point the place on the pixel is what is drawn from the image.
+        // If the pinhole is a point, the point on the pixel is drawn from the image.
         let is_point = self.hole == Hole::Point;
         let [fixed, drawn] = if is_point { [[u[2], u[3]], [u[0], u[1]]] } else { [[u[0], u[1]], [u[2], u[3]]] };
         let fixed = DVec2::from(fixed);
-        let at = if drawn[0] < SHARE {
-            let (chosen, u) = choose(images.iter().map(|image| image.chance), drawn[0] / SHARE)?;
+        let at = if drawn[0] < IMAGE_FRACTION {
+            let (chosen, u) = choose(images.iter().map(|image| image.probability), drawn[0] / IMAGE_FRACTION)?;
             let image = &images[chosen];
             let at = DVec2::from(unit_disk(u, drawn[1]));
             image.center_at(fixed) + image.map * at
         } else {
-            let even = [(drawn[0] - SHARE) / (1.0 - SHARE), drawn[1]];
-            if is_point { DVec2::from(even) } else { DVec2::from(unit_disk(even[0], even[1])) }
+            let uniform = [(drawn[0] - IMAGE_FRACTION) / (1.0 - IMAGE_FRACTION), drawn[1]];
+            if is_point { DVec2::from(uniform) } else { DVec2::from(unit_disk(uniform[0], uniform[1])) }
         };
         let is_inside = if is_point {
             at.cmpge(DVec2::ZERO).all() && at.cmplt(DVec2::ONE).all()
@@ -160,38 +167,39 @@ impl PixelImages {
             let place = image.inverse * (at - image.center_at(fixed));
             if place.length_squared() <= 1.0 { image.density } else { 0.0 }
         };
-        let mixed = (1.0 - SHARE) + SHARE * images.iter().map(density).sum::<f64>();
-        let (place, on_hole) = if is_point { (at, DVec2::ZERO) } else { (fixed, at) };
-        let ray = rays.ray_through(pixel as u64, place.into(), on_hole.into())?;
+        let mixed = (1.0 - IMAGE_FRACTION) + IMAGE_FRACTION * images.iter().map(density).sum::<f64>();
+        let (place, on_pinhole) = if is_point { (at, DVec2::ZERO) } else { (fixed, at) };
+        let ray = rays.ray_through(pixel as u64, place.into(), on_pinhole.into())?;
         Some((ray, mixed.recip()))
     }
 }
 
-/// About where the rays of a pixel go.
+/// A cone around the rays of a pixel.
 struct PixelCone {
     /// Unit.
     middle: DVec3,
-    /// Squared chord from it within which images are looked for.
-    reach: f64,
+    /// Squared chord from the axis within which images are searched.
+    max_chord_squared: f64,
 }
 
 impl PixelCone {
     fn new(rays: &Rays, pixel: u64) -> Option<PixelCone> {
         let direction =
-            |place: [f64; 2], on_hole: [f64; 2]| rays.ray_through(pixel, place, on_hole).map(|ray| ray.direction);
+            |place: [f64; 2], on_pinhole: [f64; 2]| rays.ray_through(pixel, place, on_pinhole).map(|ray| ray.direction);
         let middle = direction([0.5; 2], [0.0; 2])?;
-        let across = |place, on_hole| direction(place, on_hole).map_or(0.0, |direction| direction.distance(middle));
+        let across =
+            |place, on_pinhole| direction(place, on_pinhole).map_or(0.0, |direction| direction.distance(middle));
         let widest = across([0.0; 2], [0.0; 2]).max(across([1.0; 2], [0.0; 2])) + across([0.5; 2], [1.0, 0.0]);
-        // No pixel and no hole is wider.
-        Some(PixelCone { middle, reach: (2.0 * widest).powi(2).min(0.25) })
+        // An upper bound: no pixel and no pinhole is wider.
+        Some(PixelCone { middle, max_chord_squared: (2.0 * widest).powi(2).min(0.25) })
     }
 
-    fn holds(&self, image: &MirroredLight) -> bool {
-        self.middle.distance_squared(image.direction()) <= self.reach
+    fn contains(&self, image: &MirroredLight) -> bool {
+        self.middle.distance_squared(image.direction()) <= self.max_chord_squared
     }
 }
 
-/// Looks for an image in one pixel.
+/// Finds an image in one pixel.
 struct Search<'s, 'r> {
     worker: &'s mut RayWorker<'r>,
     rays: &'s Rays,
@@ -199,72 +207,78 @@ struct Search<'s, 'r> {
 }
 
 impl Search<'_, '_> {
-    /// Where the ray through a place and a point of the hole passes the light, in its radii.
-    fn passing(&mut self, image: &MirroredLight, place: DVec2, on_hole: DVec2) -> Option<DVec2> {
-        let ray = self.rays.ray_through(self.pixel, place.into(), on_hole.into())?;
+    /// Where the ray through a point of the pixel and a point of the pinhole passes the light, in
+    /// radii of the light.
+    fn offset_from_light(&mut self, image: &MirroredLight, place: DVec2, on_pinhole: DVec2) -> Option<DVec2> {
+        let ray = self.rays.ray_through(self.pixel, place.into(), on_pinhole.into())?;
         self.worker.offset_from(image, &Ray::new(ray.origin, ray.direction)?)
     }
 
-    /// The point of the hole whose ray has the image's direction, as far as the hole is small.
+    /// The point of the pinhole whose ray has the image's direction, to first order in the size of
+    /// the pinhole.
     fn start(&self, image: &MirroredLight) -> Option<DVec2> {
         let is_point = self.rays.hole() == Hole::Point;
         let middle = if is_point { DVec2::splat(0.5) } else { DVec2::ZERO };
         let direction = |at: DVec2| {
-            let (place, on_hole) = if is_point { (at, DVec2::ZERO) } else { (DVec2::splat(0.5), at) };
-            self.rays.ray_through(self.pixel, place.into(), on_hole.into()).map(|ray| ray.direction)
+            let (place, on_pinhole) = if is_point { (at, DVec2::ZERO) } else { (DVec2::splat(0.5), at) };
+            self.rays.ray_through(self.pixel, place.into(), on_pinhole.into()).map(|ray| ray.direction)
         };
         let own = direction(middle)?;
         let [x, y] = [direction(middle + DVec2::X)? - own, direction(middle + DVec2::Y)? - own];
         let off = image.direction() - own;
-        // Least squares in the plane of the two.
+        // Least squares in the plane of the two derivatives.
         let normal = DMat2::from_cols_array(&[x.dot(x), x.dot(y), x.dot(y), y.dot(y)]);
         let at = middle + normal.inverse() * DVec2::new(x.dot(off), y.dot(off));
-        (at.is_finite() && at.length() <= FARTHEST).then_some(at)
+        (at.is_finite() && at.length() <= MAX_COORDINATE).then_some(at)
     }
 
-    /// The image as the pixel shows it; `None` where it does not.
+    /// The image as the pixel sees it; `None` if it does not.
     fn image(&mut self, image: &MirroredLight) -> Option<Ellipse> {
         let is_point = self.rays.hole() == Hole::Point;
         let middle = DVec2::splat(0.5);
-        let pass = |search: &mut Self, at: DVec2, place: DVec2| {
-            if is_point { search.passing(image, at, DVec2::ZERO) } else { search.passing(image, place, at) }
+        let offset = |search: &mut Self, at: DVec2, place: DVec2| {
+            if is_point {
+                search.offset_from_light(image, at, DVec2::ZERO)
+            } else {
+                search.offset_from_light(image, place, at)
+            }
         };
         let mut at = self.start(image)?;
         let mut best: Option<(f64, Ellipse)> = None;
-        for _ in 0..MOST_STEPS {
-            let Some(passed) = pass(self, at, middle) else { break };
-            let sides = [DVec2::X, DVec2::Y].map(|side| pass(self, at + side * STEP, middle));
+        for _ in 0..MAX_STEPS {
+            let Some(at_center) = offset(self, at, middle) else { break };
+            let sides = [DVec2::X, DVec2::Y].map(|side| offset(self, at + side * STEP, middle));
             let [Some(a), Some(b)] = sides else { break };
-            let map = DMat2::from_cols((a - passed) / STEP, (b - passed) / STEP).inverse();
-            let center = at - map * passed;
-            if !center.is_finite() || center.length() > FARTHEST {
+            let map = DMat2::from_cols((a - at_center) / STEP, (b - at_center) / STEP).inverse();
+            let center = at - map * at_center;
+            if !center.is_finite() || center.length() > MAX_COORDINATE {
                 break;
             }
-            let miss = passed.length();
+            let miss = at_center.length();
             if best.as_ref().is_none_or(|(least, _)| miss < *least) {
-                let slope = self.slope(at, middle, (passed, map), &pass);
+                let slope = self.slope(at, middle, (at_center, map), &offset);
                 best = slope.map(|slope| (miss, Ellipse { center, slope, map })).or(best);
             }
-            if miss <= MET {
+            if miss <= CONVERGED {
                 break;
             }
             at = center;
         }
-        best.filter(|(miss, _)| *miss <= FARTHEST_MISS).map(|(_, ellipse)| ellipse)
+        best.filter(|(miss, _)| *miss <= MAX_MISS).map(|(_, ellipse)| ellipse)
     }
 
-    /// How the centre of an ellipse moves with the place on the pixel.
+    /// Derivative of the centre of an ellipse by the point on the pixel.
     fn slope(
         &mut self,
         at: DVec2,
         middle: DVec2,
-        (passed, map): (DVec2, DMat2),
-        pass: &impl Fn(&mut Self, DVec2, DVec2) -> Option<DVec2>,
+        (at_center, map): (DVec2, DMat2),
+        offset: &impl Fn(&mut Self, DVec2, DVec2) -> Option<DVec2>,
     ) -> Option<DMat2> {
         if self.rays.hole() == Hole::Point {
             return Some(DMat2::ZERO);
         }
-        let [x, y] = [DVec2::X, DVec2::Y].map(|side| pass(self, at, middle + side * STEP));
-        Some(map * DMat2::from_cols((passed - x?) / STEP, (passed - y?) / STEP))
+        let [x, y] = [DVec2::X, DVec2::Y].map(|side| offset(self, at, middle + side * STEP));
+        Some(map * DMat2::from_cols((at_center - x?) / STEP, (at_center - y?) / STEP))
     }
 }

@@ -1,9 +1,9 @@
-//! Boxes in the scene, and what rays cross of them.
+//! Axis-aligned boxes in the scene, and their intersection with rays.
 
 use glam::DVec3;
 use radsight_render::Ray;
 
-/// A box along the axes, scene units. Without a point where a low coordinate is above the high one.
+/// An axis-aligned box, scene units. Empty if a low coordinate is above the high one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
     /// The corner with the smallest coordinates.
@@ -12,30 +12,30 @@ pub struct Region {
     pub high: DVec3,
 }
 
-/// Where a light falls by way of a plane mirror or prism: what sees the light's image through it.
+/// The region that a virtual source lights through its plane mirror or prism.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LitRegion {
     /// The mirror or prism.
-    pub relay: Region,
-    /// Centre of the light's image, scene units.
+    pub mirror: Region,
+    /// Centre of the virtual source, scene units.
     pub image: DVec3,
-    /// Radius of a sphere around the image, scene units.
+    /// Radius of a sphere around the virtual source, scene units.
     pub radius: f64,
 }
 
 impl Region {
-    /// Without a point.
+    /// The empty region.
     pub const EMPTY: Region = Region { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
 
-    /// Takes in a point.
+    /// Extends the region to a point.
     pub fn add(&mut self, point: DVec3) {
         self.low = self.low.min(point);
         self.high = self.high.max(point);
     }
 
-    /// The smallest box around both.
+    /// The smallest box that contains both.
     #[must_use]
-    pub fn united(&self, other: &Region) -> Region {
+    pub fn union(&self, other: &Region) -> Region {
         Region { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
@@ -45,17 +45,17 @@ impl Region {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
     }
 
-    /// The same with a margin on each side, scene units.
+    /// The region enlarged by a margin on each side, scene units.
     #[must_use]
     pub fn grown(&self, margin: f64) -> Region {
         Region { low: self.low - margin, high: self.high + margin }
     }
 
-    /// Takes in what a ray crosses of another box before a distance.
+    /// Extends the region by the part of a ray, up to a distance, that lies in another box.
     pub(crate) fn add_segment(&mut self, ray: &Ray, distance: f64, within: &Region) {
         let [a, b] = [within.low, within.high].map(|corner| (corner - ray.origin) / ray.direction);
-        // Along an axis that the ray does not follow it stays inside or outside. In the very plane of a side 0/0 says nothing, and
-        // the comparisons leave the axis out.
+        // On an axis perpendicular to the ray, the ray stays inside or outside. Exactly in the
+        // plane of a side 0/0 is NaN, and the comparisons ignore the axis.
         let (near, far) = [(a.x, b.x), (a.y, b.y), (a.z, b.z)]
             .into_iter()
             .fold((0.0_f64, distance), |(near, far), (a, b)| (near.max(a.min(b)), far.min(a.max(b))));
@@ -71,17 +71,17 @@ impl Region {
 }
 
 impl LitRegion {
-    /// Whether a point of the region may see the image, by spheres around all three.
+    /// Whether a point of the region may see the virtual source, by bounding spheres of all three.
     pub(crate) fn reaches(&self, region: &Region) -> bool {
         if !region.low.cmple(region.high).all() {
             return false;
         }
-        let ((relay, relay_radius), (from, from_radius)) = (self.relay.sphere(), region.sphere());
+        let ((mirror, mirror_radius), (from, from_radius)) = (self.mirror.sphere(), region.sphere());
         let way = self.image - from;
-        let share = ((relay - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
-        let miss = (from + way * share).distance(relay);
-        // Where the way has no length nothing is known.
-        miss.is_nan() || miss <= relay_radius + from_radius.max(self.radius)
+        let share = ((mirror - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+        let miss = (from + way * share).distance(mirror);
+        // With a distance of zero nothing can be excluded.
+        miss.is_nan() || miss <= mirror_radius + from_radius.max(self.radius)
     }
 }
 
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_segment_beside_or_before_a_box_crosses_nothing_of_it() {
+    fn a_segment_that_misses_a_box_adds_nothing() {
         assert_eq!(crossed([1.5, 0.5, 3.0], [0.0, 0.0, -1.0], 9.0), Region::EMPTY);
         assert_eq!(crossed([0.5, 0.5, 3.0], [0.0, 0.0, -1.0], 1.5), Region::EMPTY);
         assert_eq!(crossed([0.5, 0.5, 3.0], [0.0, 0.0, 1.0], f64::INFINITY), Region::EMPTY);
@@ -115,9 +115,9 @@ mod tests {
     }
 
     #[test]
-    fn a_relayed_light_reaches_what_is_behind_the_mirror_from_it() {
-        let relay = Region { low: DVec3::new(-1.0, -1.0, 0.0), high: DVec3::new(1.0, 1.0, 0.0) };
-        let light = LitRegion { relay, image: DVec3::new(0.0, 0.0, -10.0), radius: 0.1 };
+    fn a_virtual_source_lights_what_sees_it_through_the_mirror() {
+        let mirror = Region { low: DVec3::new(-1.0, -1.0, 0.0), high: DVec3::new(1.0, 1.0, 0.0) };
+        let light = LitRegion { mirror, image: DVec3::new(0.0, 0.0, -10.0), radius: 0.1 };
         let at = |x: f64, z: f64| Region { low: DVec3::new(x, 0.0, z), high: DVec3::new(x + 0.1, 0.1, z) };
         assert!(light.reaches(&at(1.0, 10.0)));
         assert!(!light.reaches(&at(9.0, 10.0)));

@@ -1,14 +1,15 @@
-//! Pictures that are smooth nearly everywhere, from few of their pixels.
+//! Interpolation of pictures that are smooth nearly everywhere.
 //!
-//! The exposure of a sheet changes little from pixel to pixel: hole, lamp and pixel blur all that is sharp. So the pixels of a coarse
-//! lattice are exposed, and the others are interpolated. A cell of the lattice is refined where the level before does not say what its
-//! points are, and exposed pixel by pixel where its pixels may see an edge ([`Edges`]). The error that is asked for is shared by the noise of
-//! the exposed pixels and by interpolation.
+//! The exposure of a sheet varies slowly from pixel to pixel: pinhole, lamp and pixel blur all
+//! sharp features. So the pixels of a coarse lattice are exposed, and the others are interpolated.
+//! A cell of the lattice is refined where the previous level does not predict its points. A cell
+//! that may see an edge ([`Edges`]) is exposed pixel by pixel. Noise of the exposed pixels and
+//! interpolation share the requested error.
 //!
-//! What neither finds is found by an audit: rays of some of the pixels that were not exposed, unbiased as all rays are, must agree on the
-//! average with what was interpolated. The place of the lattice changes with the seed.
+//! An audit finds the remaining errors: rays of some interpolated pixels, which are unbiased, must
+//! agree on average with the interpolation. The position of the lattice depends on the seed.
 
-use crate::adaptive::{CHANCE_AGREEMENT, Estimate, GOLDEN, MAX_PASSES, MAX_SAMPLES, Pixel, Work};
+use crate::adaptive::{AdaptiveSampler, Estimate, GOLDEN_RATIO, MAX_PASSES, MAX_SAMPLES, Pixel, SELECTION_BIAS};
 use crate::checkpoint::AdaptiveState;
 use crate::edges::Edges;
 use crate::lattice::Lattice;
@@ -18,44 +19,49 @@ use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
 use rayon::prelude::*;
 use std::sync::atomic::Ordering;
 
-/// Where more than this share of the pixels beside edges is to be exposed, all pixels are: the adaptive sampler then needs fewer rays.
-const MOST_NODES: f64 = 0.06;
+/// If the lattice and its refinement would expose more than this fraction of the pixels away from
+/// edges, all pixels are exposed: the adaptive sampler then needs fewer rays.
+const MAX_NODE_FRACTION: f64 = 0.06;
 
-/// The part of the squared error that interpolation may make.
-const INTERPOLATION: f64 = 0.25;
+/// Fraction of the squared error that is allotted to interpolation.
+const INTERPOLATION_FRACTION: f64 = 0.25;
 
-/// Cells are refined for small interpolation errors once noise is no more than so many times what it may be.
-const QUIET: f64 = 2.0;
+/// Cells with small interpolation errors are refined only when the noise is below this multiple of
+/// its allotment.
+const LOW_NOISE: f64 = 2.0;
 
-/// A pixel in each square of so many pixels a side is audited.
+/// One pixel is audited in each square of this side.
 const AUDIT_SIDE: usize = 2;
 
-/// An audit of fewer rays says nothing of a cell, and a mean so many standard errors away is wrong.
-const LEAST_AUDITED: f64 = 8.0;
-const WRONG: f64 = 5.0;
+/// Minimum number of audited rays of a cell, and the number of standard errors from which a mean
+/// residual is significant.
+const MIN_AUDITED: f64 = 8.0;
+const SIGNIFICANT_ERRORS: f64 = 5.0;
 
-/// A ray that brings so many times what is brightest in its cell has met something that the lattice has missed.
-const OUTLIER: f64 = 30.0;
+/// A ray this many times as bright as the brightest pixel of its cell has hit something that the
+/// lattice missed.
+const OUTLIER_RATIO: f64 = 30.0;
 
-/// No picture is audited more often.
-const MOST_AUDITS: u32 = 3;
+/// Maximum number of audits of a picture.
+const MAX_AUDITS: u32 = 3;
 
-/// Numbers the draws that place a lattice and choose pixels to audit apart from those of rays.
-const PLACE: u64 = u64::MAX;
+/// Ray number of the samples that place the lattice and select pixels for audits. No ray of a pixel
+/// has it.
+const RESERVED_NUMBER: u64 = u64::MAX;
 
-/// The lattice of one picture, and how fine it is where.
+/// The lattice of a picture, with its local refinement.
 struct Sparse {
     lattice: Lattice,
     /// By cell.
     levels: Vec<u8>,
     /// By pixel; [`Lattice::nodes`].
     nodes: Vec<u8>,
-    /// By pixel, those of cells that may see an edge.
+    /// By pixel: whether its cell may see an edge.
     sharp: Vec<bool>,
 }
 
 impl Sparse {
-    /// Makes some cells finer.
+    /// Refines cells.
     fn refine(&mut self, cells: impl IntoIterator<Item = (usize, u8)>) {
         let finest = self.lattice.finest();
         for (cell, level) in cells {
@@ -64,11 +70,12 @@ impl Sparse {
         self.nodes = self.lattice.nodes(&self.levels);
     }
 
-    /// Whether so many pixels are exposed beside edges, or so few lie there, that interpolating the others is not worth it.
+    /// Whether interpolation does not pay: too many pixels away from edges are exposed, or too few
+    /// lie there.
     fn is_dense(&self) -> bool {
         let smooth = || self.nodes.iter().zip(&self.sharp).filter(|(_, sharp)| !**sharp);
         let (nodes, pixels) = (smooth().filter(|(node, _)| **node > 0).count(), smooth().count());
-        nodes as f64 > MOST_NODES * pixels as f64 || 2 * pixels < self.nodes.len()
+        nodes as f64 > MAX_NODE_FRACTION * pixels as f64 || 2 * pixels < self.nodes.len()
     }
 
     fn estimate(&self, state: &AdaptiveState) -> SparseEstimate {
@@ -76,9 +83,10 @@ impl Sparse {
     }
 }
 
-impl Work<'_> {
-    /// Exposes some pixels and interpolates the others, until the error is what it is to be. `None` if that is not worth it, with no
-    /// samples kept, or if it was stopped: then some pixels have samples and others none, and the checkpoint is empty.
+impl AdaptiveSampler<'_> {
+    /// Exposes some pixels and interpolates the others, until the requested error is reached.
+    /// `None` if this does not pay, with no samples kept, or if it was stopped: then some pixels
+    /// have samples and others have none, and the checkpoint is empty.
     pub(crate) fn sparse(&self, state: &mut AdaptiveState, error: f64) -> Option<Estimate> {
         let mut sparse = self.lattice().filter(|sparse| !sparse.is_dense())?;
         self.is_on_lattice.store(true, Ordering::Relaxed);
@@ -93,21 +101,22 @@ impl Work<'_> {
             if mean <= 0.0 {
                 break;
             }
-            let allowed = (error * mean / CHANCE_AGREEMENT).powi(2);
+            let allowed = (error * mean / SELECTION_BIAS).powi(2);
             let refined = cells_to_refine(&sparse, &estimate, allowed);
             let needed = samples_to_double(&estimate, allowed);
             state.passes += 1;
             if refined.is_empty() && needed.is_empty() {
-                let found = if audits < MOST_AUDITS { self.audit(&sparse, &estimate, audits) } else { Vec::new() };
+                let cells_to_refine =
+                    if audits < MAX_AUDITS { self.audit(&sparse, &estimate, audits) } else { Vec::new() };
                 audits += 1;
                 if self.progress.stops() {
                     return None;
                 }
-                if found.is_empty() {
+                if cells_to_refine.is_empty() {
                     self.is_on_lattice.store(false, Ordering::Relaxed);
-                    return Some(take_over(state, &sparse, &estimate));
+                    return Some(fill_interpolated(state, &sparse, &estimate));
                 }
-                sparse.refine(found);
+                sparse.refine(cells_to_refine);
                 continue;
             }
             sparse.refine(refined);
@@ -126,7 +135,7 @@ impl Work<'_> {
         None
     }
 
-    /// The lattice with which a picture begins; `None` where pixels have little in common.
+    /// The first lattice of a picture; `None` where neighbouring pixels have little in common.
     fn lattice(&self) -> Option<Sparse> {
         let exposer = self.exposer;
         let (rays, camera) = (exposer.rays, exposer.rays.camera());
@@ -134,7 +143,7 @@ impl Work<'_> {
         if !is_plain || !exposer.by_row.is_empty() || exposer.weights.has_mosaic() {
             return None;
         }
-        let [x, y, ..] = RaySampler::new(rays.seed(), PLACE).take(DimensionSet::CAMERA);
+        let [x, y, ..] = RaySampler::new(rays.seed(), RESERVED_NUMBER).take(DimensionSet::CAMERA);
         let lattice = Lattice::new(camera.columns(), camera.rows(), [x, y])?;
         let edges = Edges::find(exposer, &self.images);
         let [across, down] = lattice.cells();
@@ -147,7 +156,7 @@ impl Work<'_> {
         Some(Sparse { lattice, levels, nodes, sharp })
     }
 
-    /// The first samples of the nodes that have none.
+    /// Traces the first samples of the nodes that have none.
     fn expose_nodes(&self, state: &mut AdaptiveState, nodes: &[u8]) {
         let new =
             state.pixels.par_iter_mut().enumerate().filter(|(index, pixel)| nodes[*index] > 0 && pixel.samples == 0);
@@ -163,7 +172,8 @@ impl Work<'_> {
         );
     }
 
-    /// Compares what was interpolated with rays of its own, and says which cells have to be how fine.
+    /// Compares interpolated pixels with their own rays. Returns the cells to refine, with their
+    /// new levels.
     fn audit(&self, sparse: &Sparse, estimate: &SparseEstimate, round: u32) -> Vec<(usize, u8)> {
         let chosen = self.audited_pixels(sparse, round);
         let rays: Vec<(usize, f64)> = chosen
@@ -178,18 +188,18 @@ impl Work<'_> {
                 },
             )
             .collect();
-        let mut brought = vec![f64::NAN; estimate.values.len()];
-        rays.into_iter().for_each(|(pixel, light)| brought[pixel] = light);
-        Audit::new(sparse, estimate, &brought).found(sparse)
+        let mut traced = vec![f64::NAN; estimate.values.len()];
+        rays.into_iter().for_each(|(pixel, light)| traced[pixel] = light);
+        Audit::new(sparse, estimate, &traced).cells_to_refine(sparse)
     }
 
-    /// One of each square of pixels, where it is interpolated.
+    /// One interpolated pixel of each square.
     fn audited_pixels(&self, sparse: &Sparse, round: u32) -> Vec<usize> {
         let columns = sparse.lattice.columns();
         let rows = sparse.nodes.len() / columns;
         let seed = self.exposer.rays.seed();
         let of_square = |(x, y): (usize, usize)| {
-            let number = PLACE - 1 - (y * columns + x) as u64;
+            let number = RESERVED_NUMBER - 1 - (y * columns + x) as u64;
             let u = RaySampler::new(seed, number).take(DimensionSet::render(round));
             let [x, y] = [(x, u[0]), (y, u[1])].map(|(first, u)| first + (u * AUDIT_SIDE as f64) as usize);
             (x < columns && y < rows).then_some(y * columns + x)
@@ -199,13 +209,13 @@ impl Work<'_> {
     }
 }
 
-/// What rays say of interpolated pixels, cell by cell.
+/// The residuals of audited pixels, by cell.
 struct Audit {
     cells: Vec<Residuals>,
     across: usize,
 }
 
-/// Differences of rays from what was interpolated.
+/// Differences between rays and interpolation.
 #[derive(Clone, Copy, Debug, Default)]
 struct Residuals {
     count: f64,
@@ -224,27 +234,27 @@ impl Residuals {
         }
     }
 
-    /// Whether their mean cannot be zero.
+    /// Whether the mean differs significantly from zero.
     fn are_wrong(&self) -> bool {
         let mean = self.sum / self.count;
         let variance = (self.squares / self.count - mean * mean).max(0.0) / (self.count - 1.0);
-        self.count >= LEAST_AUDITED && mean * mean > WRONG * WRONG * variance
+        self.count >= MIN_AUDITED && mean * mean > SIGNIFICANT_ERRORS * SIGNIFICANT_ERRORS * variance
     }
 }
 
 impl Audit {
-    /// `brought` is NaN where no ray was sent.
-    fn new(sparse: &Sparse, estimate: &SparseEstimate, brought: &[f64]) -> Audit {
+    /// `traced` is NaN where no ray was traced.
+    fn new(sparse: &Sparse, estimate: &SparseEstimate, traced: &[f64]) -> Audit {
         let of_cell = |cell: usize| {
             let pixels = || sparse.lattice.pixels(cell).map(|(pixel, _)| pixel);
             let brightest = pixels().map(|pixel| estimate.values[pixel]).fold(0.0, f64::max);
             let mut residuals = Residuals::default();
-            for pixel in pixels().filter(|pixel| !brought[*pixel].is_nan()) {
-                let residual = brought[pixel] - estimate.values[pixel];
+            for pixel in pixels().filter(|pixel| !traced[*pixel].is_nan()) {
+                let residual = traced[pixel] - estimate.values[pixel];
                 residuals.count += 1.0;
                 residuals.sum += residual;
                 residuals.squares += residual * residual;
-                residuals.has_outlier |= brought[pixel] > OUTLIER * brightest;
+                residuals.has_outlier |= traced[pixel] > OUTLIER_RATIO * brightest;
             }
             residuals
         };
@@ -252,21 +262,22 @@ impl Audit {
         Audit { cells: (0..across * down).map(of_cell).collect(), across }
     }
 
-    /// The cells that are wrong, one by one or together with those around them, and the levels that they need.
-    fn found(&self, sparse: &Sparse) -> Vec<(usize, u8)> {
+    /// The cells with significant residuals, alone or together with their neighbours, and their new
+    /// levels.
+    fn cells_to_refine(&self, sparse: &Sparse) -> Vec<(usize, u8)> {
         let judge = |cell: usize| {
             let alone = &self.cells[cell];
             if alone.has_outlier {
                 return Some((cell, sparse.lattice.finest()));
             }
-            let together = self.around(cell).fold(Residuals::default(), |sum, near| sum.added(&self.cells[near]));
+            let together = self.neighbours(cell).fold(Residuals::default(), |sum, near| sum.added(&self.cells[near]));
             let is_wrong = alone.are_wrong() || together.are_wrong();
             (alone.count > 0.0 && is_wrong).then_some((cell, sparse.levels[cell] + 1))
         };
         (0..self.cells.len()).filter_map(judge).collect()
     }
 
-    fn around(&self, cell: usize) -> impl Iterator<Item = usize> {
+    fn neighbours(&self, cell: usize) -> impl Iterator<Item = usize> {
         let down = self.cells.len() / self.across;
         let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
         let columns = near(cell % self.across, self.across);
@@ -274,13 +285,14 @@ impl Audit {
     }
 }
 
-/// The cells whose interpolation is worse than it may be, each with the next level: the worst first, as many as it takes.
+/// The cells with too much interpolation error, each with the next level: the worst first, as many
+/// as needed.
 fn cells_to_refine(sparse: &Sparse, estimate: &SparseEstimate, allowed: f64) -> Vec<(usize, u8)> {
     let [noise, bias] = estimate.squared_errors();
-    if bias <= INTERPOLATION * allowed {
+    if bias <= INTERPOLATION_FRACTION * allowed {
         return Vec::new();
     }
-    let is_quiet = noise <= QUIET * allowed;
+    let is_quiet = noise <= LOW_NOISE * allowed;
     let is_candidate = |cell: &usize| {
         let residual = &estimate.residuals[*cell];
         residual.error() > 0.0 && (is_quiet || residual.is_significant())
@@ -288,7 +300,7 @@ fn cells_to_refine(sparse: &Sparse, estimate: &SparseEstimate, allowed: f64) -> 
     let mut worst: Vec<usize> = (0..sparse.levels.len()).filter(is_candidate).collect();
     worst.sort_by(|a, b| estimate.residuals[*b].error().total_cmp(&estimate.residuals[*a].error()));
     let mut left = bias * estimate.values.len() as f64;
-    let enough = 0.5 * INTERPOLATION * allowed * estimate.values.len() as f64;
+    let enough = 0.5 * INTERPOLATION_FRACTION * allowed * estimate.values.len() as f64;
     let mut refined = Vec::new();
     for cell in worst {
         if left <= enough {
@@ -300,26 +312,27 @@ fn cells_to_refine(sparse: &Sparse, estimate: &SparseEstimate, allowed: f64) -> 
     refined
 }
 
-/// The nodes whose samples are to be doubled; those that need it more than once stand in several lists.
+/// The nodes whose samples are to be doubled. A node that needs several doublings is in several
+/// lists.
 fn samples_to_double(estimate: &SparseEstimate, allowed: f64) -> Vec<Vec<usize>> {
     let [_, bias] = estimate.squared_errors();
-    let target = (allowed - bias.min(INTERPOLATION * allowed)) * estimate.values.len() as f64;
+    let target = (allowed - bias.min(INTERPOLATION_FRACTION * allowed)) * estimate.values.len() as f64;
     let errors: Vec<PixelError> = estimate.nodes.iter().map(|(_, error)| *error).collect();
     let needed = doublings(&errors, target / errors.len() as f64, MAX_SAMPLES);
-    // What is needed beyond a doubling is an extrapolation: one less is done at a time.
+    // What is needed beyond one doubling is extrapolated, so one doubling less is done at a time.
     let list = |times: usize| -> Vec<usize> {
         let least = if times == 0 { 0.0 } else { times as f64 + 1.0 };
         let nodes = estimate.nodes.iter().zip(&needed);
-        let is_chosen = |node: usize, needed: f64| needed > least + (node as f64 * GOLDEN).fract();
+        let is_chosen = |node: usize, needed: f64| needed > least + (node as f64 * GOLDEN_RATIO).fract();
         nodes.filter(|((node, _), needed)| is_chosen(*node, **needed)).map(|((node, _), _)| *node).collect()
     };
     (0..3).map(list).take_while(|list| !list.is_empty()).collect()
 }
 
-/// Gives the pixels that were not exposed what was interpolated, as if of as many samples as the nodes around them have: whoever goes on with
-/// them sees their errors and doubles them as any others.
-fn take_over(state: &mut AdaptiveState, sparse: &Sparse, estimate: &SparseEstimate) -> Estimate {
-    // Cubic interpolation can undershoot beside a dark part; no exposure is below zero.
+/// Assigns interpolated values to the pixels that were not exposed, with the number of samples of
+/// the nodes around them. The adaptive sampler can then refine them like any others.
+fn fill_interpolated(state: &mut AdaptiveState, sparse: &Sparse, estimate: &SparseEstimate) -> Estimate {
+    // Cubic interpolation can undershoot next to a dark region; exposures are never negative.
     let mean = estimate.values.iter().map(|value| value.max(0.0)).sum::<f64>() / estimate.values.len() as f64;
     let unit = (mean * mean).recip();
     let samples: u64 = estimate.nodes.iter().map(|(_, error)| u64::from(error.samples)).sum();

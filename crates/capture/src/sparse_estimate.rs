@@ -1,50 +1,53 @@
-//! What the exposed pixels of a lattice say of all pixels, and how exact that is.
+//! The estimate of all pixels from the exposed pixels of a lattice, with its error.
 
-use crate::adaptive::{AROUND, NEAR, Pixel, gain, unit_error};
+use crate::adaptive::{ERROR_WINDOW, GAIN_WINDOW, Pixel, gain, unit_error};
 use crate::lattice::Lattice;
 use radsight_sampling::PixelError;
 
-/// The squared error of interpolation at a level as a share of what was seen one level before. A smooth function of four points falls by
-/// 16² with the stride, one with a kink by 4²; the profiles of lamps have kinks that the hole and the lamp blur.
-const FALL: f64 = 1.0 / 16.0;
+/// Squared interpolation error of a level relative to the squared residual of the previous level.
+/// With the stride, it falls by 16² for a smooth function of four points and by 4² for one with a
+/// kink. The profiles of lamps have kinks, blurred by pinhole and lamp.
+const RESIDUAL_RATIO: f64 = 1.0 / 16.0;
 
-/// A cell is known to be interpolated badly where its residual is so many times that of noise.
-const SIGNIFICANT: f64 = 9.0;
+/// A squared residual this many times that of noise shows interpolation error.
+const SIGNIFICANT_RATIO: f64 = 9.0;
 
-/// The mean of the squared weights by which a pixel is interpolated along both axes: so much of a node's variance comes to each pixel.
-const SPREAD: f64 = 0.6;
+/// Mean squared weight of interpolation along both axes: the fraction of a node's variance in each
+/// pixel.
+const MEAN_SQUARED_WEIGHT: f64 = 0.6;
 
-/// How well the level before says what the nodes of a cell are.
+/// How well the previous level predicts the nodes of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct InterpolationResidual {
     /// Mean squared difference.
     squared: f64,
-    /// What noise alone makes of it.
+    /// Expected from noise alone.
     noise: f64,
 }
 
 impl InterpolationResidual {
-    /// The squared error of what is interpolated in the cell.
+    /// The squared interpolation error in the cell.
     pub(crate) fn error(&self) -> f64 {
-        FALL * self.squared
+        RESIDUAL_RATIO * self.squared
     }
 
-    /// Whether it is more than noise.
+    /// Whether the residual is more than noise.
     pub(crate) fn is_significant(&self) -> bool {
-        self.squared > SIGNIFICANT * self.noise
+        self.squared > SIGNIFICANT_RATIO * self.noise
     }
 }
 
-/// The picture as its nodes have it, in units of radiance.
+/// The picture as estimated from its nodes, in units of radiance.
 #[derive(Debug)]
 pub(crate) struct SparseEstimate {
     /// Of each pixel.
     pub(crate) values: Vec<f64>,
-    /// Squared error of each pixel by the noise of the nodes.
+    /// Squared error of each pixel due to the noise of the nodes.
     pub(crate) noise: Vec<f64>,
-    /// Squared error of each pixel by interpolation.
+    /// Squared error of each pixel due to interpolation.
     pub(crate) bias: Vec<f64>,
-    /// The nodes, with what their noise adds to the sum of squared errors over all pixels.
+    /// The nodes, with the contribution of their noise to the sum of squared errors over all
+    /// pixels.
     pub(crate) nodes: Vec<(usize, PixelError)>,
     /// Of each cell.
     pub(crate) residuals: Vec<InterpolationResidual>,
@@ -69,7 +72,7 @@ impl SparseEstimate {
         }
         let weigh = |(pixel, error): (usize, PixelError)| {
             let area = Lattice::stride(nodes[pixel]).pow(2) as f64;
-            let spread = if area > 1.0 { SPREAD * area } else { 1.0 };
+            let spread = if area > 1.0 { MEAN_SQUARED_WEIGHT * area } else { 1.0 };
             (pixel, PixelError { squared: spread * error.squared, ..error })
         };
         let nodes = errors.into_iter().map(weigh).collect();
@@ -80,13 +83,13 @@ impl SparseEstimate {
         self.values.iter().sum::<f64>() / self.values.len() as f64
     }
 
-    /// Mean squared error of all pixels by noise and by interpolation.
+    /// Mean squared error of all pixels due to noise and to interpolation.
     pub(crate) fn squared_errors(&self) -> [f64; 2] {
         [&self.noise, &self.bias].map(|errors| errors.iter().sum::<f64>() / errors.len() as f64)
     }
 }
 
-/// The noise of each node, as the adaptive sampler estimates that of pixels: pooled with nodes near it.
+/// The noise of each node, pooled with neighbouring nodes as the adaptive sampler pools pixels.
 fn node_errors(lattice: &Lattice, nodes: &[u8], pixels: &[Pixel]) -> Vec<(usize, PixelError)> {
     let columns = lattice.columns();
     let summed = |of_node: fn(&Pixel) -> f64| {
@@ -98,8 +101,8 @@ fn node_errors(lattice: &Lattice, nodes: &[u8], pixels: &[Pixel]) -> Vec<(usize,
     let of_node = |(index, level): (usize, &u8)| {
         let stride = Lattice::stride(*level);
         let mean = |sums: &Sums, reach: usize| sums.around(index, reach * stride) / count.around(index, reach * stride);
-        let gain = gain(mean(&last, AROUND), mean(&before, AROUND));
-        (index, unit_error(&pixels[index], mean(&last, NEAR), gain, 1.0))
+        let gain = gain(mean(&last, GAIN_WINDOW), mean(&before, GAIN_WINDOW));
+        (index, unit_error(&pixels[index], mean(&last, ERROR_WINDOW), gain, 1.0))
     };
     nodes.iter().enumerate().filter(|(_, level)| **level > 0).map(of_node).collect()
 }
@@ -120,9 +123,9 @@ fn residual(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise
     InterpolationResidual { squared: residual.squared / count, noise: residual.noise / count }
 }
 
-/// Sums over rectangles of pixels.
+/// Summed-area table of pixels.
 struct Sums {
-    /// Of what is left of and above each corner.
+    /// Sum of all values left of and above each corner.
     corners: Vec<f64>,
     columns: usize,
 }
@@ -142,7 +145,7 @@ impl Sums {
         Sums { corners, columns }
     }
 
-    /// Over the square of pixels within `reach` of one, as far as the picture goes.
+    /// Sum over the square of pixels within `reach` of a pixel, clipped to the picture.
     fn around(&self, pixel: usize, reach: usize) -> f64 {
         let rows = self.corners.len() / (self.columns + 1) - 1;
         let near = |at: usize, count: usize| [at.saturating_sub(reach), (at + reach + 1).min(count)];
@@ -158,7 +161,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sums_around_a_pixel_end_at_the_picture() {
+    fn window_sums_are_clipped_to_the_picture() {
         let sums = Sums::new((0..12).map(f64::from), 4);
         assert_eq!(sums.around(0, 1), 0.0 + 1.0 + 4.0 + 5.0);
         assert_eq!(sums.around(5, 1), [0, 1, 2, 4, 5, 6, 8, 9, 10].iter().sum::<i32>().into());

@@ -226,7 +226,7 @@ impl<S: SeriesScenes> Series<'_, S> {
             let mut scene = Scene::clone(&self.scene);
             move_parts(&mut scene, moves).map_err(|error| self.wrong(error))?;
             let Some(parts) = regions(&scene, &moved) else { return Ok(None) };
-            within = parts.iter().fold(within, |within, part| within.united(part));
+            within = parts.iter().fold(within, |within, part| within.union(part));
         }
         let bare = without(&self.scene, &moved).validate().map_err(|errors| self.scenes.invalid(errors))?.scene;
         let told = RenderOptions { ray_tree: Some(RayTreeOutput::AllAndLit), ..options.clone() };
@@ -278,7 +278,7 @@ fn regions_of_virtual_sources(plan: &RenderPlan, moved: &[SurfaceHandle], parts:
         let [source] = &light.virtual_sources[..] else { return None };
         let is_near = light.radius.is_finite();
         let mirror = parts[index_of(source.surface)?];
-        lit.push(is_near.then_some(LitRegion { relay: mirror, image: light.center, radius: light.radius })?);
+        lit.push(is_near.then_some(LitRegion { mirror, image: light.center, radius: light.radius })?);
     }
     Some(lit)
 }
