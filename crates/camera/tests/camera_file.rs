@@ -321,7 +321,7 @@ fn a_lens_stands_in_the_place_of_the_hole() {
     assert!((lens_read.aperture_m - 4e-3).abs() < 1e-15 && lens_read.front_stop.is_some());
     assert!((file.camera.focal_distance_m() - 1.0 / (1.0 / 8e-3 - 1.0 / 0.48)).abs() < 1e-12);
     let errors = read(&format!("{without}{}", lens.replace("0.48", "0.005"))).unwrap_err();
-    assert!(errors.contains("nothing sharp at 0.005 m"), "{errors}");
+    assert!(errors.contains("cannot focus at 0.005 m"), "{errors}");
     let errors = read(&format!("{CAMERA}{lens}")).unwrap_err();
     assert!(errors.contains("unknown key \"pinhole_diameter_mm\""), "{errors}");
 }
@@ -394,7 +394,7 @@ fn wavelengths_of_bands_must_be_those_of_the_scene() {
     let (file, _) = with("[620, 540, 460]", "").unwrap();
     assert!(file.band_weights_for(3).is_ok() && file.band_weights_for(1).is_ok());
     let message = file.band_weights_for(20).unwrap_err().to_string();
-    assert_eq!(message, "20 band(s) but band_wavelengths_nm of 3");
+    assert_eq!(message, "3 band_wavelengths_nm for 20 band(s)");
     // A grey scene whose bands weigh differently would need each band's own pattern.
     let (file, _) = with("[620, 540, 460]", &format!("{LINEAR}band_weights = [2, 1, 1]\n")).unwrap();
     assert!(file.band_weights_for(3).is_ok() && file.band_weights_for(1).is_err());

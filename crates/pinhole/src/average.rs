@@ -2,23 +2,24 @@
 
 use crate::PinholeCamera;
 
-/// How the bands of a coloured radiance add up to one: weights that sum to 1.
+/// Weights that combine the bands of a coloured radiance into one value. They sum to 1.
 ///
-/// They apply as `L₀ + Σ wₖ (Lₖ − L₀)`, so that equal bands give exactly their value, and a grey scene traced in one band
-/// gives the same bits as the same scene traced in three.
+/// They apply as `L₀ + Σ wₖ (Lₖ − L₀)`, so that equal bands give exactly their value, and a grey
+/// scene traced in one band gives the same bits as the same scene traced in three.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandWeights {
     weights: Vec<f64>,
     mosaic: Option<FilterMosaic>,
 }
 
-/// Colour filters before the pixels, in cells of 2 x 2 pixels.
+/// A colour filter mosaic with cells of 2 x 2 pixels.
 ///
-/// A filter passes a share of each band, so the exposure behind it is `Σ wₖ Tₖ Lₖ`; a grey radiance is the same in all bands.
+/// A filter transmits a fraction of each band, so the exposure behind it is `Σ wₖ Tₖ Lₖ`. A grey
+/// radiance is equal in all bands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilterMosaic {
     columns: u64,
-    /// Which filter each pixel of the cell has, row by row.
+    /// The filter of each pixel of the cell, row by row.
     cell: [usize; 4],
     /// wₖ·Tₖ of each filter over the bands.
     shares: [Vec<f64>; 3],
@@ -27,7 +28,7 @@ pub struct FilterMosaic {
 }
 
 impl FilterMosaic {
-    /// What passes to a pixel.
+    /// The radiance transmitted to a pixel.
     #[inline]
     fn combine(&self, pixel: u64, radiance: &[f64]) -> f64 {
         let (row, column) = (pixel / self.columns, pixel % self.columns);
@@ -39,7 +40,7 @@ impl FilterMosaic {
     }
 }
 
-/// What is wrong with a list of band weights.
+/// An error in a list of band weights.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BandWeightsError {
@@ -48,21 +49,22 @@ pub enum BandWeightsError {
     OutOfRange {
         /// The weight.
         value: f64,
-        /// Its place in the list, from 0.
+        /// Its index in the list, from 0.
         index: usize,
     },
-    /// Nothing would be seen.
+    /// All weights are 0.
     #[error("the band weights add up to 0")]
     AllZero,
-    /// Diffraction was asked for by the wavelengths of another number of bands. A grey scene is white light of equal weights.
-    #[error("{bands} band(s) but band_wavelengths_nm of {wavelengths}")]
+    /// The number of diffraction wavelengths differs from the number of bands. A grey scene is
+    /// white light of equal weights.
+    #[error("{wavelengths} band_wavelengths_nm for {bands} band(s)")]
     Wavelengths {
         /// Bands of the radiances.
         bands: usize,
         /// Wavelengths given.
         wavelengths: usize,
     },
-    /// The radiances have another number of bands than there are weights.
+    /// The number of bands of the radiances differs from the number of weights.
     #[error("{bands} bands but {weights} band weights")]
     Count {
         /// Bands of the radiances.
@@ -73,10 +75,10 @@ pub enum BandWeightsError {
 }
 
 impl BandWeights {
-    /// Normalises a list of weights, one a band.
+    /// Normalises a list of weights, one per band.
     ///
     /// # Errors
-    /// When a weight is negative or not finite, or none is positive.
+    /// If a weight is negative or not finite, or none is positive.
     pub fn new(weights: &[f64]) -> Result<Self, BandWeightsError> {
         if let Some((index, &value)) = weights.iter().enumerate().find(|(_, w)| !w.is_finite() || **w < 0.0) {
             return Err(BandWeightsError::OutOfRange { value, index });
@@ -96,11 +98,12 @@ impl BandWeights {
         BandWeights { weights: vec![1.0 / bands as f64; bands], mosaic: None }
     }
 
-    /// The same before pixels with colour filters: `cell` says which of the `filters` (shares of each band that pass, 0 to 1) the
-    /// pixels of each 2 x 2 have, row by row, in pictures of `columns` columns.
+    /// The same weights behind a colour filter mosaic. `cell` gives the index into `filters` of the
+    /// pixels of each 2 x 2 cell, row by row, in pictures of `columns` columns. `filters` are
+    /// transmittances by band, 0 to 1.
     ///
     /// # Errors
-    /// When a filter has another number of bands, or a share that is none.
+    /// If a filter has another number of bands, or a transmittance is out of range.
     pub fn with_mosaic(
         self,
         columns: u32,
@@ -126,7 +129,7 @@ impl BandWeights {
     /// These weights for radiances of `bands` bands. One band is grey and needs no weights.
     ///
     /// # Errors
-    /// When the numbers differ.
+    /// If the numbers differ.
     pub fn for_bands(&self, bands: usize) -> Result<Self, BandWeightsError> {
         match bands {
             1 => Ok(BandWeights { mosaic: self.mosaic.clone(), ..BandWeights::equal(1) }),
@@ -141,7 +144,8 @@ impl BandWeights {
         &self.weights
     }
 
-    /// One radiance from the bands of one ray that goes to a pixel, through its colour filter where it has one.
+    /// Combines the bands of a ray of a pixel into one radiance, through the pixel's colour filter
+    /// if it has one.
     #[inline]
     #[must_use]
     pub fn combine_at(&self, pixel: u64, radiance: &[f64]) -> f64 {
@@ -151,8 +155,8 @@ impl BandWeights {
         }
     }
 
-    /// The same from bands that are kept apart (see [`Rays::bands_apart`](crate::Rays::bands_apart)). Of a grey scene there may be more of them than
-    /// weights: it is white light of equal weights.
+    /// Combines separate bands (see [`Rays::bands_apart`](crate::Rays::bands_apart)). A grey scene
+    /// may have more of them than weights: it is white light of equal weights.
     #[must_use]
     pub fn combine_apart(&self, pixel: u64, bands: &[f64]) -> f64 {
         if self.weights.len() == 1 && bands.len() > 1 {
@@ -167,7 +171,7 @@ impl BandWeights {
         self.mosaic.is_some()
     }
 
-    /// One radiance from the bands of one ray, in band order, without colour filters.
+    /// Combines the bands of a ray into one radiance, in band order, without colour filters.
     #[inline]
     #[must_use]
     pub fn combine(&self, radiance: &[f64]) -> f64 {
@@ -177,9 +181,11 @@ impl BandWeights {
     }
 }
 
-/// The average of one pixel: `E_pixel = τ·A_pinhole/f² · mean(L·cos⁴θ)`, Eqs. 3, 4 and 8 of the paper without Eq. 7.
+/// The average of one pixel: `E_pixel = τ·A_pinhole/f² · mean(L·cos⁴θ)`, Eqs. 3, 4 and 8 of the
+/// paper without Eq. 7.
 ///
-/// The sum is plain and in the order of the rays, so that the fused command and the chain through a pipe give the same bits.
+/// The sum is plain and in the order of the rays, so `capture` and the chain of programs give the
+/// same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelAverage {
     sum: f64,
@@ -187,14 +193,14 @@ pub struct PixelAverage {
 }
 
 impl PixelAverage {
-    /// Adds the next ray of the pixel: its cos⁴θ and the radiance that came back, W/(sr·m²).
+    /// Adds the next ray of the pixel: its cos⁴θ and its radiance, W/(sr·m²).
     #[inline]
     pub fn add(&mut self, cos4: f64, radiance: f64) {
         self.sum += radiance * cos4;
         self.count += 1;
     }
 
-    /// Rays so far.
+    /// Number of rays so far.
     #[must_use]
     pub fn count(&self) -> u32 {
         self.count

@@ -1,57 +1,58 @@
-//! What a pinhole camera is.
+//! The description of a pinhole camera.
 
 use crate::{CameraMatrix, FilmPlane, ThinLens};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_4;
 
-/// The most pixels of a sensor: what fits in memory several times over as doubles.
-const MOST_PIXELS: u64 = 1 << 28;
+/// Maximum number of pixels of a sensor: fits in memory several times over as doubles.
+const MAX_PIXELS: u64 = 1 << 28;
 
-/// The smallest sine of the angle between `direction` and `up` at which the picture's right is still well defined.
-const SMALLEST_UP_SINE: f64 = 1e-6;
+/// Smallest sine of the angle between `direction` and `up` with a well-defined right.
+const MIN_UP_SINE: f64 = 1e-6;
 
-/// The most pixels of a picture that is convolved: its transforms take 430 bytes a pixel.
-const MOST_CONVOLVED: u64 = 1 << 23;
+/// Maximum number of pixels of a convolved picture: its transforms take 430 bytes per pixel.
+const MAX_CONVOLVED_PIXELS: u64 = 1 << 23;
 
-/// The most bands of it that are kept apart.
-const MOST_BANDS_APART: usize = 3;
+/// Maximum number of separate bands of a convolved picture.
+const MAX_SEPARATE_BANDS: usize = 3;
 
-/// The largest share by which a pattern may change over the field and still be taken as the same.
-const MOST_PATTERN_CHANGE: f64 = 0.01;
+/// Maximum relative change of a diffraction pattern over the field that still counts as constant.
+const MAX_PATTERN_CHANGE: f64 = 0.01;
 
-/// The longest wavelength of a scene's bands over the shortest.
-const LARGEST_BAND_RATIO: f64 = 4.0;
+/// Maximum ratio of the longest to the shortest wavelength of a scene's bands.
+const MAX_BAND_RATIO: f64 = 4.0;
 
-/// How the finite hole is treated.
+/// How the finite pinhole is modelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PinholeModel {
-    /// All rays pass through the centre; the exposure is still that of the stated hole, by its area.
+    /// All rays pass through the centre; the exposure is still that of the given pinhole area.
     Point,
-    /// Rays cover the hole uniformly by area.
+    /// Rays are uniform over the area of the pinhole.
     Finite,
-    /// Rays follow the diffraction pattern of the hole; needs a wavelength.
+    /// Rays follow the diffraction pattern of the pinhole; needs a wavelength.
     Diffraction,
 }
 
-/// A camera as it was asked for; [`PinholeCamera::new`] checks it.
+/// The parameters of a camera, checked by [`PinholeCamera::new`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDescription {
     /// Centre of the pinhole, scene frame, metres.
     pub position_m: [f64; 3],
-    /// Where the camera looks, scene frame, any length.
+    /// Viewing direction, scene frame, any length.
     pub direction: [f64; 3],
-    /// Which way the picture is up, scene frame, any length, not along `direction`.
+    /// Up direction of the picture, scene frame, any length, not parallel to `direction`.
     pub up: [f64; 3],
     /// Columns and rows.
     pub pixels: [u32; 2],
-    /// Distance from one pixel to the next, along a row and along a column, metres. Pixels fill the pitch.
+    /// Distance from one pixel to the next, along a row and along a column, metres. Pixels fill the
+    /// pitch.
     pub pixel_pitch_m: [f64; 2],
     /// From the pinhole to the sensor along the axis, metres.
     pub focal_distance_m: f64,
-    /// Diameter of the round hole, metres.
+    /// Diameter of the round pinhole, metres.
     pub pinhole_diameter_m: f64,
-    /// How the hole is treated.
+    /// How the pinhole is modelled.
     pub pinhole_model: PinholeModel,
     /// Exposure time, seconds.
     pub exposure_s: f64,
@@ -61,14 +62,14 @@ pub struct CameraDescription {
     pub scene_unit_m: f64,
 }
 
-/// What is wrong with a [`CameraDescription`].
+/// An error in a [`CameraDescription`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CameraError {
     /// A quantity that must be positive and finite is not.
     #[error("{quantity} must be positive and finite, not {value}")]
     NotPositive {
-        /// Which, in words.
+        /// Its name.
         quantity: &'static str,
         /// The value found, SI.
         value: f64,
@@ -76,25 +77,27 @@ pub enum CameraError {
     /// A vector has a component that is NaN or infinite.
     #[error("{quantity} must have finite components")]
     NotFinite {
-        /// Which, in words.
+        /// Its name.
         quantity: &'static str,
     },
     /// A direction of length zero.
     #[error("{quantity} must not be the zero vector")]
     ZeroVector {
-        /// Which, in words.
+        /// Its name.
         quantity: &'static str,
     },
-    /// A lens cannot make that sharp.
-    #[error("a lens of focal length {focal_length_m} m has nothing sharp at {focus_distance_m} m: expected more")]
+    /// A lens that cannot focus at the given distance.
+    #[error(
+        "a lens of focal length {focal_length_m} m cannot focus at {focus_distance_m} m: expected a larger distance"
+    )]
     NotSharp {
-        /// What was to be sharp, metres.
+        /// The focus distance, metres.
         focus_distance_m: f64,
         /// The focal length, metres.
         focal_length_m: f64,
     },
-    /// Bands whose diffraction patterns cannot be drawn together.
-    #[error("the wavelengths of the bands reach from {shortest_m:e} to {longest_m:e} m: expected a ratio of at most 4")]
+    /// Bands whose diffraction patterns differ too much to be sampled together.
+    #[error("the wavelengths of the bands range from {shortest_m:e} to {longest_m:e} m: expected a ratio of at most 4")]
     BandsApart {
         /// The shortest, metres.
         shortest_m: f64,
@@ -104,20 +107,21 @@ pub enum CameraError {
     /// A diffraction pattern without a wavelength.
     #[error("pinhole model \"diffraction\" needs the wavelength")]
     NoWavelength,
-    /// The picture would have no right.
+    /// Up and direction do not define a right.
     #[error("up is parallel to direction")]
     UpParallel,
-    /// No pixels, or more than can be held.
-    #[error("{columns} x {rows} pixels: expected at least 1 and at most {MOST_PIXELS} in all")]
+    /// No pixels, or more than fit in memory.
+    #[error("{columns} x {rows} pixels: expected at least 1 and at most {MAX_PIXELS} in all")]
     PixelCount {
-        /// Pixels in a row.
+        /// Columns.
         columns: u32,
         /// Rows.
         rows: u32,
     },
 }
 
-/// A checked pinhole camera. All quantities are SI; the frame (right, up, direction) is orthonormal.
+/// A checked pinhole camera. All quantities are SI; the frame (right, up, direction) is
+/// orthonormal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PinholeCamera {
     position_m: DVec3,
@@ -135,17 +139,17 @@ pub struct PinholeCamera {
     optics: Optics,
 }
 
-/// What goes beyond a hole before an upright sensor.
+/// Everything beyond a pinhole in front of an upright sensor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Optics {
-    /// Where diffraction is exact, metres; far away where nothing is said.
+    /// Distance of the objects for which diffraction is exact, metres; infinite if `None`.
     pub(crate) object_distance_m: Option<f64>,
-    /// Wavelengths of the bands, metres, where they differ.
+    /// Wavelengths of the bands, metres; empty if all bands share one.
     pub(crate) band_wavelengths_m: Vec<f64>,
     pub(crate) lens: Option<ThinLens>,
     pub(crate) matrix: Option<CameraMatrix>,
     pub(crate) film: Option<FilmPlane>,
-    /// Whether rays draw all of a diffraction pattern whatever else holds.
+    /// Whether rays always sample the whole diffraction pattern.
     pub(crate) whole_pattern: bool,
 }
 
@@ -154,25 +158,25 @@ impl PinholeCamera {
     ///
     /// # Errors
     /// The first quantity that is out of its range.
-    pub fn new(asked: &CameraDescription) -> Result<Self, CameraError> {
-        positive("focal distance", asked.focal_distance_m)?;
-        positive("pinhole diameter", asked.pinhole_diameter_m)?;
-        positive("exposure time", asked.exposure_s)?;
-        positive("pixel pitch", asked.pixel_pitch_m[0])?;
-        positive("pixel pitch", asked.pixel_pitch_m[1])?;
-        positive("wavelength", asked.wavelength_m.unwrap_or(1.0))?;
-        positive("scene unit", asked.scene_unit_m)?;
-        let [columns, rows] = asked.pixels;
-        if !(1..=MOST_PIXELS).contains(&(u64::from(columns) * u64::from(rows))) {
+    pub fn new(description: &CameraDescription) -> Result<Self, CameraError> {
+        positive("focal distance", description.focal_distance_m)?;
+        positive("pinhole diameter", description.pinhole_diameter_m)?;
+        positive("exposure time", description.exposure_s)?;
+        positive("pixel pitch", description.pixel_pitch_m[0])?;
+        positive("pixel pitch", description.pixel_pitch_m[1])?;
+        positive("wavelength", description.wavelength_m.unwrap_or(1.0))?;
+        positive("scene unit", description.scene_unit_m)?;
+        let [columns, rows] = description.pixels;
+        if !(1..=MAX_PIXELS).contains(&(u64::from(columns) * u64::from(rows))) {
             return Err(CameraError::PixelCount { columns, rows });
         }
-        let position_m = DVec3::from(asked.position_m);
+        let position_m = DVec3::from(description.position_m);
         if !position_m.is_finite() {
             return Err(CameraError::NotFinite { quantity: "position" });
         }
-        let direction = unit("direction", asked.direction)?;
-        let across = direction.cross(unit("up", asked.up)?);
-        if across.length() < SMALLEST_UP_SINE {
+        let direction = unit("direction", description.direction)?;
+        let across = direction.cross(unit("up", description.up)?);
+        if across.length() < MIN_UP_SINE {
             return Err(CameraError::UpParallel);
         }
         let right = across.normalize();
@@ -181,14 +185,14 @@ impl PinholeCamera {
             direction,
             right,
             up: right.cross(direction),
-            pixels: asked.pixels,
-            pixel_pitch_m: asked.pixel_pitch_m,
-            focal_distance_m: asked.focal_distance_m,
-            pinhole_diameter_m: asked.pinhole_diameter_m,
-            pinhole_model: asked.pinhole_model,
-            exposure_s: asked.exposure_s,
-            wavelength_m: asked.wavelength_m,
-            scene_unit_m: asked.scene_unit_m,
+            pixels: description.pixels,
+            pixel_pitch_m: description.pixel_pitch_m,
+            focal_distance_m: description.focal_distance_m,
+            pinhole_diameter_m: description.pinhole_diameter_m,
+            pinhole_model: description.pinhole_model,
+            exposure_s: description.exposure_s,
+            wavelength_m: description.wavelength_m,
+            scene_unit_m: description.scene_unit_m,
             optics: Optics::default(),
         })
         .and_then(|camera: PinholeCamera| match (camera.pinhole_model, camera.wavelength_m) {
@@ -197,34 +201,38 @@ impl PinholeCamera {
         })
     }
 
-    /// The same camera with the diffraction pattern of objects at this distance, metres. Default: far away.
+    /// The same camera with the diffraction pattern for objects at this distance, metres. Default:
+    /// infinite.
     ///
     /// # Errors
-    /// When it is not positive.
+    /// If it is not positive.
     pub fn with_object_distance(mut self, distance_m: f64) -> Result<Self, CameraError> {
         self.optics.object_distance_m = Some(distance_m);
         positive("object distance", distance_m).map(|()| self)
     }
 
-    /// The same camera with a diffraction pattern for each band of a coloured scene, by its wavelength in metres.
+    /// The same camera with a diffraction pattern for each band of a coloured scene, by its
+    /// wavelength in metres.
     ///
     /// # Errors
-    /// When one is not positive, or the longest is over four times the shortest: their patterns have too little in common.
+    /// If one is not positive, or the longest is over four times the shortest: their patterns have
+    /// too little in common.
     pub fn with_band_wavelengths(mut self, wavelengths_m: Vec<f64>) -> Result<Self, CameraError> {
         wavelengths_m.iter().try_for_each(|wavelength| positive("wavelength", *wavelength))?;
         let shortest = wavelengths_m.iter().copied().fold(f64::INFINITY, f64::min);
         let longest = wavelengths_m.iter().copied().fold(0.0, f64::max);
-        if longest > LARGEST_BAND_RATIO * shortest {
+        if longest > MAX_BAND_RATIO * shortest {
             return Err(CameraError::BandsApart { shortest_m: shortest, longest_m: longest });
         }
         self.optics.band_wavelengths_m = wavelengths_m;
         Ok(self)
     }
 
-    /// The same camera with a lens in the place of the hole, at the distance from the sensor that makes sharp what shall be.
+    /// The same camera with a lens instead of the pinhole, at the distance from the sensor given by
+    /// its focus distance.
     ///
     /// # Errors
-    /// When the lens cannot be.
+    /// If the lens is not possible.
     pub fn with_lens(mut self, lens: ThinLens) -> Result<Self, CameraError> {
         let lens = lens.checked()?;
         self.focal_distance_m = lens.image_distance_m();
@@ -234,10 +242,11 @@ impl PinholeCamera {
         Ok(self)
     }
 
-    /// The same camera with the chief rays of a calibrated one. The pitch of the pixels follows from its focal distances.
+    /// The same camera with the chief rays of a calibrated camera. Its focal lengths determine the
+    /// pixel pitch.
     ///
     /// # Errors
-    /// When a number of the matrix is out of its range.
+    /// If a number of the matrix is out of its range.
     pub fn with_matrix(mut self, matrix: CameraMatrix) -> Result<Self, CameraError> {
         let matrix = matrix.checked()?;
         self.pixel_pitch_m = matrix.focal.map(|focal| self.focal_distance_m / focal);
@@ -247,17 +256,18 @@ impl PinholeCamera {
         Ok(self)
     }
 
-    /// The same camera with its sensor elsewhere.
+    /// The same camera with a shifted or tilted sensor.
     #[must_use]
     pub fn with_film_plane(mut self, film: FilmPlane) -> Self {
         self.optics.film = (film != FilmPlane::default()).then_some(film);
         self
     }
 
-    /// The same camera moved by `shift_m` along its own right, up and direction, then turned about them by small angles in radians.
+    /// The same camera moved by `shift_m` along its own right, up and direction, then rotated about
+    /// them by small angles in radians.
     ///
     /// # Errors
-    /// When the place is not finite.
+    /// If the position is not finite.
     pub fn moved(mut self, shift_m: [f64; 3], turn: [f64; 3]) -> Result<Self, CameraError> {
         let shift = self.right * shift_m[0] + self.up * shift_m[1] + self.direction * shift_m[2];
         let axes = [self.right, self.up, self.direction];
@@ -272,15 +282,17 @@ impl PinholeCamera {
         Ok(self)
     }
 
-    /// The same camera with every ray drawn from the whole of a diffraction pattern, for pictures whose rows are not exposed at the same time.
+    /// The same camera with rays that sample the whole diffraction pattern, for pictures whose rows
+    /// are not exposed at the same time.
     #[must_use]
     pub fn with_whole_pattern(mut self) -> Self {
         self.optics.whole_pattern = true;
         self
     }
 
-    /// Why rays draw the whole of a diffraction pattern, which takes many more of them; `None` where its wings are added to the whole
-    /// picture. For that the pattern must be the same all over the field.
+    /// Why rays sample the whole diffraction pattern, which takes many more of them. `None` if the
+    /// wings of the pattern are added to the whole picture, for which the pattern must be the same
+    /// all over the field.
     #[must_use]
     pub fn whole_pattern_reason(&self) -> Option<&'static str> {
         let optics = &self.optics;
@@ -290,15 +302,15 @@ impl PinholeCamera {
         let reasons = [
             (optics.whole_pattern, "lamps flicker from row to row"),
             (optics.matrix.is_some(), "a camera_matrix distorts the picture"),
-            (self.pattern_change() > MOST_PATTERN_CHANGE, "the sensor is tilted too much"),
-            (optics.band_wavelengths_m.len() > MOST_BANDS_APART, "there are more than 3 band_wavelengths_nm"),
-            (self.pixel_count() > MOST_CONVOLVED, "there are more than 8 million pixels"),
+            (self.pattern_change() > MAX_PATTERN_CHANGE, "the sensor is tilted too much"),
+            (optics.band_wavelengths_m.len() > MAX_SEPARATE_BANDS, "there are more than 3 band_wavelengths_nm"),
+            (self.pixel_count() > MAX_CONVOLVED_PIXELS, "there are more than 8 million pixels"),
         ];
         reasons.into_iter().find_map(|(holds, reason)| holds.then_some(reason))
     }
 
-    /// By which share a tilt of the sensor makes a pattern wider or narrower at the farthest corner: there the sensor is so much farther
-    /// from the hole.
+    /// Relative change of the diffraction pattern's width at the farthest corner of a tilted
+    /// sensor, due to the larger distance from the pinhole.
     fn pattern_change(&self) -> f64 {
         let film = self.optics.film.unwrap_or_default();
         let [across, down] = [0, 1].map(|axis| 0.5 * f64::from(self.pixels[axis]) * self.pixel_pitch_m[axis]);
@@ -306,19 +318,19 @@ impl PinholeCamera {
         film.tilt[0].hypot(film.tilt[1]) * reach / self.focal_distance_m
     }
 
-    /// Whether the wings of a diffraction pattern are added to the whole picture.
+    /// Whether the wings of the diffraction pattern are added to the whole picture.
     pub(crate) fn convolves(&self) -> bool {
         let is_diffracted = self.pinhole_model == PinholeModel::Diffraction && self.optics.lens.is_none();
         is_diffracted && self.whole_pattern_reason().is_none()
     }
 
-    /// Wavelengths of the bands, metres, where diffraction has them.
+    /// Wavelengths of the bands for diffraction, metres.
     #[must_use]
     pub fn band_wavelengths_m(&self) -> &[f64] {
         &self.optics.band_wavelengths_m
     }
 
-    /// Whether this is a hole before an upright, centred sensor, without diffraction.
+    /// Whether this is a pinhole in front of an upright, centred sensor, without diffraction.
     #[must_use]
     pub fn is_plain_pinhole(&self) -> bool {
         let optics = &self.optics;
@@ -326,13 +338,13 @@ impl PinholeCamera {
         is_geometric && optics.lens.is_none() && optics.matrix.is_none() && optics.film.is_none()
     }
 
-    /// The lens, where there is one.
+    /// The lens, if there is one.
     #[must_use]
     pub fn lens(&self) -> Option<&ThinLens> {
         self.optics.lens.as_ref()
     }
 
-    /// The calibrated camera, where there is one.
+    /// The calibrated camera, if there is one.
     #[must_use]
     pub fn matrix(&self) -> Option<&CameraMatrix> {
         self.optics.matrix.as_ref()
@@ -348,7 +360,7 @@ impl PinholeCamera {
         self.position_m
     }
 
-    /// Where the camera looks; unit.
+    /// Viewing direction; unit.
     #[must_use]
     pub fn direction(&self) -> DVec3 {
         self.direction
@@ -396,13 +408,13 @@ impl PinholeCamera {
         self.focal_distance_m
     }
 
-    /// Diameter of the hole, metres.
+    /// Diameter of the pinhole, metres.
     #[must_use]
     pub fn pinhole_diameter_m(&self) -> f64 {
         self.pinhole_diameter_m
     }
 
-    /// Area of the hole, m².
+    /// Area of the pinhole, m².
     #[must_use]
     pub fn pinhole_area_m2(&self) -> f64 {
         FRAC_PI_4 * self.pinhole_diameter_m * self.pinhole_diameter_m
@@ -414,13 +426,13 @@ impl PinholeCamera {
         self.pixel_pitch_m[0] * self.pixel_pitch_m[1]
     }
 
-    /// How the hole is treated.
+    /// How the pinhole is modelled.
     #[must_use]
     pub fn pinhole_model(&self) -> PinholeModel {
         self.pinhole_model
     }
 
-    /// The same camera with the hole treated in another way.
+    /// The same camera with another pinhole model.
     #[must_use]
     pub fn with_pinhole_model(mut self, model: PinholeModel) -> Self {
         self.pinhole_model = model;
@@ -430,7 +442,7 @@ impl PinholeCamera {
     /// The same camera with another exposure time in seconds.
     ///
     /// # Errors
-    /// When it is not positive.
+    /// If it is not positive.
     pub fn with_exposure(mut self, exposure_s: f64) -> Result<Self, CameraError> {
         self.exposure_s = exposure_s;
         positive("exposure time", exposure_s).map(|()| self)
@@ -454,13 +466,13 @@ impl PinholeCamera {
         self.scene_unit_m
     }
 
-    /// `τ·A_pinhole/f²` in s·sr: what turns the mean of L·cos⁴θ into exposure, Eqs. 4 and 8 of the paper.
+    /// `τ·A_pinhole/f²` in s·sr: the exposure for a mean L·cos⁴θ of 1, Eqs. 4 and 8 of the paper.
     #[must_use]
     pub fn exposure_per_radiance(&self) -> f64 {
         self.exposure_s * self.pinhole_area_m2() / (self.focal_distance_m * self.focal_distance_m)
     }
 
-    /// cos⁴θ of the line from the middle of a pixel through the middle of the hole.
+    /// cos⁴θ of the line from the centre of a pixel through the centre of the pinhole.
     #[must_use]
     pub fn central_cos4(&self, pixel: u64) -> f64 {
         let [x, y] = self.on_image(pixel, 0.5, 0.5);
@@ -469,8 +481,9 @@ impl PinholeCamera {
         cos2 * cos2
     }
 
-    /// Where a point of a pixel appears on the upright image, metres right of and above the axis, one focal distance before
-    /// the hole: the sensor point itself is behind the hole, at minus this. `u` runs from the pixel's left, `v` from its top.
+    /// The position of a point of a pixel on the upright image, metres right of and above the axis,
+    /// one focal distance in front of the pinhole. The sensor point itself is behind the pinhole,
+    /// at the negative position. `u` runs from the left edge of the pixel, `v` from its top.
     #[inline]
     pub(crate) fn on_image(&self, pixel: u64, u: f64, v: f64) -> [f64; 2] {
         let columns = u64::from(self.pixels[0]);
@@ -478,7 +491,7 @@ impl PinholeCamera {
         self.on_plane(column + u, row + v)
     }
 
-    /// The same for a place of the sensor's plane, in pixels from the picture's left and top.
+    /// The same for a point of the sensor's plane, in pixels from the picture's left and top.
     #[inline]
     pub(crate) fn on_plane(&self, column: f64, row: f64) -> [f64; 2] {
         [
@@ -497,7 +510,7 @@ fn unit(quantity: &'static str, components: [f64; 3]) -> Result<DVec3, CameraErr
     if !vector.is_finite() {
         return Err(CameraError::NotFinite { quantity });
     }
-    // Scaling by the largest component first keeps very long and very short vectors from overflowing.
+    // Scaling by the largest component first avoids overflow and underflow.
     let largest = vector.abs().max_element();
     if largest == 0.0 { Err(CameraError::ZeroVector { quantity }) } else { Ok((vector / largest).normalize()) }
 }
@@ -536,8 +549,9 @@ pub(crate) mod tests {
 
     #[test]
     fn a_slanted_up_is_made_perpendicular() {
-        let asked = CameraDescription { direction: [1.0, 2.0, -3e200], up: [0.1, 5.0, 1.0], ..paper_description() };
-        let camera = PinholeCamera::new(&asked).unwrap();
+        let description =
+            CameraDescription { direction: [1.0, 2.0, -3e200], up: [0.1, 5.0, 1.0], ..paper_description() };
+        let camera = PinholeCamera::new(&description).unwrap();
         for (a, b) in [(camera.right(), camera.up()), (camera.up(), camera.direction())] {
             assert!(a.dot(b).abs() < 1e-15 && (a.length() - 1.0).abs() < 1e-15);
         }
@@ -545,7 +559,7 @@ pub(crate) mod tests {
 
     #[test]
     fn each_bad_quantity_is_named() {
-        let message = |asked: CameraDescription| PinholeCamera::new(&asked).unwrap_err().to_string();
+        let message = |description: CameraDescription| PinholeCamera::new(&description).unwrap_err().to_string();
         let good = paper_description;
         assert_eq!(
             message(CameraDescription { pinhole_diameter_m: -1e-4, ..good() }),

@@ -1,13 +1,14 @@
-//! Whether diffraction at the hole matters.
+//! Whether diffraction at the pinhole matters.
 
 use crate::PinholeCamera;
 
-/// The Fresnel number of the hole for an object `distance_m` in front of it: `N = a² (1/f + 1/D) / λ`.
+/// The Fresnel number of the pinhole for an object at `distance_m`: `N = a² (1/f + 1/D) / λ`.
 ///
-/// a is the hole's radius, f the focal distance, D the distance, λ the wavelength (Born and Wolf, Principles of Optics,
-/// section 8.3.3: the largest phase, in half waves, by which paths over the edge of the hole differ from the one through
-/// its centre). Well above 1 the geometric shadow of the hole is a good point spread; near 1 and below, the spread is a
-/// diffraction pattern. `None` where the wavelength is not known.
+/// a is the pinhole's radius, f the focal distance, D the distance, λ the wavelength. N is the
+/// largest phase difference, in half waves, between paths over the edge of the pinhole and the path
+/// through its centre (Born and Wolf, Principles of Optics, section 8.3.3). Well above 1 the
+/// geometric shadow of the pinhole is a good point spread function; near 1 and below, the point
+/// spread function is a diffraction pattern. `None` if the wavelength is not known.
 #[must_use]
 pub fn fresnel_number(camera: &PinholeCamera, distance_m: f64) -> Option<f64> {
     let radius = 0.5 * camera.pinhole_diameter_m();

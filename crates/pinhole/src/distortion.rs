@@ -1,31 +1,33 @@
-//! Calibrated cameras: the camera matrix and the distortion of OpenCV and ROS.
+//! Calibrated cameras: camera matrix and distortion of OpenCV and ROS.
 //!
-//! A pixel's distorted place `((u − cx)/fx, (v − cy)/fy)` and the undistorted slopes (x, y) = (X/Z, Y/Z) of its chief ray are
-//! bound by the models of OpenCV's calib3d: `plumb_bob` and `rational` (Brown and Conrady; with thin prism terms), and `fisheye`
-//! (Kannala and Brandt, PAMI 28(8), 2006). x runs right, y down, Z forwards; the middle of the first pixel is (0, 0).
+//! The models of OpenCV's calib3d map the undistorted slopes (x, y) = (X/Z, Y/Z) of a chief ray to
+//! a distorted point `((u − cx)/fx, (v − cy)/fy)`: `plumb_bob` and `rational` (Brown and Conrady;
+//! with thin prism terms), and `fisheye` (Kannala and Brandt, PAMI 28(8), 2006). x points right, y
+//! down, Z forwards; the centre of the first pixel is (0, 0).
 
 use crate::CameraError;
 
-/// Iterations after which a place is taken to have no ray.
-const MOST_ITERATIONS: u32 = 40;
-/// Slopes are found to this.
+/// Number of iterations after which a point is assumed to have no ray.
+const MAX_ITERATIONS: u32 = 40;
+/// Accuracy of the slopes.
 const PRECISION: f64 = 1e-12;
-/// Step of the derivatives.
+/// Step of the numerical derivatives.
 const STEP: f64 = 1e-6;
 
-/// How slopes are distorted.
+/// A distortion model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Distortion {
-    /// `x_d = x (1+k1 r²+k2 r⁴+k3 r⁶)/(1+k4 r²+k5 r⁴+k6 r⁶) + 2 p1 xy + p2 (r²+2x²) + s1 r² + s2 r⁴`, and y alike, in OpenCV's order
-    /// k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4; trailing ones are 0 (`plumb_bob`: five, `rational_polynomial`: eight).
+    /// `x_d = x (1+k1 r²+k2 r⁴+k3 r⁶)/(1+k4 r²+k5 r⁴+k6 r⁶) + 2 p1 xy + p2 (r²+2x²) + s1 r² + s2
+    /// r⁴`, and y alike, in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4; trailing ones are 0
+    /// (`plumb_bob`: five, `rational_polynomial`: eight).
     Rational([f64; 12]),
     /// `θ_d = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸)`, with θ the angle to the axis.
     Fisheye([f64; 4]),
 }
 
 impl Distortion {
-    /// The distorted place of slopes (x, y).
+    /// The distorted point of slopes (x, y).
     #[must_use]
     pub fn distort(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         match self {
@@ -48,11 +50,12 @@ impl Distortion {
         }
     }
 
-    /// The slopes of a distorted place, and by how much area grows on the way to them. `None` where there are none that are
-    /// connected with the middle of the picture: beyond the place at which the model folds back.
+    /// The slopes of a distorted point, and the ratio of undistorted to distorted area there.
+    /// `None` outside the region around the picture's centre where the model is invertible.
     #[must_use]
     pub fn undistort(&self, place: [f64; 2]) -> Option<([f64; 2], f64)> {
-        // From the middle outwards: each step starts at the solution of the one before, so no other branch is met.
+        // Continuation from the centre outwards: each step starts at the previous solution, so no
+        // other branch is reached.
         let steps = 1 + (4.0 * place[0].hypot(place[1])) as u32;
         let mut slopes = [0.0, 0.0];
         for step in 1..=steps.min(64) {
@@ -66,7 +69,7 @@ impl Distortion {
     /// Newton's method.
     fn solve(&self, place: [f64; 2], start: [f64; 2]) -> Option<[f64; 2]> {
         let [mut x, mut y] = start;
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             let [fx, fy] = self.distort([x, y]);
             let (dx, dy) = (place[0] - fx, place[1] - fy);
             if dx.hypot(dy) < PRECISION * (1.0 + place[0].hypot(place[1])) {
@@ -97,14 +100,14 @@ impl Distortion {
     }
 }
 
-/// A calibrated camera: where on the picture which slope appears.
+/// A calibrated camera: maps points of the picture to slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraMatrix {
-    /// fx and fy, focal distances in pixels.
+    /// fx and fy, focal lengths in pixels.
     pub focal: [f64; 2],
-    /// cx and cy: the principal point, pixels from the middle of the first one.
+    /// cx and cy: the principal point, pixels from the centre of the first pixel.
     pub center: [f64; 2],
-    /// How slopes are distorted.
+    /// The distortion model.
     pub distortion: Distortion,
 }
 
@@ -112,7 +115,7 @@ impl CameraMatrix {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// When a focal distance is not positive, or a number is not finite.
+    /// If a focal length is not positive, or a number is not finite.
     pub fn checked(self) -> Result<Self, CameraError> {
         for value in self.focal {
             if !(value.is_finite() && value > 0.0) {
@@ -129,13 +132,13 @@ impl CameraMatrix {
         Ok(self)
     }
 
-    /// The slopes (right, up) of a place of the picture (pixels from its left and top edge), and the growth of area from
-    /// the picture, in units of the focal distances, to them.
+    /// The slopes (right, up) of a point of the picture (pixels from its left and top edge), and
+    /// the ratio of their area to that of the picture in units of the focal lengths.
     #[must_use]
     pub fn slopes(&self, [column, row]: [f64; 2]) -> Option<([f64; 2], f64)> {
         let place = [(column - 0.5 - self.center[0]) / self.focal[0], (row - 0.5 - self.center[1]) / self.focal[1]];
-        let ([x, y], growth) = self.distortion.undistort(place)?;
-        Some(([x, -y], growth))
+        let ([x, y], area_ratio) = self.distortion.undistort(place)?;
+        Some(([x, -y], area_ratio))
     }
 }
 
@@ -155,9 +158,9 @@ mod tests {
         for model in MODELS {
             for k in 0..400 {
                 let (x, y) = (f64::from(k % 20) * 0.06 - 0.6, f64::from(k / 20) * 0.05 - 0.5);
-                let (found, growth) = model.undistort(model.distort([x, y])).unwrap();
+                let (found, area_ratio) = model.undistort(model.distort([x, y])).unwrap();
                 assert!((found[0] - x).abs() < 1e-9 && (found[1] - y).abs() < 1e-9, "{model:?} at {x} {y}: {found:?}");
-                assert!(growth > 0.0);
+                assert!(area_ratio > 0.0);
             }
         }
     }
@@ -165,7 +168,7 @@ mod tests {
     #[test]
     fn a_fisheye_sees_far_to_the_side() {
         let model = Distortion::Fisheye([0.0; 4]);
-        // 80 degrees from the axis appear at their own angle.
+        // 80 degrees from the axis is imaged at its own angle.
         let angle = 80f64.to_radians();
         let (slopes, _) = model.undistort([angle, 0.0]).unwrap();
         assert!((slopes[0] / angle.tan() - 1.0).abs() < 1e-9);
@@ -173,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn places_beyond_the_fold_have_no_ray() {
+    fn points_beyond_the_fold_have_no_ray() {
         // x − 0.5 x³ is largest at √(2/3), where it is 0.544.
         let model = Distortion::Rational([-0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert!(model.undistort([0.53, 0.0]).is_some());
@@ -184,11 +187,11 @@ mod tests {
     fn the_growth_of_area_is_that_of_a_small_square() {
         for model in MODELS {
             let place = model.distort([0.3, -0.2]);
-            let (_, growth) = model.undistort(place).unwrap();
+            let (_, area_ratio) = model.undistort(place).unwrap();
             let corner = |dx: f64, dy: f64| model.undistort([place[0] + dx, place[1] + dy]).unwrap().0;
             let (o, a, b) = (corner(0.0, 0.0), corner(1e-5, 0.0), corner(0.0, 1e-5));
             let area = ((a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])) / 1e-10;
-            assert!((area / growth - 1.0).abs() < 1e-3, "{model:?}: {area} {growth}");
+            assert!((area / area_ratio - 1.0).abs() < 1e-3, "{model:?}: {area} {area_ratio}");
         }
     }
 }

@@ -1,21 +1,22 @@
-//! A thin lens in the place of the hole.
+//! A thin lens instead of the pinhole.
 
 use crate::CameraError;
 
-/// A thin lens: it bends a ray that meets it at h, measured from its middle, by h/F in slope, and is its own aperture.
+/// A thin lens. It changes the slope of a ray that meets it at h, measured from its centre, by
+/// −h/F, and is its own aperture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
     /// F, metres.
     pub focal_length_m: f64,
     /// Diameter of the aperture, metres.
     pub aperture_m: f64,
-    /// From the lens to what is sharp, along the axis, metres; may be infinite.
+    /// From the lens to the plane of focus along the axis, metres; may be infinite.
     pub focus_distance_m: f64,
-    /// A round stop before the lens that cuts slanted beams (optical vignetting), where there is one.
+    /// A round stop in front of the lens that causes optical vignetting, if there is one.
     pub front_stop: Option<FrontStop>,
 }
 
-/// A round hole before a lens, around its axis.
+/// A round aperture in front of a lens, centred on its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrontStop {
     /// From the lens towards the scene, metres.
@@ -28,7 +29,7 @@ impl ThinLens {
     /// Checks the quantities.
     ///
     /// # Errors
-    /// When one is not positive, or what is to be sharp is no farther than the focal length.
+    /// If a quantity is not positive, or the focus distance is not larger than the focal length.
     pub fn checked(self) -> Result<Self, CameraError> {
         let mut all = vec![("lens focal length", self.focal_length_m), ("lens aperture", self.aperture_m)];
         if let Some(stop) = self.front_stop {
@@ -50,7 +51,8 @@ impl ThinLens {
         (self.focal_length_m.recip() - self.focus_distance_m.recip()).recip()
     }
 
-    /// Diameter of the geometric image of a point on the axis at `distance_m`, metres: `A s' |1/s − 1/D|`.
+    /// Diameter of the geometric image of a point on the axis at `distance_m`, metres: `A s' |1/s −
+    /// 1/D|`.
     #[must_use]
     pub fn blur_circle_m(&self, distance_m: f64) -> f64 {
         self.aperture_m * self.image_distance_m() * (self.focus_distance_m.recip() - distance_m.recip()).abs()

@@ -1,16 +1,19 @@
-//! A camera with a pinhole or a thin lens: rays over pixel × pinhole, and the exposure of each pixel from the radiances that they bring back.
+//! A camera with a pinhole or a thin lens: rays over pixel × pinhole, and the exposure of each
+//! pixel from their radiances.
 //!
-//! The exposure of a pixel is the exact four-dimensional integral behind Eqs. 3, 4 and 8 of Rushmeier, Parker and Lee, 1991
-//! ("the paper"), without the approximation of its Eq. 7:
+//! The exposure of a pixel is the exact four-dimensional integral behind Eqs. 3, 4 and 8 of
+//! Rushmeier, Parker and Lee, 1991 ("the paper"), without the approximation of its Eq. 7:
 //!
 //! `E_pixel = τ/(A_pixel f²) ∫_pixel ∫_pinhole L(h, h−p) cos⁴θ dA_h dA_p`
 //!
-//! with sensor point p, pinhole point h, focal distance f, exposure time τ, radiance L and θ the angle of h−p to the axis.
-//! [`Rays`] samples both areas uniformly, [`PixelAverage`] turns what comes back into J/m², [`stream`] carries both through a
-//! pipe, [`shift`] is the paper's own approximation, to compare with.
+//! with sensor point p, pinhole point h, focal distance f, exposure time τ, radiance L and θ the
+//! angle of h−p to the axis. [`Rays`] samples both areas uniformly, [`PixelAverage`] converts
+//! radiances to J/m², [`stream`] reads and writes both as streams, and [`shift`] is the paper's own
+//! approximation, for comparison.
 //!
-//! Guarantees: a [`PinholeCamera`] holds only finite, positive quantities and an orthonormal frame; rays and averages are
-//! functions of (seed, ray number) only. May not know the renderer or the sensor; does no input or output.
+//! Guarantees: a [`PinholeCamera`] holds only finite, positive quantities and an orthonormal frame;
+//! rays and averages are functions of (seed, ray number) only. May not know the renderer or the
+//! sensor; does no input or output.
 //!
 //! ```
 //! use radsight_pinhole::{BandWeights, CameraDescription, PinholeCamera, PinholeModel, PixelAverage, Rays};

@@ -8,31 +8,33 @@ use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 /// A ray that leaves the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraRay {
-    /// A point of the pinhole, scene frame, scene units. The way from sensor to pinhole is free, so nothing is lost by
-    /// starting here.
+    /// A point of the pinhole, scene frame, scene units. The space between sensor and pinhole is
+    /// empty, so rays start here.
     pub origin: DVec3,
     /// From the sensor point to the pinhole point and on into the scene; unit.
     pub direction: DVec3,
-    /// cos⁴θ, with θ the angle from the axis to the ray behind the hole: the ray's weight. For a tilted sensor cos³θ times the
-    /// cosine at the sensor, for a distorted picture times the growth of area, and 0 where a stop is in the way.
+    /// cos⁴θ, with θ the angle from the axis to the ray behind the pinhole: the ray's weight. For a
+    /// tilted sensor it is cos³θ times the cosine at the sensor, for a distorted picture it
+    /// includes the ratio of areas, and it is 0 where a stop blocks the ray.
     pub cos4: f64,
-    /// Where in a diffraction pattern it was drawn.
+    /// The cell of the diffraction pattern from which it was drawn.
     pub(crate) pattern_cell: u32,
 }
 
-/// How the rays of a pixel fill the hole.
+/// The distribution of a pixel's rays over the pinhole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hole {
-    /// All through one point.
+    /// All rays pass through one point.
     Point,
-    /// Evenly over a disk.
+    /// Uniform over a disk.
     Disk,
     /// By a diffraction pattern.
     Pattern,
 }
 
-/// All the rays of a picture, in stream order: pixels in scanline order from the top left as seen from the camera, the
-/// samples of a pixel together. Ray `pixel·samples + sample` takes that point of the sample sequence.
+/// All rays of a picture, in stream order: pixels in scanline order from the top left as seen from
+/// the camera, the samples of a pixel together. Ray `pixel·samples + sample` uses that point of the
+/// sample sequence.
 #[derive(Clone, Debug)]
 pub struct Rays {
     camera: PinholeCamera,
@@ -42,12 +44,12 @@ pub struct Rays {
     toward: DVec3,
     radius_m: f64,
     per_scene_unit: f64,
-    /// What a plain pinhole does not need.
+    /// Data that a plain pinhole does not need.
     general: Option<GeneralRays>,
 }
 
 impl Rays {
-    /// `samples` rays a pixel (at least one is taken) under `seed`. A power of two converges fastest.
+    /// `samples` rays per pixel (at least one) with `seed`. A power of two converges fastest.
     #[must_use]
     pub fn new(camera: &PinholeCamera, samples: u32, seed: u64) -> Self {
         let per_scene_unit = camera.scene_unit_m().recip();
@@ -66,7 +68,7 @@ impl Rays {
         }
     }
 
-    /// Weighs what a ray brought in several bands by the diffraction patterns of their wavelengths.
+    /// Multiplies the bands of a ray by the relative density of their diffraction patterns.
     #[inline]
     pub fn weigh_bands(&self, ray: &CameraRay, bands: &mut [f64]) {
         if let Some(general) = &self.general {
@@ -80,7 +82,7 @@ impl Rays {
         &self.camera
     }
 
-    /// Rays a pixel.
+    /// Rays per pixel.
     #[must_use]
     pub fn samples(&self) -> u32 {
         self.samples
@@ -92,30 +94,33 @@ impl Rays {
         self.seed
     }
 
-    /// Rays in all.
+    /// Total number of rays.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.cells() * u64::from(self.samples)
     }
 
-    /// What is exposed: the pixels, and with diffraction, after them, cells of the sensor's plane around the picture, whose light falls into it.
+    /// Number of exposed cells: the pixels and, with diffraction, after them cells of the sensor's
+    /// plane around the picture, whose light is diffracted into it.
     #[must_use]
     pub fn cells(&self) -> u64 {
-        let around = self.general.as_ref().map_or(0, GeneralRays::cells_around);
+        let around = self.general.as_ref().map_or(0, GeneralRays::surround_cells);
         self.camera.pixel_count() + around as u64
     }
 
-    /// How many bands of each of [`Rays::cells`] are to be exposed apart; `None` where they add up ray by ray. Diffraction keeps them apart
-    /// until it has spread them, where they have patterns of their own or come to pixels through colour filters.
+    /// Number of separate bands of each of [`Rays::cells`]; `None` if they are combined ray by ray.
+    /// Diffraction needs separate bands if they have different patterns or pixels have colour
+    /// filters.
     #[must_use]
     pub fn bands_apart(&self, weights: &BandWeights) -> Option<usize> {
         self.general.as_ref().and_then(|general| general.bands_apart(weights))
     }
 
-    /// What a ray brings in the bands that are kept apart, from the bands of its radiance. A grey radiance is the same in all.
+    /// The separate bands of a ray, from the bands of its radiance. A grey radiance is equal in
+    /// all.
     ///
     /// # Panics
-    /// When `radiance` is empty.
+    /// If `radiance` is empty.
     #[inline]
     pub fn keep_apart(&self, ray: &CameraRay, radiance: &[f64], bands: &mut [f64]) {
         let last = radiance.len() - 1;
@@ -123,11 +128,12 @@ impl Rays {
         self.weigh_bands(ray, bands);
     }
 
-    /// The exposures of the pixels from those of all [`Rays::cells`], each the mean over its own rays; where bands are kept apart, all of a
-    /// cell's together. Only diffraction makes a difference: it spreads light over the picture.
+    /// The exposures of the pixels from those of all [`Rays::cells`], each the mean over its own
+    /// rays; separate bands of a cell follow each other. Only diffraction makes a difference: it
+    /// spreads light over the picture.
     ///
     /// # Panics
-    /// When `exposures` has another length.
+    /// If `exposures` has another length.
     #[must_use]
     pub fn picture(&self, exposures: Vec<f64>, weights: &BandWeights) -> Vec<f64> {
         let bands = self.bands_apart(weights).unwrap_or(1);
@@ -138,7 +144,7 @@ impl Rays {
         }
     }
 
-    /// The sample point of a ray, from which the renderer takes its own dimensions.
+    /// The sample point of a ray, from which the renderer takes further dimensions.
     #[inline]
     #[must_use]
     pub fn sampler(&self, pixel: u64, sample: u32) -> RaySampler {
@@ -160,8 +166,8 @@ impl Rays {
         self.of_sample(index / samples, (index % samples) as u32)
     }
 
-    /// The ray of `pixel` for a point of the unit cube: `u[0]`, `u[1]` place it on the pixel (from its left, from its top),
-    /// `u[2]`, `u[3]` on the hole, both uniformly by area.
+    /// The ray of `pixel` for a point of the unit cube: `u[0]`, `u[1]` sample the pixel (from its
+    /// left, from its top), `u[2]`, `u[3]` the pinhole, both uniformly by area.
     #[inline]
     #[must_use]
     pub fn ray(&self, pixel: u64, u: [f64; 4]) -> CameraRay {
@@ -176,7 +182,7 @@ impl Rays {
         self.plain_ray(pixel, [u[0], u[1]], unit_disk(u[2], u[3]))
     }
 
-    /// Over what of a pixel's rays `u[2]` and `u[3]` are spread.
+    /// What `u[2]` and `u[3]` sample.
     #[must_use]
     pub fn hole(&self) -> Hole {
         match self.camera.pinhole_model() {
@@ -186,14 +192,16 @@ impl Rays {
         }
     }
 
-    /// The ray of `pixel` through a place on it, from its left and its top in pixels, and a point of the hole, in its radii along (right, up). Of
-    /// a diffraction pattern there is none.
+    /// The ray of `pixel` through a point on it, from its left and its top in pixels, and a point
+    /// of the pinhole, in its radii along (right, up). `None` with a diffraction pattern.
     #[must_use]
-    pub fn ray_through(&self, pixel: u64, place: [f64; 2], on_hole: [f64; 2]) -> Option<CameraRay> {
+    pub fn ray_through(&self, pixel: u64, place: [f64; 2], pinhole_point: [f64; 2]) -> Option<CameraRay> {
         match (&self.general, self.hole()) {
             (_, Hole::Pattern) => None,
-            (Some(general), _) => Some(general.ray_through(&self.camera, self.per_scene_unit, pixel, place, on_hole)),
-            (None, _) => Some(self.plain_ray(pixel, place, on_hole.into())),
+            (Some(general), _) => {
+                Some(general.ray_through(&self.camera, self.per_scene_unit, pixel, place, pinhole_point))
+            }
+            (None, _) => Some(self.plain_ray(pixel, place, pinhole_point.into())),
         }
     }
 
@@ -237,7 +245,7 @@ mod tests {
         };
         let upper_right = hit(180, 10);
         assert!(upper_right.x > 0.05 && upper_right.y > 0.05, "{upper_right}");
-        // Column 180 is 84.5 pixels right of the axis: 84.5 · 13.75 µm · 480/6.75 at the sheet.
+        // Column 180 is 84.5 pixels right of the axis: 84.5 · 13.75 µm · 480/6.75 on the sheet.
         assert!((upper_right.x - 84.5 * 13.75e-6 * 0.48 / 6.75e-3).abs() < 1e-12);
         assert!((upper_right.y - 72.0 * 16e-6 * 0.48 / 6.75e-3).abs() < 1e-12);
         let lower_left = hit(5, 160);
@@ -268,8 +276,8 @@ mod tests {
     #[test]
     fn scene_units_change_origins_and_nothing_else() {
         let metres = Rays::new(&paper_camera(), 4, 0);
-        let asked = CameraDescription { scene_unit_m: 1e-3, ..paper_description() };
-        let millimetres = Rays::new(&PinholeCamera::new(&asked).unwrap(), 4, 0);
+        let description = CameraDescription { scene_unit_m: 1e-3, ..paper_description() };
+        let millimetres = Rays::new(&PinholeCamera::new(&description).unwrap(), 4, 0);
         for index in 0..32 {
             let (a, b) = (metres.of_index(index), millimetres.of_index(index));
             assert!((a.origin * 1e3 - b.origin).length() < 1e-12);
@@ -288,13 +296,14 @@ mod tests {
             mean += offset / 4096.0;
             second += offset * offset / 4096.0;
         }
-        // A uniform disk of radius r has second moment r²/4 along each axis.
+        // A uniform disk of radius r has the second moment r²/4 along each axis.
         let expected = (0.05e-3f64).powi(2) / 4.0;
         assert!(mean.length() < 1e-7, "{mean}");
         assert!((second.x / expected - 1.0).abs() < 2e-3 && (second.y / expected - 1.0).abs() < 2e-3, "{second}");
     }
 
-    /// ∫∫ cos⁴θ over pixel and hole by a tensor Gauss rule on the pixel and a polar rule on the hole.
+    /// ∫∫ cos⁴θ over pixel and pinhole by a tensor Gauss rule on the pixel and a polar rule on the
+    /// pinhole.
     fn mean_cos4_by_quadrature(camera: &PinholeCamera, pixel: u64) -> f64 {
         let node = (0.6f64).sqrt();
         let gauss = [(-node, 5.0 / 18.0), (0.0, 8.0 / 18.0), (node, 5.0 / 18.0)];
@@ -319,8 +328,8 @@ mod tests {
 
     #[test]
     fn the_mean_of_cos4_agrees_with_quadrature() {
-        let asked = CameraDescription { pinhole_diameter_m: 2e-3, ..paper_description() };
-        let camera = PinholeCamera::new(&asked).unwrap();
+        let description = CameraDescription { pinhole_diameter_m: 2e-3, ..paper_description() };
+        let camera = PinholeCamera::new(&description).unwrap();
         let rays = Rays::new(&camera, 4096, 1);
         for pixel in [0, 191, 82 * 192 + 96, 164 * 192] {
             let mean = (0..4096).map(|sample| rays.of_sample(pixel, sample).cos4).sum::<f64>() / 4096.0;

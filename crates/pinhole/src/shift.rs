@@ -1,33 +1,36 @@
-//! The paper's own method: whole pictures from several points of the pinhole, shifted by integer pixels and averaged.
+//! The paper's own method: whole pictures from several points of the pinhole, shifted by whole
+//! pixels and averaged.
 //!
-//! Section 3.2 of the paper, its pseudocode and Eq. 9. A sensor pixel whose image point is x (upright, one focal distance
-//! before the hole) looks through a hole point o along (x + o, f). A picture that is made with the eye at o, its window centred
-//! on its own axis, shows that direction at x + o. So where o is a whole number of pixel pitches, the picture lines up with the
-//! sensor after a shift by whole pixels, for objects at any distance. The hole is covered by a lattice of such points; the
-//! weight of each is the share of the hole's area in its cell of the lattice.
+//! Section 3.2 of the paper, its pseudocode and Eq. 9. A sensor pixel with the image point x
+//! (upright, one focal distance in front of the pinhole) looks through a pinhole point o along (x +
+//! o, f). A picture with the eye at o, its window centred on its own axis, shows that direction at
+//! x + o. So if o is a whole number of pixel pitches, the picture aligns with the sensor after a
+//! shift by whole pixels, for objects at any distance. The pinhole is covered by a lattice of such
+//! points; the weight of each is the fraction of the pinhole's area in its cell of the lattice.
 //!
-//! What stays approximate is Eq. 7: cos⁴θ is taken at the middle of pixel and hole, and the hole is sampled at lattice points.
+//! Eq. 7 remains as an approximation: cos⁴θ is evaluated at the centres of pixel and pinhole, and
+//! the pinhole is sampled at lattice points.
 
 use crate::{BandWeights, BandWeightsError, PinholeCamera, View};
 
-/// One point of the hole.
+/// One point of the pinhole.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShiftSample {
-    /// The point, in whole pixels right of and above the hole's centre.
+    /// The point, in whole pixels right of and above the pinhole's centre.
     pub offset_pixels: [i32; 2],
-    /// The point, metres right of and above the hole's centre.
+    /// The point, metres right of and above the pinhole's centre.
     pub offset_m: [f64; 2],
-    /// The share of the hole's area that it stands for; all of them add up to 1.
+    /// The fraction of the pinhole's area that it represents; all add up to 1.
     pub weight: f64,
 }
 
-/// What is wrong with the pictures given.
+/// An error in the pictures given.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShiftError {
-    /// The lattice would have more points than anyone has pictures.
+    /// The lattice would have too many points.
     #[error(
-        "a pattern every {step} pixel(s) has more than {MOST_POSITIONS} points over the pinhole: take a larger step"
+        "a pattern every {step} pixel(s) has more than {MAX_POSITIONS} points over the pinhole: take a larger step"
     )]
     TooManyPositions {
         /// Pixels between points.
@@ -47,7 +50,7 @@ pub enum ShiftError {
         /// The rows of [`ShiftPattern::view`].
         rows: u32,
     },
-    /// The picture's values do not fill it.
+    /// The number of values differs from the picture's size.
     #[error("picture {index} has {found} values, expected {expected}")]
     Values {
         /// Which picture, from 0.
@@ -57,7 +60,7 @@ pub enum ShiftError {
         /// Columns × rows × bands.
         expected: usize,
     },
-    /// Not one picture for each point.
+    /// The number of pictures differs from the number of points.
     #[error("{found} picture(s), expected {expected}: one for each pinhole position")]
     Count {
         /// Pictures found.
@@ -65,28 +68,29 @@ pub enum ShiftError {
         /// Points of the pattern.
         expected: usize,
     },
-    /// Weights and bands do not fit.
+    /// The number of weights differs from the number of bands.
     #[error(transparent)]
     Bands(#[from] BandWeightsError),
 }
 
-/// A picture of radiances, W/(sr·m²): scanlines from the top, pixels from the left, bands together.
+/// A picture of radiances, W/(sr·m²): scanlines from the top, pixels from the left, bands
+/// interleaved.
 #[derive(Clone, Copy, Debug)]
 pub struct RadiancePicture<'a> {
     /// Columns.
     pub columns: u32,
     /// Rows.
     pub rows: u32,
-    /// Values a pixel.
+    /// Values per pixel.
     pub bands: usize,
     /// All values.
     pub values: &'a [f32],
 }
 
-/// The most points of a pattern.
-const MOST_POSITIONS: i64 = 100_000;
+/// Maximum number of points of a pattern.
+const MAX_POSITIONS: i64 = 100_000;
 
-/// The pattern of points over the hole.
+/// The pattern of points over the pinhole.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShiftPattern {
     samples: Vec<ShiftSample>,
@@ -94,18 +98,19 @@ pub struct ShiftPattern {
 }
 
 impl ShiftPattern {
-    /// A lattice with a point every `step` pixels (at least 1) in both directions, one at the hole's centre. Points whose cell
-    /// misses the hole are left out; a point of a cell that the edge cuts may itself lie just outside.
+    /// A lattice with a point every `step` pixels (at least 1) in both directions, one at the
+    /// pinhole's centre. Points whose cell misses the pinhole are omitted; a point whose cell
+    /// intersects the rim may itself lie just outside.
     ///
     /// # Errors
-    /// When there would be too many points.
+    /// If there would be too many points.
     pub fn new(camera: &PinholeCamera, step: u32) -> Result<Self, ShiftError> {
         let step = i64::from(step.clamp(1, i32::MAX as u32 / 2));
         let radius = 0.5 * camera.pinhole_diameter_m();
         let cell = camera.pixel_pitch_m().map(|pitch| pitch * step as f64);
         // The cell of point k reaches from (k − ½) to (k + ½) cells.
         let reach = cell.map(|cell| (radius / cell + 0.5).ceil().min(1e6) as i64);
-        if (2 * reach[0] + 1) * (2 * reach[1] + 1) > MOST_POSITIONS {
+        if (2 * reach[0] + 1) * (2 * reach[1] + 1) > MAX_POSITIONS {
             return Err(ShiftError::TooManyPositions { step: step as u32 });
         }
         let mut samples = Vec::new();
@@ -125,26 +130,28 @@ impl ShiftPattern {
         Ok(ShiftPattern { samples, margin })
     }
 
-    /// The points, rows from the top of the hole, left to right.
+    /// The points, rows from the top of the pinhole, left to right.
     #[must_use]
     pub fn samples(&self) -> &[ShiftSample] {
         &self.samples
     }
 
-    /// Pixels by which each picture is larger than the sensor on each side (columns, rows), so that no shift runs off it.
+    /// Margin of each picture beyond the sensor on each side (columns, rows), so that no shift
+    /// leaves it.
     #[must_use]
     pub fn margin(&self) -> [u32; 2] {
         self.margin
     }
 
-    /// The view from which the picture of a point is to be made. All pictures have the same size.
+    /// The view of a point's picture. All pictures have the same size.
     #[must_use]
     pub fn view(&self, camera: &PinholeCamera, sample: &ShiftSample) -> View {
         View::through_pinhole(camera, sample.offset_m, self.margin)
     }
 }
 
-/// The weighted sum of shifted pictures, one picture at a time in the order of the pattern's points.
+/// The weighted sum of shifted pictures, one picture at a time in the order of the pattern's
+/// points.
 #[derive(Debug)]
 pub struct ShiftAverage<'a> {
     camera: &'a PinholeCamera,
@@ -165,7 +172,8 @@ impl<'a> ShiftAverage<'a> {
     /// Adds the picture of the next point.
     ///
     /// # Errors
-    /// When the picture has the wrong size or bands, or there are more pictures than points.
+    /// If the picture has the wrong size or number of bands, or there are more pictures than
+    /// points.
     pub fn add(&mut self, picture: &RadiancePicture<'_>) -> Result<(), ShiftError> {
         let index = self.pictures;
         let samples = self.pattern.samples();
@@ -189,10 +197,11 @@ impl<'a> ShiftAverage<'a> {
         Ok(())
     }
 
-    /// The exposure of each pixel in J/m², Eq. 9: `E = I_ave cos⁴θ π d² τ / 4 f²`, θ at the middle of pixel and hole.
+    /// The exposure of each pixel in J/m², Eq. 9: `E = I_ave cos⁴θ π d² τ / 4 f²`, θ at the centres
+    /// of pixel and pinhole.
     ///
     /// # Errors
-    /// When pictures are missing.
+    /// If pictures are missing.
     pub fn finish(self) -> Result<Vec<f64>, ShiftError> {
         let expected = self.pattern.samples().len();
         if self.pictures != expected {
@@ -218,19 +227,20 @@ impl<'a> ShiftAverage<'a> {
     }
 }
 
-/// Area of the part of a disk about the origin that lies in a rectangle, exactly.
+/// Exact area of the intersection of a rectangle and a disk about the origin.
 fn disk_in_rectangle(radius: f64, centre: [f64; 2], size: [f64; 2]) -> f64 {
     let [left, right] = [-0.5, 0.5].map(|half| (centre[0] + half * size[0]).clamp(-radius, radius));
     let [bottom, top] = [-0.5, 0.5].map(|half| (centre[1] + half * size[1]).clamp(-radius, radius));
     (disk_below(radius, left, right, top) - disk_below(radius, left, right, bottom)).max(0.0)
 }
 
-/// Area of the part of the disk with x in `[left, right]` and y below `y`; all three within the radius.
+/// Area of the part of the disk with x in `[left, right]` and y below `y`; all three are at most
+/// the radius.
 fn disk_below(radius: f64, left: f64, right: f64, y: f64) -> f64 {
     // The line at height y is inside the circle for |x| < reach.
     let reach = (radius * radius - y * y).max(0.0).sqrt();
     let half_area =
-        |from: f64, to: f64| if to > from { under_circle(radius, to) - under_circle(radius, from) } else { 0.0 };
+        |from: f64, to: f64| if to > from { circle_integral(radius, to) - circle_integral(radius, from) } else { 0.0 };
     let within = [left.clamp(-reach, reach), right.clamp(-reach, reach)];
     let cut = half_area(within[0], within[1]) + y * (within[1] - within[0]);
     let beside = half_area(left, within[0].min(right).max(left)) + half_area(within[1].max(left), right);
@@ -238,7 +248,7 @@ fn disk_below(radius: f64, left: f64, right: f64, y: f64) -> f64 {
 }
 
 /// ∫ √(r² − x²) dx from 0 to `x`.
-fn under_circle(radius: f64, x: f64) -> f64 {
+fn circle_integral(radius: f64, x: f64) -> f64 {
     0.5 * (x * (radius * radius - x * x).max(0.0).sqrt() + radius * radius * (x / radius).clamp(-1.0, 1.0).asin())
 }
 
@@ -294,8 +304,8 @@ mod tests {
 
     #[test]
     fn a_hole_smaller_than_a_pixel_has_one_point() {
-        let asked = CameraDescription { pinhole_diameter_m: 5e-6, ..paper_description() };
-        let pattern = ShiftPattern::new(&PinholeCamera::new(&asked).unwrap(), 1).unwrap();
+        let description = CameraDescription { pinhole_diameter_m: 5e-6, ..paper_description() };
+        let pattern = ShiftPattern::new(&PinholeCamera::new(&description).unwrap(), 1).unwrap();
         assert_eq!(pattern.samples().len(), 1);
         assert!((pattern.samples()[0].weight - 1.0).abs() < 1e-15);
         assert_eq!(pattern.margin(), [0, 0]);
@@ -303,12 +313,12 @@ mod tests {
 
     #[test]
     fn a_hole_of_a_million_pixels_is_refused() {
-        let asked = CameraDescription { pinhole_diameter_m: 1e9, ..paper_description() };
-        let error = ShiftPattern::new(&PinholeCamera::new(&asked).unwrap(), 1).unwrap_err();
+        let description = CameraDescription { pinhole_diameter_m: 1e9, ..paper_description() };
+        let error = ShiftPattern::new(&PinholeCamera::new(&description).unwrap(), 1).unwrap_err();
         assert!(error.to_string().contains("take a larger step"), "{error}");
     }
 
-    /// A sheet with a smooth pattern, seen through the exact average and through shifted pictures.
+    /// A sheet with a smooth pattern, with the exact average and with shifted pictures.
     #[test]
     fn shifted_pictures_agree_with_the_exact_average() {
         let camera = PinholeCamera::new(&CameraDescription { pixels: [24, 16], ..paper_description() }).unwrap();
@@ -320,7 +330,7 @@ mod tests {
             let mut values = Vec::new();
             for row in 0..view.pixels[1] {
                 for column in 0..view.pixels[0] {
-                    // The mean over a pixel, as the filtered picture of the pseudocode has it.
+                    // The mean over a pixel, as in the filtered picture of the pseudocode.
                     let mut mean = 0.0;
                     for k in 0..16u32 {
                         let (u, v) = ((f64::from(k % 4) + 0.5) / 4.0, (f64::from(k / 4) + 0.5) / 4.0);

@@ -1,12 +1,14 @@
-//! A running estimate of how far a pixel's average may be off.
+//! A running estimate of the standard error of a pixel's average.
 
-/// Blocks that are kept; when all are full, neighbours are merged and blocks become twice as long.
+/// Maximum number of blocks; when all are full, neighbours are merged and blocks become twice as
+/// long.
 const BLOCKS: usize = 16;
 
 /// Running mean of a pixel's samples, with a standard error from the means of blocks.
 ///
-/// Samples along a scrambled low-discrepancy sequence are not independent, but whole aligned blocks of 2ᵏ nearly are; the
-/// spread of the block means errs on the high side, since blocks also balance each other.
+/// Samples of a scrambled low-discrepancy sequence are not independent, but whole aligned blocks of
+/// 2ᵏ nearly are. The variance of the block means overestimates the error, since blocks also
+/// balance each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelStatistics {
     full: [f64; BLOCKS],
@@ -43,7 +45,7 @@ impl PixelStatistics {
         }
     }
 
-    /// Samples so far.
+    /// Number of samples so far.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
@@ -55,7 +57,8 @@ impl PixelStatistics {
         self.sum / self.count.max(1) as f64
     }
 
-    /// The estimated standard error of the mean, in the unit of the samples; infinite before the second block.
+    /// The estimated standard error of the mean, in the unit of the samples; infinite before the
+    /// second block.
     #[must_use]
     pub fn standard_error(&self) -> f64 {
         if self.blocks < 2 {
@@ -82,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn one_sample_tells_nothing_about_the_error() {
+    fn one_sample_gives_no_error_estimate() {
         let mut statistics = PixelStatistics::default();
         statistics.add(1.0);
         assert_eq!(statistics.standard_error(), f64::INFINITY);
@@ -90,7 +93,7 @@ mod tests {
         assert_eq!(statistics.standard_error(), 0.0);
     }
 
-    /// Over many pixels the estimate must neither promise too much nor be useless.
+    /// Over many pixels the estimate must be neither too low nor uselessly high.
     #[test]
     fn the_estimated_error_covers_the_true_error() {
         let (mut estimated, mut true_error) = (0.0, 0.0);

@@ -1,30 +1,31 @@
-//! Rays and radiances as the numbers that go through a pipe.
+//! Streams of rays and radiances as numbers.
 //!
-//! [`RayStream`] writes origin and direction, six numbers a ray; [`ExposureStream`] reads the radiances that `rtrace` answers
-//! and gives the exposure of each pixel as soon as its last ray is in. Both work in pieces, so memory stays bounded.
+//! [`RayStream`] writes origin and direction, six numbers per ray. [`ExposureStream`] reads the
+//! radiances that `rtrace` returns and gives the exposure of each pixel after its last ray. Both
+//! work in pieces, so memory stays bounded.
 
 use crate::{BandWeights, BandWeightsError, CameraRay, PixelAverage, Rays};
 
-/// The longest text of one number that is accepted, in bytes.
-const LONGEST_NUMBER: usize = 64;
+/// Maximum length of a number as text, in bytes.
+const MAX_NUMBER_BYTES: usize = 64;
 
-/// The bytes with which every Radiance header begins.
+/// First bytes of every Radiance header.
 const HEADER_MAGIC: &[u8] = b"#?RADIANCE";
 
-/// How numbers are written, as the letter in Radiance's `-f` option.
+/// Number formats, by the letter of Radiance's `-f` option.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NumberFormat {
-    /// `d`: 8-byte binary in this machine's byte order. Keeps every bit.
+    /// `d`: 8-byte binary in native byte order. Exact.
     #[default]
     Double,
-    /// `f`: 4-byte binary in this machine's byte order.
+    /// `f`: 4-byte binary in native byte order.
     Float,
-    /// `a`: text. Written with as many digits as keep every bit of a double.
+    /// `a`: text. Written with enough digits to recover a double exactly.
     Ascii,
 }
 
 impl NumberFormat {
-    /// The format that a letter means.
+    /// The format of a letter.
     #[must_use]
     pub fn from_letter(letter: char) -> Option<Self> {
         match letter {
@@ -35,7 +36,7 @@ impl NumberFormat {
         }
     }
 
-    /// Appends `values`, one record: tabs between and a line end after them where the format is text.
+    /// Appends `values` as one record: in text with tabs between them and a line end.
     pub fn encode(self, values: &[f64], out: &mut Vec<u8>) {
         match self {
             NumberFormat::Double => values.iter().for_each(|value| out.extend(value.to_ne_bytes())),
@@ -79,7 +80,7 @@ impl<'a> RayStream<'a> {
         RayStream { rays, format, next: 0 }
     }
 
-    /// Appends up to `most` rays and says how many; 0 at the end.
+    /// Appends up to `most` rays and returns how many; 0 at the end.
     pub fn fill(&mut self, most: u64, out: &mut Vec<u8>) -> u64 {
         let end = self.next.saturating_add(most).min(self.rays.count());
         let start = std::mem::replace(&mut self.next, end);
@@ -88,7 +89,7 @@ impl<'a> RayStream<'a> {
     }
 }
 
-/// What is wrong with a stream of radiances.
+/// An error in a stream of radiances.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StreamError {
@@ -98,43 +99,43 @@ pub enum StreamError {
         left_over(*.left_over_bytes)
     )]
     Short {
-        /// Whole radiances that came.
+        /// Complete radiances received.
         found: u64,
-        /// Rays that were sent.
+        /// Number of rays.
         expected: u64,
-        /// Values a radiance.
+        /// Values per radiance.
         bands: usize,
-        /// Bytes of an unfinished radiance.
+        /// Bytes of an incomplete radiance.
         left_over_bytes: u64,
     },
     /// More radiances than rays.
     #[error("the stream goes on after all {expected} radiances of {bands} value(s)")]
     Long {
-        /// Rays that were sent.
+        /// Number of rays.
         expected: u64,
-        /// Values a radiance.
+        /// Values per radiance.
         bands: usize,
     },
-    /// `rtrace` was not told `-h`.
+    /// `rtrace` was run without `-h`.
     #[error("the stream begins with a Radiance header, expected bare numbers: give rtrace the option -h")]
     Header,
     /// Text that is not a number.
     #[error("radiance {radiance} (from 0): expected a number, found \"{text}\"")]
     NotANumber {
-        /// Radiance in which it stands, from 0.
+        /// Index of the radiance, from 0.
         radiance: u64,
-        /// The text, cut where it is long.
+        /// The text, truncated if it is long.
         text: String,
     },
     /// A NaN or an infinity.
     #[error("radiance {radiance} (from 0) is {value}, expected a finite number")]
     NotFinite {
-        /// Radiance in which it stands, from 0.
+        /// Index of the radiance, from 0.
         radiance: u64,
-        /// What it is.
+        /// The value.
         value: f64,
     },
-    /// Weights and bands do not fit.
+    /// The number of weights differs from the number of bands.
     #[error(transparent)]
     Bands(#[from] BandWeightsError),
 }
@@ -143,7 +144,7 @@ fn left_over(bytes: u64) -> String {
     if bytes == 0 { String::new() } else { format!(" and {bytes} byte(s) of the next") }
 }
 
-/// Radiances in, exposures out.
+/// Converts a stream of radiances to exposures.
 #[derive(Debug)]
 pub struct ExposureStream<'a> {
     rays: &'a Rays,
@@ -154,17 +155,17 @@ pub struct ExposureStream<'a> {
     pending: Vec<u8>,
     values: Vec<f64>,
     next: u64,
-    /// One for each band that is kept apart, or one.
+    /// One per separate band, or one.
     averages: Vec<PixelAverage>,
-    /// What a ray brings in these bands.
+    /// The separate bands of a ray.
     apart: Vec<f64>,
 }
 
 impl<'a> ExposureStream<'a> {
-    /// Expects `bands` values a ray (at least one) in `format`.
+    /// Expects `bands` values per ray (at least one) in `format`.
     ///
     /// # Errors
-    /// When `weights` are for another number of bands.
+    /// If `weights` are for another number of bands.
     pub fn new(rays: &'a Rays, weights: &BandWeights, format: NumberFormat, bands: usize) -> Result<Self, StreamError> {
         let bands = bands.max(1);
         let weights = weights.for_bands(bands)?;
@@ -183,11 +184,11 @@ impl<'a> ExposureStream<'a> {
         })
     }
 
-    /// Takes the next piece of the stream and appends the exposure (J/m²) of each pixel that it completes, in each of the bands that
-    /// [`Rays::bands_apart`] keeps.
+    /// Reads the next piece of the stream and appends the exposure (J/m²) of each completed pixel,
+    /// by separate band of [`Rays::bands_apart`].
     ///
     /// # Errors
-    /// When the piece holds something that is not a finite number, or more than was asked for.
+    /// If the piece contains something other than finite numbers, or more than expected.
     pub fn feed(&mut self, piece: &[u8], exposures: &mut Vec<f64>) -> Result<(), StreamError> {
         self.pending.extend_from_slice(piece);
         if !self.started {
@@ -208,10 +209,11 @@ impl<'a> ExposureStream<'a> {
         Ok(())
     }
 
-    /// Says that the stream ended, and appends what a last number without white space after it completes.
+    /// Ends the stream. Appends the pixel that a last number without white space after it
+    /// completes.
     ///
     /// # Errors
-    /// When radiances are missing.
+    /// If radiances are missing.
     pub fn finish(mut self, exposures: &mut Vec<f64>) -> Result<(), StreamError> {
         if self.format == NumberFormat::Ascii && !self.pending.is_empty() {
             self.started = true;
@@ -243,9 +245,9 @@ impl<'a> ExposureStream<'a> {
     }
 
     fn take_text(&mut self, bytes: &[u8], exposures: &mut Vec<f64>) -> Result<usize, StreamError> {
-        // The last word may go on in the next piece.
+        // The last word may continue in the next piece.
         let used = bytes.iter().rposition(u8::is_ascii_whitespace).map_or(0, |at| at + 1);
-        if bytes.len() - used > LONGEST_NUMBER {
+        if bytes.len() - used > MAX_NUMBER_BYTES {
             return Err(self.not_a_number(&bytes[used..]));
         }
         for word in bytes[..used].split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
@@ -256,7 +258,7 @@ impl<'a> ExposureStream<'a> {
     }
 
     fn not_a_number(&self, word: &[u8]) -> StreamError {
-        let text = String::from_utf8_lossy(&word[..word.len().min(LONGEST_NUMBER)]).into_owned();
+        let text = String::from_utf8_lossy(&word[..word.len().min(MAX_NUMBER_BYTES)]).into_owned();
         StreamError::NotANumber { radiance: self.next, text }
     }
 
@@ -280,7 +282,7 @@ impl<'a> ExposureStream<'a> {
         Ok(())
     }
 
-    /// Adds a whole radiance to the average of its pixel.
+    /// Adds a complete radiance to the average of its pixel.
     fn take_radiance(&mut self) {
         let ray = self.rays.of_index(self.next);
         if self.apart.is_empty() {

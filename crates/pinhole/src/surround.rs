@@ -1,19 +1,21 @@
-//! Cells of the sensor's plane around the picture, which tell what light comes from beyond its edges.
+//! Cells of the sensor's plane around the picture, for light that is diffracted into it from
+//! outside.
 //!
-//! The picture stands in the middle of a square of twice its size, and so on outwards, each square twice as large. What the first adds is cut
-//! into cells of an eighth of the picture, what each further one adds into cells of a quarter of the one within.
+//! The picture is the centre of a square of twice its size, and so on outwards, each square twice
+//! as large as the last. The first ring is divided into cells of an eighth of the picture, each
+//! further ring into cells of a quarter of the square within.
 
 use crate::PinholeCamera;
 
-/// Cells along a side of the picture, and along the inner side of each farther ring.
+/// Cells along a side of the picture, and along the inner side of each outer ring.
 const NEAR_DIVISIONS: usize = 8;
 const FAR_DIVISIONS: usize = 4;
 
-/// Tangent of the angle to the axis beyond which cos⁴ leaves nothing.
-const LARGEST_TANGENT: f64 = 30.0;
+/// Tangent of the angle to the axis beyond which cos⁴ is negligible.
+const MAX_TANGENT: f64 = 30.0;
 
-/// The most rings.
-const MOST_RINGS: usize = 32;
+/// Maximum number of rings.
+const MAX_RINGS: usize = 32;
 
 /// A rectangle of the sensor's plane, in pixels from the picture's top left.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +29,7 @@ impl Cell {
         self.size[0] * self.size[1]
     }
 
-    /// The middles of as many equal parts in each direction.
+    /// The centres of `divisions` equal parts in each direction.
     pub(crate) fn parts(&self, divisions: u32) -> impl Iterator<Item = [f64; 2]> {
         let Cell { low, size } = *self;
         let at = move |step: u32, axis: usize| low[axis] + size[axis] * (f64::from(step) + 0.5) / f64::from(divisions);
@@ -39,7 +41,7 @@ impl Cell {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Surround {
     cells: Vec<Cell>,
-    /// Of each place in the grid of the first ring the cell.
+    /// The cell at each point of the first ring's grid.
     near: Vec<Option<usize>>,
     near_count: usize,
     picture: [f64; 2],
@@ -52,8 +54,8 @@ impl Surround {
         let near = ring(picture, 1.0, NEAR_DIVISIONS, &mut cells);
         let near_count = cells.len();
         let half_m = 0.5 * (picture[0] * camera.pixel_pitch_m()[0]).min(picture[1] * camera.pixel_pitch_m()[1]);
-        let widest = LARGEST_TANGENT * camera.focal_distance_m() / half_m;
-        let scales = (1..MOST_RINGS).map(|power| 2f64.powi(power as i32)).take_while(|scale| *scale < widest);
+        let widest = MAX_TANGENT * camera.focal_distance_m() / half_m;
+        let scales = (1..MAX_RINGS).map(|power| 2f64.powi(power as i32)).take_while(|scale| *scale < widest);
         scales.for_each(|scale| {
             ring(picture, scale, FAR_DIVISIONS, &mut cells);
         });
@@ -68,12 +70,12 @@ impl Surround {
         &self.cells[index]
     }
 
-    /// The mean over the first ring, whose cells are alike.
+    /// The mean over the first ring, whose cells have equal size.
     pub(crate) fn near_mean(&self, values: &[f64]) -> f64 {
         values.iter().take(self.near_count).sum::<f64>() / self.near_count as f64
     }
 
-    /// The cell of the first ring that holds a place.
+    /// The cell of the first ring that contains a point.
     pub(crate) fn cell_at(&self, place: [f64; 2]) -> Option<usize> {
         let across = 2 * NEAR_DIVISIONS;
         let step = |axis: usize| ((place[axis] / self.picture[axis] + 0.5) * NEAR_DIVISIONS as f64).floor();
@@ -82,13 +84,14 @@ impl Surround {
         if inside(column) && inside(row) { self.near[row as usize * across + column as usize] } else { None }
     }
 
-    /// The cells beyond the first ring, with their numbers.
+    /// The cells beyond the first ring, with their indices.
     pub(crate) fn far_cells(&self) -> impl Iterator<Item = (usize, &Cell)> {
         self.cells.iter().enumerate().skip(self.near_count)
     }
 }
 
-/// Appends the cells between a rectangle `scale` times as large as the picture and one twice as large again; `divisions` along the inner side.
+/// Appends the cells between a rectangle `scale` times as large as the picture and one twice as
+/// large again; `divisions` along the inner side.
 fn ring(picture: [f64; 2], scale: f64, divisions: usize, cells: &mut Vec<Cell>) -> Vec<Option<usize>> {
     let across = 2 * divisions;
     let size = picture.map(|side| side * scale / divisions as f64);

@@ -1,4 +1,4 @@
-//! The camera as a view that Radiance's programs take.
+//! The camera as a view of Radiance's programs.
 
 use crate::PinholeCamera;
 use glam::DVec3;
@@ -6,13 +6,13 @@ use std::fmt;
 
 /// A perspective view and the size of its picture. Prints as view options (`-vtv -vp …`).
 ///
-/// The pixels of a camera need not be square: give the program `-pa 0` (or `-pa` of the pixel's height over its width)
-/// besides `-x` and `-y`, or it changes the size to make them so.
+/// The pixels of a camera need not be square: use `-pa 0` (or `-pa` with the pixel's height over
+/// its width) with `-x` and `-y`, since otherwise the program changes the size to make them square.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// The eye, scene frame, scene units.
+    /// The eye point, scene frame, scene units.
     pub position: DVec3,
-    /// Where it looks; unit.
+    /// Viewing direction; unit.
     pub direction: DVec3,
     /// The picture's up; unit.
     pub up: DVec3,
@@ -25,8 +25,9 @@ pub struct View {
 }
 
 impl View {
-    /// The view through a point of the pinhole's plane, `offset_m` metres right of and above its centre, whose window is the
-    /// sensor's with `margin` pixels more on each side (columns, rows). The window is centred on the view's own axis.
+    /// The view through a point of the pinhole's plane, `offset_m` metres right of and above its
+    /// centre. Its window is the sensor's plus `margin` pixels on each side (columns, rows),
+    /// centred on the view's own axis.
     #[must_use]
     pub fn through_pinhole(camera: &PinholeCamera, offset_m: [f64; 2], margin: [u32; 2]) -> Self {
         let pixels = [camera.columns() + 2 * margin[0], camera.rows() + 2 * margin[1]];

@@ -1,13 +1,14 @@
-//! The wings of a diffraction pattern, added to a whole picture at once.
+//! The wings of a diffraction pattern, added to a whole picture by convolution.
 //!
-//! The pattern P of a hole is the same all over the field: the picture is `V = P ∗ R` with R the radiance in the directions of the sensor's
-//! points. Rays need only draw its core, the part A near the middle (`P = A + B`, `α = ∫A`): they give `C = A ∗ R / α`. The wings B follow
-//! from the same picture. With Fourier transforms
+//! The pattern P of a pinhole is the same all over the field: the picture is `V = P ∗ R` with R the
+//! radiance in the directions of the sensor's points. Rays sample only the core A near the centre
+//! (`P = A + B`, `α = ∫A`): they give `C = A ∗ R / α`. The wings B follow from the same picture.
+//! With Fourier transforms
 //!
 //! `V = α C (1 + B/A)`
 //!
-//! Light from beyond the picture's edges comes from the [`Surround`], whose cells are exposed like pixels. A bright spot then
-//! does not have to be found by the rare rays of all the other pixels.
+//! Light from outside the picture comes from the [`Surround`], whose cells are exposed like pixels.
+//! A bright spot then need not be hit by rare rays of all other pixels.
 
 use crate::PinholeCamera;
 use crate::fresnel_pattern::Wing;
@@ -15,19 +16,22 @@ use crate::surround::Surround;
 use rustfft::num_complex::Complex;
 use rustfft::{FftDirection, FftPlanner};
 
-/// Where the core's transform is below this share of its greatest value, the quotient goes to 0: nothing of the picture is left there.
-const LEAST_CORE: f64 = 0.01;
+/// Where the core's transform is below this fraction of its maximum, the quotient is reduced to 0:
+/// the picture has no signal there.
+const MIN_CORE: f64 = 0.01;
 
-/// Points of a pixel in each direction at which the pattern is looked up, in the first pixels from its middle and farther out.
+/// Points per pixel in each direction at which the pattern is evaluated, in the first pixels from
+/// its centre and farther out.
 const POINTS: [i32; 2] = [8, 4];
 
-/// How far, in pixels, the first pixels go.
+/// Radius of the first pixels.
 const NEAR_PIXELS: usize = 8;
 
-/// Nodes in each direction at which the light from far beyond the picture is computed; it is smooth between them.
+/// Nodes in each direction at which light from far outside the picture is computed; it is smooth
+/// between them.
 const FAR_NODES: usize = 17;
 
-/// Parts of a far cell in each direction at whose middles the pattern is looked up.
+/// Parts of a far cell in each direction at whose centres the pattern is evaluated.
 const FAR_PARTS: u32 = 6;
 
 /// Adds the wings to pictures of one camera.
@@ -43,14 +47,16 @@ impl<'a> Wings<'a> {
         Wings { camera, wing, surround }
     }
 
-    /// The picture with its wings from the exposures of its pixels by the core, and after them of the cells around it.
+    /// The picture with its wings, from the exposures of its pixels and of the cells around it by
+    /// the core.
     ///
-    /// What is as bright as the mean around the picture stays so, and is left out: then little is cut off at the margin.
+    /// The mean around the picture is subtracted first and added at the end, since a uniform
+    /// picture is unchanged. This leaves little light at the cut-off of the margin.
     pub(crate) fn added_to(&self, values: &[f64]) -> Vec<f64> {
         let pixels = self.camera.pixel_count() as usize;
         let level = self.surround.near_mean(&values[pixels..]);
         let off: Vec<f64> = values.iter().map(|value| value - level).collect();
-        // Below nothing is an error of the quotient, not light.
+        // Negative values are errors of the quotient, not light.
         self.convolved(&off).into_iter().map(|value| (value + level).max(0.0)).collect()
     }
 
@@ -67,7 +73,7 @@ impl<'a> Wings<'a> {
             None => self.cell_at(margin, column, row).map_or(0.0, |cell| around[cell]),
         });
         filter(&mut planner, &mut blurred, size, spectra.iter().map(|spectrum| spectrum.re));
-        // Beyond the edges nothing has been seen through the core yet.
+        // Outside the picture the core has not been applied yet.
         let mut picture = blurred;
         for (index, value) in picture.iter_mut().enumerate() {
             let (column, row) = (index % size[0], index / size[0]);
@@ -89,29 +95,31 @@ impl<'a> Wings<'a> {
             .collect()
     }
 
-    /// A field over the plane of the transform, whose first places are the margin's.
+    /// A function over the plane of the transform, which begins with the margin.
     fn field(&self, size: [usize; 2], value: impl Fn(usize, usize) -> f64) -> Vec<Complex<f64>> {
         (0..size[0] * size[1]).map(|index| Complex::from(value(index % size[0], index / size[0]))).collect()
     }
 
-    /// The pixel at a place of the transform's plane.
+    /// The pixel at a point of the transform's plane.
     fn pixel_at(&self, margin: [usize; 2], column: usize, row: usize) -> Option<usize> {
         let (columns, rows) = (self.camera.columns() as usize, self.camera.rows() as usize);
         let (column, row) = (column.checked_sub(margin[0])?, row.checked_sub(margin[1])?);
         (column < columns && row < rows).then_some(row * columns + column)
     }
 
-    /// The cell of the near surround at such a place; none beyond the margin.
+    /// The cell of the near surround at such a point; none beyond the margin.
     fn cell_at(&self, margin: [usize; 2], column: usize, row: usize) -> Option<usize> {
         let place = [column as f64 - margin[0] as f64 + 0.5, row as f64 - margin[1] as f64 + 0.5];
         self.surround.cell_at(place)
     }
 
-    /// The transform of the core, 1 at frequency 0, as the real part and B/A as the imaginary part, over the frequencies of a periodic
-    /// picture of this size. The pattern is taken in means over pixels, by the midpoint rule.
+    /// The transform of the core, 1 at frequency 0, as the real part and B/A as the imaginary part,
+    /// over the frequencies of a periodic picture of this size. The pattern is averaged over pixels
+    /// by the midpoint rule.
     fn spectra(&self, planner: &mut FftPlanner<f64>, size: [usize; 2]) -> Vec<Complex<f64>> {
         let pitch = self.camera.pixel_pitch_m();
-        // Both parts are even, so their transforms are real: one goes into the real part, one into the imaginary.
+        // Both parts are even, so their transforms are real: one is stored in the real part, one in
+        // the imaginary part.
         let mut parts = vec![Complex::ZERO; size[0] * size[1]];
         for row in 0..=size[1] / 2 {
             for column in 0..=size[0] / 2 {
@@ -135,7 +143,7 @@ impl<'a> Wings<'a> {
         }
         transform(planner, &mut parts, size, FftDirection::Forward);
         let whole = parts[0].re;
-        let least = (LEAST_CORE * whole).powi(2);
+        let least = (MIN_CORE * whole).powi(2);
         let quotient = |part: &Complex<f64>| part.im * part.re / (part.re * part.re + least);
         for part in &mut parts {
             *part = Complex::new(part.re / whole, quotient(part));
@@ -143,7 +151,7 @@ impl<'a> Wings<'a> {
         parts
     }
 
-    /// What comes from beyond the part of the plane that the transform holds.
+    /// Light from outside the plane of the transform.
     fn far_light(&self, around: &[f64]) -> FarLight {
         let pitch = self.camera.pixel_pitch_m();
         let size = [f64::from(self.camera.columns()), f64::from(self.camera.rows())];
@@ -165,7 +173,7 @@ impl<'a> Wings<'a> {
     }
 }
 
-/// Light from far away at nodes over the picture, linear between them.
+/// Light from far away at nodes over the picture, interpolated linearly.
 struct FarLight {
     nodes: Vec<f64>,
     size: [f64; 2],
@@ -202,10 +210,10 @@ fn transform(
     planner: &mut FftPlanner<f64>,
     picture: &mut [Complex<f64>],
     [columns, rows]: [usize; 2],
-    way: FftDirection,
+    direction: FftDirection,
 ) {
-    planner.plan_fft(columns, way).process(picture);
-    let down = planner.plan_fft(rows, way);
+    planner.plan_fft(columns, direction).process(picture);
+    let down = planner.plan_fft(rows, direction);
     let mut turned = transposed(picture, [columns, rows]);
     down.process(&mut turned);
     picture.copy_from_slice(&transposed(&turned, [rows, columns]));
@@ -232,13 +240,13 @@ mod tests {
     }
 
     fn camera_of(pinhole_diameter_m: f64, pixels: [u32; 2]) -> PinholeCamera {
-        let asked = CameraDescription {
+        let description = CameraDescription {
             pinhole_diameter_m,
             pinhole_model: PinholeModel::Diffraction,
             pixels,
             ..paper_description()
         };
-        PinholeCamera::new(&asked).unwrap().with_object_distance(DISTANCE).unwrap()
+        PinholeCamera::new(&description).unwrap().with_object_distance(DISTANCE).unwrap()
     }
 
     /// The mean of a density over a pixel, by a midpoint rule.
@@ -255,13 +263,14 @@ mod tests {
         sum / f64::from(points * points)
     }
 
-    /// A point between the middles of pixels, seen by rays of the core alone, becomes the pattern of Fresnel's integral.
+    /// A point between the centres of pixels, sampled by the core alone, becomes the pattern of
+    /// Fresnel's integral.
     #[track_caller]
     fn check_point(pinhole_diameter_m: f64) {
         let camera = camera(pinhole_diameter_m);
         let number = fresnel_number(&camera, DISTANCE).unwrap();
         let unit = 0.5 * pinhole_diameter_m * (1.0 + camera.focal_distance_m() / DISTANCE);
-        let (_, wings) = Wing::part(&[number], unit);
+        let (_, wings) = Wing::split(&[number], unit);
         let wing = &wings[0];
         let rays = Rays::new(&camera, 1, 0);
         let point = [0.3 * 13.75e-6, -0.2 * 16e-6];
@@ -280,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_becomes_fresnels_pattern_to_a_hundredth_of_its_peak() {
+    fn a_point_becomes_the_fresnel_pattern_within_a_hundredth_of_its_peak() {
         check_point(0.1e-3);
         check_point(0.06e-3);
         check_point(0.25e-3);
@@ -288,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_scene_stays_even() {
+    fn a_uniform_scene_stays_uniform() {
         for diameter in [0.05e-3, 0.1e-3, 0.3e-3] {
             let rays = Rays::new(&camera(diameter), 1, 0);
             let picture = rays.picture(vec![3.0; rays.cells() as usize], &BandWeights::equal(1));
@@ -296,14 +305,15 @@ mod tests {
         }
     }
 
-    /// A black picture with light all around it, against the energy that the pattern sends over its edges. The step is as sharp as can be:
-    /// the core that lies over it is known on its inner side alone, which costs under a hundredth of the step.
+    /// A black picture with light all around it, compared with the energy that the pattern
+    /// diffracts over its edges. The step is the sharpest possible. The core there is known on its
+    /// inner side alone, which costs under a hundredth of the step.
     #[test]
-    fn light_from_around_the_picture_comes_in_as_the_pattern_says() {
+    fn light_from_around_the_picture_is_diffracted_into_it() {
         let camera = camera(0.1e-3);
         let number = fresnel_number(&camera, DISTANCE).unwrap();
         let unit = 0.05e-3 * (1.0 + camera.focal_distance_m() / DISTANCE);
-        let (_, wings) = Wing::part(&[number], unit);
+        let (_, wings) = Wing::split(&[number], unit);
         let wing = &wings[0];
         let pixels = camera.pixel_count() as usize;
         let place = |pixel: usize| camera.on_image(pixel as u64, 0.5, 0.5);
@@ -327,7 +337,7 @@ mod tests {
     #[test]
     fn core_and_wing_hold_the_whole_energy() {
         for number in [0.05, 0.578, 3.0, 40.0] {
-            let (_, wings) = Wing::part(&[number], 1.0);
+            let (_, wings) = Wing::split(&[number], 1.0);
             let wing = &wings[0];
             let radius = |step: i32| 0.05 * (1.0 + 4e-4f64).powi(step);
             let beyond: f64 = (0..40_000)
@@ -342,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn what_needs_a_pattern_for_each_ray_gets_it() {
+    fn cameras_that_need_the_whole_pattern_sample_it() {
         let rays = |camera: &PinholeCamera| Rays::new(camera, 1, 0).cells();
         let plain = camera(0.1e-3);
         assert!(rays(&plain) > plain.pixel_count());
@@ -359,13 +369,14 @@ mod tests {
 
     const WAVELENGTHS_M: [f64; 3] = [620e-9, 540e-9, 460e-9];
 
-    /// A point in three bands, each as its core shows it, and what Fresnel's integral makes of each.
+    /// A point in three bands: its image by each core, and the expected pattern of each by
+    /// Fresnel's integral.
     fn three_bands() -> (Rays, Vec<f64>, Vec<Vec<f64>>) {
         let camera = camera_of(0.1e-3, [48, 40]).with_band_wavelengths(WAVELENGTHS_M.to_vec()).unwrap();
         let unit = 0.05e-3 * (1.0 + camera.focal_distance_m() / DISTANCE);
         let number = fresnel_number(&camera, DISTANCE).unwrap() * camera.wavelength_m().unwrap();
         let numbers = WAVELENGTHS_M.map(|wavelength| number / wavelength);
-        let (_, wings) = Wing::part(&numbers, unit);
+        let (_, wings) = Wing::split(&numbers, unit);
         let (rays, point) = (Rays::new(&camera, 1, 0), [0.3 * 13.75e-6, -0.2 * 16e-6]);
         let mut values = vec![0.0; 3 * rays.cells() as usize];
         let mut patterns = vec![Vec::new(); 3];
@@ -407,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn filters_before_one_pattern_keep_an_even_scene_even() {
+    fn filters_keep_a_uniform_scene_uniform() {
         let rays = Rays::new(&camera(0.1e-3), 1, 0);
         let filters = [vec![1.0, 0.1, 0.0], vec![0.1, 0.8, 0.1], vec![0.0, 0.1, 1.0]];
         let weights = BandWeights::equal(3).with_mosaic(96, [0, 1, 1, 2], &filters).unwrap();
@@ -418,9 +429,10 @@ mod tests {
         }
     }
 
-    /// The rays of one pixel, in a grey scene of 1: what they bring in each band is the same, whatever core they were drawn for.
+    /// The rays of one pixel in a grey scene of 1: the mean of each band is the same, for whichever
+    /// core they were drawn.
     #[test]
-    fn rays_bring_every_band_the_whole_light() {
+    fn every_band_keeps_its_energy() {
         let camera = camera(0.1e-3).with_band_wavelengths(WAVELENGTHS_M.to_vec()).unwrap();
         let rays = Rays::new(&camera, 4096, 0);
         for cell in [camera.pixel_count() / 2, camera.pixel_count() + 3] {
@@ -434,19 +446,20 @@ mod tests {
         }
     }
 
-    /// A point on the plane at the objects' distance, as rays from each place of a tilted sensor see it through core and whole pattern.
+    /// A point on the plane at the objects' distance, seen from each point of a tilted sensor
+    /// through core and whole pattern.
     #[test]
-    fn a_tilt_that_changes_the_pattern_by_a_hundredth_is_as_good_as_none() {
+    fn a_small_tilt_keeps_the_convolution() {
         let film = FilmPlane { shift_m: [0.4e-3, 0.0], tilt: [0.0, 0.045] };
         let camera = camera(0.1e-3).with_film_plane(film);
         let (focal, radius) = (camera.focal_distance_m(), 0.05e-3);
         let number = fresnel_number(&camera, DISTANCE).unwrap();
         let unit = radius * (1.0 + focal / DISTANCE);
-        let (_, wings) = Wing::part(&[number], unit);
+        let (_, wings) = Wing::split(&[number], unit);
         let rays = Rays::new(&camera, 1, 0);
         assert!(rays.cells() > camera.pixel_count());
         let chief = |pixel: u64, u: f64, v: f64| film.chief(camera.on_image(pixel, u, v), focal);
-        // Near the edge, where the sensor is farthest from its mean distance.
+        // Near the edge, where the sensor's distance differs most from its mean.
         let (aim, _) = chief(40 * 96 + 85, 0.8, 0.3);
         let seen = |pixel: u64, core_only: bool| {
             let points = 6;
@@ -454,10 +467,10 @@ mod tests {
                 let within = |step: i32| (f64::from(step) + 0.5) / f64::from(points);
                 let (chief, normal) = chief(pixel, within(step % points), within(step / points));
                 let point = (aim / aim.z - chief / chief.z) * DISTANCE / (DISTANCE / chief.z + 1.0);
-                let way = chief + point;
+                let to_pinhole = chief + point;
                 let densities = wings[0].densities(point.length() / radius * unit);
                 let light = if core_only { densities[0] / wings[0].core_share() } else { densities[0] + densities[1] };
-                let cos4 = focal * focal * way.z * way.dot(normal) / way.length_squared().powi(2);
+                let cos4 = focal * focal * to_pinhole.z * to_pinhole.dot(normal) / to_pinhole.length_squared().powi(2);
                 light * cos4 * ((DISTANCE / focal + 1.0) / (DISTANCE / chief.z + 1.0)).powi(2)
             };
             (0..points * points).map(density).sum::<f64>() / f64::from(points * points)

@@ -1,4 +1,5 @@
-//! The views of the shift method, as real Radiance's `vwrays` understands them, against the camera's own rays.
+//! Compares the views of the shift method, as real Radiance's `vwrays` reads them, with the
+//! camera's own rays.
 
 use radsight_pinhole::shift::ShiftPattern;
 use radsight_pinhole::{CameraDescription, PinholeCamera, PinholeModel, Rays, View};
@@ -21,7 +22,7 @@ fn camera() -> PinholeCamera {
     .unwrap()
 }
 
-/// Origin and direction of each pixel's middle, from the top left.
+/// Origin and direction of each pixel's centre, from the top left.
 fn rays_of_view(radiance: &Radiance, view: &View) -> Vec<[f64; 6]> {
     let [columns, rows] = view.pixels.map(|count| count.to_string());
     let output = radiance
