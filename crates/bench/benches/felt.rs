@@ -134,7 +134,7 @@ fn ray_to_a_floor_under_10_000_lights(bencher: Bencher<'_, '_>) {
 fn shared_irradiance_among_1000_records(bencher: Bencher<'_, '_>) {
     let hemisphere = Hemisphere::with_divisions(64);
     let seen = vec![GatheredRadiance { radiance: [2.0, 1.0, 0.5], distance: 0.5 }; hemisphere.len()];
-    let limits = Limits { accuracy: 0.1, least: 0.01, most: 1.0, explained: 1.0 };
+    let limits = Limits { accuracy: 0.1, min_reach: 0.01, max_reach: 1.0, explained: 1.0 };
     let mut cache = Cache::new(limits);
     for index in 0..1000 {
         let [x, y] = place(index);

@@ -1,17 +1,21 @@
-//! As many rays as each pixel needs.
+//! Adaptive sampling of pictures.
 //!
-//! Samples of pixels are doubled, where that lowers the picture's error most ([`doublings`]), until its estimate is the asked one.
-//! It rests on half the difference h of the means of the two halves of a pixel's samples: if the squared error of a mean falls by a factor g with each
-//! doubling, so does h², and the squared error of both halves together is h²·g/(1 − g); for independent samples g = ½ and the factor is 1, for those of
-//! a low-discrepancy sequence both are smaller. One such difference says little, so the squares of neighbours are averaged, and
-//! those of the doubling before count too; g is that of a whole block. What no sample has met so far, such as the corner of a lamp, is expected to be like the
+//! The samples of a pixel are doubled where that lowers the error of the picture most
+//! ([`doublings`]), until the estimated error is the requested one. The estimate uses half the
+//! difference h between the means of the two halves of a pixel's samples. If the squared error of a
+//! mean falls by a factor g with each doubling, so does h², and the squared error of both halves
+//! together is h²·g/(1 − g). For independent samples g = ½ and the factor is 1; for a
+//! low-discrepancy sequence both are smaller. A single difference says little, so the squares of
+//! neighbours are averaged, including those of the previous doubling; g is estimated for a whole
+//! block. What no sample has hit yet, such as the corner of a lamp, is assumed to be like the
 //! neighbour that differs most.
 //!
-//! Where irradiance is cached, the error of that counts too: single paths tell it, and correct it (`residual.rs`).
+//! Where irradiance is cached, its error counts as well. It is estimated and corrected by
+//! independent paths (`residual.rs`).
 
 use crate::interpolated::{self, Interpolation};
 use crate::part::radiance;
-use crate::residual::{Judgement, Residuals};
+use crate::residual::{Assessment, Residuals};
 use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
 use radsight_render::{RayWorker, Renderer};
@@ -19,55 +23,59 @@ use radsight_sampling::{PixelError, doublings};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Samples of every pixel before anything is decided.
+/// Samples of every pixel before the first error estimate.
 const FIRST_SAMPLES: u32 = 4;
 
-/// Pixels that are finished together; whole rows.
+/// Number of pixels that are finished together; rounded to whole rows.
 const BLOCK: usize = 1 << 14;
 
-/// Rows that are finished together where pixels are interpolated: that takes some samples of the rows around too. A multiple of every cell's size.
+/// Number of rows that are finished together with interpolation, which also needs some samples of
+/// adjacent rows. A multiple of every cell size.
 const INTERPOLATED_ROWS: usize = 64;
 
-/// This share of the picture's typical value is added in squares to that of a pixel where an error is taken relative to it: what is darker need not be more exact.
-const DARK: f64 = 0.01;
+/// Relative errors are relative to `sqrt(v² + (DARK_FRACTION·m)²)` with a pixel's value v and the typical
+/// value m of the picture, so darker pixels need no more accuracy.
+const DARK_FRACTION: f64 = 0.01;
 
-/// Brighter pixels than this many times the median do not count further for what is typical.
-const DAZZLING: f64 = 10.0;
+/// The typical value limits pixels to this multiple of the median.
+const BRIGHT_LIMIT: f64 = 10.0;
 
-/// What of a squared error pixels' own noise may have where irradiance is cached.
-const NOISE_SHARE: f64 = 0.4;
+/// Fraction of the squared error allotted to the pixels' own noise where irradiance is cached.
+const NOISE_FRACTION: f64 = 0.4;
 
-/// Where a few pixels have most of the noise, its estimate is uncertain: the target is lowered by this factor until the estimate and one
-/// standard error more are within what is asked, down to a share of that.
-const STRICTER: f64 = 0.7;
-const LEAST_TARGET: f64 = 0.03;
+/// Where a few pixels have most of the noise, its estimate is uncertain. The target is then lowered
+/// by this factor until the estimate plus one standard error is within the requested error, down to
+/// `MIN_TARGET` times that.
+const TARGET_STEP: f64 = 0.7;
+const MIN_TARGET: f64 = 0.03;
 
-/// What stands for a distance to nothing, as in Radiance.
-const NOWHERE: f64 = 1e10;
+/// Distance of a ray that hits nothing, as in Radiance.
+const NO_HIT_DISTANCE: f64 = 1e10;
 
-/// How many rays a pixel gets.
+/// The number of rays of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SamplingBudget {
-    /// As many for each.
+    /// A fixed number.
     Samples(u32),
     /// As few as the error allows.
     Error {
-        /// Estimated error of the picture, `sqrt(mean(d²/(v² + (0.01·m)²)))` over the bands of all pixels: d the error of a value v, m what is
-        /// typical of the band. Noise of the pixels, and noise and interpolation bias of cached irradiance together.
+        /// Requested error of the picture, `sqrt(mean(d²/(v² + (0.01·m)²)))` over the bands of all
+        /// pixels: d is the error of a value v, m the typical value of the band. Includes the noise
+        /// of the pixels, and noise and interpolation bias of cached irradiance.
         error: f64,
-        /// At most so many, at most [`MAX_SAMPLES`].
+        /// Maximum number of samples of a pixel, at most [`MAX_SAMPLES`].
         most: u32,
     },
-    /// As Radiance's options say: what is smooth is interpolated.
+    /// As in Radiance: smooth regions are interpolated.
     Interpolated(Interpolation),
 }
 
-/// One pixel's samples so far.
+/// The samples of one pixel so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pixel {
     sum: [f64; 3],
     samples: u32,
-    /// Half differences of the means of halves, for the last two doublings.
+    /// Half the difference between the means of the halves, for the last two doublings.
     last: [f32; 3],
     before: [f32; 3],
 }
@@ -77,7 +85,7 @@ impl Pixel {
         self.sum.map(|sum| sum / f64::from(self.samples.max(1)))
     }
 
-    /// Takes in the second half of its samples.
+    /// Adds the second half of the samples.
     fn double(&mut self, second_half: [f64; 3]) {
         self.before = self.last;
         self.last =
@@ -87,33 +95,35 @@ impl Pixel {
     }
 }
 
-/// How good a picture is, as far as its own samples tell.
+/// The quality of a picture, estimated from its own samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The error of [`SamplingBudget::Error`] that is left.
+    /// The remaining error, as defined by [`SamplingBudget::Error`].
     pub error: f64,
-    /// With 95 % confidence it is no farther away from this.
+    /// Half width of its 95 % confidence interval.
     pub uncertainty: f64,
-    /// Mean number of rays a pixel.
+    /// Mean number of rays per pixel.
     pub rays: f64,
-    /// What of the error is noise of the pixels' own rays, and what is the error of cached irradiance (`None` where none is cached): their squares add up.
+    /// The part of the error due to noise of the pixels' own rays. Its square and that of `cache`
+    /// add up to that of `error`.
     pub noise: f64,
-    /// See `noise`.
+    /// The part due to cached irradiance; `None` where none is cached.
     pub cache: Option<f64>,
-    /// What stopped the work before the asked error was reached.
+    /// Why the work ended before the requested error was reached.
     pub stopped: Option<Stop>,
 }
 
-/// Why a picture has more error than was asked for.
+/// Why a picture has more error than requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// No pixel may have more rays.
+    /// The maximum number of rays per pixel was reached.
     Rays,
-    /// The time was over.
+    /// The time limit was reached.
     Time,
 }
 
-/// Whether there is time left to work on a block with which this share of the picture is done.
+/// Whether there is time left for a block, given the fraction of the picture that is finished after
+/// it.
 pub type TimeLeft<'t> = dyn Fn(f64) -> bool + Sync + 't;
 
 /// Sums over finished pixels.
@@ -121,10 +131,11 @@ pub type TimeLeft<'t> = dyn Fn(f64) -> bool + Sync + 't;
 struct Finished {
     pixels: f64,
     rays: f64,
-    /// Of squared errors of noise, and of their squares.
+    /// Of squared errors due to noise, and of their squares.
     errors: f64,
     squares: f64,
-    /// Of squared errors of cached irradiance, and the variance of that sum; `None` where none is cached.
+    /// Of squared errors due to cached irradiance, and the variance of that sum; `None` where none
+    /// is cached.
     cached: Option<[f64; 2]>,
     stopped: Option<Stop>,
 }
@@ -137,16 +148,16 @@ impl Finished {
         self.squares += error * error;
     }
 
-    /// The mean of squared errors of noise, and the variance of that.
+    /// The mean squared error due to noise, and its variance.
     fn noise(&self) -> [f64; 2] {
         let mean = self.errors / self.pixels;
         let spread = (self.squares / self.pixels - mean * mean).max(0.0);
-        [mean, spread * SHARING / self.pixels]
+        [mean, spread * PIXELS_PER_ESTIMATE / self.pixels]
     }
 
-    fn add_cached(&mut self, judgement: &Judgement) {
+    fn add_cached(&mut self, assessment: &Assessment) {
         let [squared, variance] = self.cached.unwrap_or_default();
-        self.cached = Some([squared + judgement.squared.max(0.0), variance + judgement.variance]);
+        self.cached = Some([squared + assessment.squared.max(0.0), variance + assessment.variance]);
     }
 
     fn estimate(&self) -> Option<Estimate> {
@@ -166,25 +177,26 @@ impl Finished {
     }
 }
 
-/// Standard errors within which a normally distributed number is in 95 % of all cases.
+/// Half width of a 95 % confidence interval, in standard deviations of a normal distribution.
 const CONFIDENCE: f64 = 1.96;
 
-/// So many pixels have one independent estimate: each is a mean over its neighbours (the inverse of the sum of their squared weights).
-const SHARING: f64 = 7.1;
+/// Number of pixels per independent estimate, since each is a mean over its neighbours: the inverse
+/// of the sum of their squared weights.
+const PIXELS_PER_ESTIMATE: f64 = 7.1;
 
-/// A picture in the making.
+/// A picture that is being rendered.
 pub struct Film<'r> {
     renderer: &'r Renderer,
     camera: ViewCamera,
     budget: SamplingBudget,
     pixels: Vec<Pixel>,
-    /// What is added in squares to the bands of a pixel where an error is taken relative to them.
+    /// Added in squares to the bands of a pixel where an error is relative to them.
     floors: [f64; 3],
     finished: Finished,
-    /// Squared relative errors of the pixels that are finished, where an error was asked for.
+    /// Squared relative errors of the finished pixels, if an error was requested.
     errors: Vec<f32>,
-    /// Rays beside those of the pixels' own samples.
-    further_rays: Vec<u32>,
+    /// Rays besides those of the pixels' own samples.
+    extra_rays: Vec<u32>,
     time_left: Option<Box<TimeLeft<'r>>>,
 }
 
@@ -201,7 +213,8 @@ impl std::fmt::Debug for Film<'_> {
 }
 
 impl<'r> Film<'r> {
-    /// Begins a picture. With an asked error this traces the first rays of all pixels, to know what is typical.
+    /// Begins a picture. With a requested error this traces the first rays of all pixels, for the
+    /// typical value.
     #[must_use]
     pub fn new(renderer: &'r Renderer, camera: ViewCamera, budget: SamplingBudget) -> Film<'r> {
         let pixels = vec![Pixel::default(); camera.columns() * camera.rows()];
@@ -214,32 +227,33 @@ impl<'r> Film<'r> {
             floors: [0.0; 3],
             finished,
             errors: Vec::new(),
-            further_rays: Vec::new(),
+            extra_rays: Vec::new(),
             time_left: None,
         };
         if let SamplingBudget::Error { .. } = budget {
             frame.errors = vec![f32::NAN; frame.pixels.len()];
-            frame.further_rays = vec![0; frame.pixels.len()];
+            frame.extra_rays = vec![0; frame.pixels.len()];
             frame.begin();
-            frame.floors = typical(&frame.pixels).map(|band| DARK * band);
+            frame.floors = typical(&frame.pixels).map(|band| DARK_FRACTION * band);
         }
         frame
     }
 
-    /// Stops work on an asked error where there is no time left.
+    /// Stops adaptive sampling when there is no time left.
     #[must_use]
     pub fn while_time_is_left(mut self, time_left: Box<TimeLeft<'r>>) -> Film<'r> {
         self.time_left = Some(time_left);
         self
     }
 
-    /// Pixels in a row.
+    /// Columns.
     #[must_use]
     pub fn columns(&self) -> usize {
         self.camera.columns()
     }
 
-    /// The rows that are finished together with a row: asking for others as well costs nothing, for a part costs as much.
+    /// The rows that are finished together with a row. Requesting all of them costs no more than
+    /// requesting one.
     #[must_use]
     pub fn block_of(&self, row: usize) -> Range<usize> {
         let height = match self.budget {
@@ -250,7 +264,7 @@ impl<'r> Film<'r> {
         first..(first + height).min(self.camera.rows())
     }
 
-    /// Finishes a block of rows and gives its pixels.
+    /// Finishes a block of rows and returns its pixels.
     pub fn finish_block(&mut self, block: Range<usize>) -> Vec<[f32; 3]> {
         let columns = self.camera.columns();
         let range = block.start * columns..block.end * columns;
@@ -264,20 +278,20 @@ impl<'r> Film<'r> {
         self.pixels[range].iter().map(|pixel| pixel.mean().map(|band| band as f32)).collect()
     }
 
-    /// Finishes pixels to an asked error.
+    /// Finishes pixels to a requested error.
     fn finish_to_error(&mut self, range: &Range<usize>, error: f64, most: u32) -> Vec<[f32; 3]> {
         let is_cached = self.renderer.irradiance_noise().is_some();
-        let share = if is_cached { NOISE_SHARE } else { 1.0 };
+        let share = if is_cached { NOISE_FRACTION } else { 1.0 };
         let pooled = self.reduce_noise(range, share * error * error, most);
         let noise: f64 = pooled.iter().map(|pixel| pixel.squared).sum();
-        let judgement = is_cached.then(|| self.correct(range, error * error * range.len() as f64 - noise, most));
+        let assessment = is_cached.then(|| self.correct(range, error * error * range.len() as f64 - noise, most));
         let (mut corrections, mut of_pixels) = (vec![[0.0; 3]; range.len()], vec![0.0; range.len()]);
-        if let Some(judgement) = judgement {
-            self.finished.add_cached(&judgement);
-            (corrections, of_pixels) = (judgement.corrections, judgement.of_pixels);
+        if let Some(assessment) = assessment {
+            self.finished.add_cached(&assessment);
+            (corrections, of_pixels) = (assessment.corrections, assessment.of_pixels);
         }
         for ((index, pixel), of_cache) in range.clone().zip(&pooled).zip(of_pixels) {
-            self.finished.add(pixel.squared, pixel.samples + self.further_rays[index]);
+            self.finished.add(pixel.squared, pixel.samples + self.extra_rays[index]);
             self.errors[index] = (pixel.squared + of_cache) as f32;
         }
         let corrected = |(pixel, correction): (&Pixel, [f64; 3])| {
@@ -287,7 +301,8 @@ impl<'r> Film<'r> {
         self.pixels[range.clone()].iter().zip(corrections).map(corrected).collect()
     }
 
-    /// Doubles samples until the pixels' own noise is this, in squares, and one standard error of that more; gives what is left.
+    /// Doubles samples until the pixels' own squared noise plus one standard error is `squared`;
+    /// returns what is left.
     fn reduce_noise(&mut self, range: &Range<usize>, squared: f64, most: u32) -> Vec<PixelError> {
         let mut target = squared;
         loop {
@@ -301,8 +316,8 @@ impl<'r> Film<'r> {
                 let [mean, variance] = found.noise();
                 if mean > squared {
                     self.finished.stopped = self.finished.stopped.or(Some(Stop::Rays));
-                } else if mean + variance.sqrt() > squared && target > LEAST_TARGET * squared {
-                    target *= STRICTER;
+                } else if mean + variance.sqrt() > squared && target > MIN_TARGET * squared {
+                    target *= TARGET_STEP;
                     continue;
                 }
                 return pooled;
@@ -314,29 +329,30 @@ impl<'r> Film<'r> {
         }
     }
 
-    /// Corrects cached irradiance until the sum of squared errors that it leaves is no more than this, as far as can be told.
-    fn correct(&mut self, range: &Range<usize>, allowed: f64, most: u32) -> Judgement {
+    /// Corrects cached irradiance until the estimated sum of its squared errors is at most
+    /// `allowed`.
+    fn correct(&mut self, range: &Range<usize>, allowed: f64, most: u32) -> Assessment {
         let units = self.pixels[range.clone()].iter().map(|pixel| self.units(pixel)).collect();
         let mut residuals = Residuals::new(range.clone(), self.camera.columns(), units);
         let mut wanted = residuals.first_pixels();
         loop {
             residuals.trace(self.renderer, &self.camera, &wanted);
-            let judgement = residuals.judge(most);
-            let is_enough = judgement.upper() <= allowed;
-            wanted = if is_enough { Vec::new() } else { judgement.wanted(allowed) };
+            let assessment = residuals.assess(most);
+            let is_enough = assessment.upper() <= allowed;
+            wanted = if is_enough { Vec::new() } else { assessment.wanted(allowed) };
             if !is_enough && wanted.is_empty() {
                 self.finished.stopped = self.finished.stopped.or(Some(Stop::Rays));
             }
             if wanted.is_empty() || !self.has_time(range) {
                 for index in range.clone() {
-                    self.further_rays[index] = residuals.rays_of(index - range.start);
+                    self.extra_rays[index] = residuals.rays_of(index - range.start);
                 }
-                return judgement;
+                return assessment;
             }
         }
     }
 
-    /// Whether there is time left for a block; notes that there is not.
+    /// Whether there is time left for a block; records it if there is not.
     fn has_time(&mut self, range: &Range<usize>) -> bool {
         let share = range.end as f64 / self.pixels.len() as f64;
         let has_time = self.time_left.as_ref().is_none_or(|time_left| time_left(share));
@@ -346,36 +362,36 @@ impl<'r> Film<'r> {
         has_time
     }
 
-    /// What errors of a pixel's bands are relative to.
+    /// The values to which the errors of a pixel's bands are relative.
     fn units(&self, pixel: &Pixel) -> [f64; 3] {
         let mean = pixel.mean();
         std::array::from_fn(|band| mean[band].hypot(self.floors[band]).max(f64::MIN_POSITIVE.sqrt()))
     }
 
-    /// How good the pixels are that are finished; `None` where no error was asked for.
+    /// The quality of the finished pixels; `None` if no error was requested.
     #[must_use]
     pub fn estimate(&self) -> Option<Estimate> {
         self.finished.estimate()
     }
 
-    /// The standard errors of all pixels, relative to their values: of each the root of the mean of its bands' squares, as
-    /// [`SamplingBudget::Error`] counts them. NaN where a pixel is not finished; `None` where no error was asked for.
+    /// The standard errors of all pixels relative to their values: the rms over the bands, as in
+    /// [`SamplingBudget::Error`]. NaN for unfinished pixels; `None` if no error was requested.
     #[must_use]
     pub fn relative_errors(&self) -> Option<Vec<f32>> {
         (!self.errors.is_empty()).then(|| self.errors.iter().map(|squared| squared.sqrt()).collect())
     }
 
-    /// How many rays each pixel has; `None` where pixels are interpolated.
+    /// Number of rays of each pixel; `None` with interpolation.
     #[must_use]
     pub fn samples(&self) -> Option<Vec<u32>> {
         let is_interpolated = matches!(self.budget, SamplingBudget::Interpolated(_));
-        let further = |index: usize| self.further_rays.get(index).copied().unwrap_or(0);
+        let further = |index: usize| self.extra_rays.get(index).copied().unwrap_or(0);
         (!is_interpolated)
             .then(|| self.pixels.iter().enumerate().map(|(index, pixel)| pixel.samples + further(index)).collect())
     }
 
-    /// Distances along the rays through the middles of the pixels of some rows, scene units, by way of mirrors and panes; 1e10 for
-    /// nothing.
+    /// Distances along the rays through the centres of the pixels of some rows, through mirrors and
+    /// panes, scene units; 1e10 for nothing.
     #[must_use]
     pub fn depths(&self, rows: Range<usize>) -> Vec<f32> {
         let columns = self.camera.columns();
@@ -387,7 +403,7 @@ impl<'r> Film<'r> {
                 || self.renderer.worker(),
                 |worker, pixel| {
                     let ray = self.camera.central_ray(pixel % columns, pixel / columns);
-                    ray.map_or(NOWHERE, |ray| distance(worker, (pixel as u64) << SEQUENCE_LOG2, &ray)) as f32
+                    ray.map_or(NO_HIT_DISTANCE, |ray| distance(worker, (pixel as u64) << SEQUENCE_LOG2, &ray)) as f32
                 },
             )
             .collect()
@@ -436,7 +452,7 @@ impl<'r> Film<'r> {
         }
     }
 
-    /// What is known of the pixels of a block.
+    /// The estimated errors of the pixels of a block.
     fn pool(&self, range: &Range<usize>) -> Vec<PixelError> {
         let gain = self.gain(range);
         let error = |index: usize| {
@@ -447,7 +463,7 @@ impl<'r> Film<'r> {
         range.clone().into_par_iter().with_min_len(1024).map(error).collect()
     }
 
-    /// The mean of squared errors of a pixel's bands, relative to their values.
+    /// The mean squared error of a pixel's bands, relative to their values.
     fn relative(&self, pixel: &Pixel, squares: [f64; 3]) -> f64 {
         let of_band = |band: usize| {
             let [value, floor] = [pixel.mean()[band], self.floors[band]];
@@ -456,22 +472,26 @@ impl<'r> Film<'r> {
         (of_band(0) + of_band(1) + of_band(2)) / 3.0
     }
 
-    /// What doubling samples leaves of squared errors in a block, by its pixels' last two doublings.
+    /// The factor by which doubling samples reduces squared errors in a block, from the last two
+    /// doublings of its pixels.
     ///
-    /// One square says little, and few large ones would hide what holds for most: of each pixel the share of its second square counts. With squares of two
-    /// normally distributed numbers, whose variances have the ratio g, the shares' means have the ratio √g.
+    /// A single square says little, and a few large ones would hide the majority, so each pixel
+    /// contributes the ratio of its second square to the sum of both. If the squares are those of
+    /// two normally distributed numbers with variance ratio g, the means of these ratios have the
+    /// ratio √g.
     fn gain(&self, range: &Range<usize>) -> f64 {
         let (mut last, mut before) = (0.0, 0.0);
         for pixel in &self.pixels[range.clone()] {
             let squares = [pixel.last, pixel.before].map(|bands| self.relative(pixel, bands.map(square)));
-            let weight = 1.0 / (SMALL + squares[0] + squares[1]);
+            let weight = 1.0 / (NEGLIGIBLE_ERROR + squares[0] + squares[1]);
             last += weight * squares[0];
             before += weight * squares[1];
         }
         if before > 0.0 { (last / before).powi(2).clamp(GAINS[0], GAINS[1]) } else { GAINS[1] }
     }
 
-    /// The estimated squared errors of a pixel's bands, from its own samples and those of its neighbours in the block.
+    /// The estimated squared errors of a pixel's bands, from its own samples and those of its
+    /// neighbours in the block.
     fn squared_error(&self, range: &Range<usize>, index: usize, gain: f64) -> [f64; 3] {
         let columns = self.camera.columns();
         let (first, last) = (range.start / columns, range.end / columns - 1);
@@ -483,7 +503,7 @@ impl<'r> Film<'r> {
             for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
                 let other = &self.pixels[y * columns + x];
                 let weight = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
-                // With as many samples as this pixel has.
+                // Scaled to the number of samples of this pixel.
                 let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
                 for (band, sum) in sums.iter_mut().enumerate() {
                     *sum += scale * (square(other.last[band]) + gain * square(other.before[band]));
@@ -494,7 +514,7 @@ impl<'r> Film<'r> {
                 }
             }
         }
-        let unseen = |band: usize| UNSEEN * (steps[band] / samples).powi(2);
+        let unseen = |band: usize| UNSEEN_PROBABILITY * (steps[band] / samples).powi(2);
         std::array::from_fn(|band| sums[band] / weights * gain / (1.0 - gain) + unseen(band))
     }
 }
@@ -503,17 +523,18 @@ fn square(difference: f32) -> f64 {
     f64::from(difference) * f64::from(difference)
 }
 
-/// What a neighbour shows may be in the pixel too, on a part that none of its N samples has met: it is about 1/N of the pixel, and this is how often it is
-/// there.
-const UNSEEN: f64 = 0.1;
+/// A feature that a neighbour sees may cover about 1/N of this pixel without being hit by any of
+/// its N samples. This is its assumed probability.
+const UNSEEN_PROBABILITY: f64 = 0.1;
 
-/// Squared relative errors well below this share say little of how errors fall.
-const SMALL: f64 = 1e-6;
+/// Pixels with squared relative errors well below this say little about the rate of convergence.
+const NEGLIGIBLE_ERROR: f64 = 1e-6;
 
-/// What doubling can leave of squared errors: with a low-discrepancy sequence where all is smooth, and with independent samples.
+/// Limits of the factor by which doubling reduces squared errors: a low-discrepancy sequence of a
+/// smooth integrand, and independent samples.
 const GAINS: [f64; 2] = [0.35, 0.5];
 
-/// Sum of the radiances of some of a pixel's rays; every pixel has a scramble of the sequence of its own.
+/// Sum of the radiances of some rays of a pixel. Every pixel has its own scramble of the sequence.
 fn sum(
     worker: &mut RayWorker<'_>,
     camera: &ViewCamera,
@@ -530,19 +551,19 @@ fn sum(
 }
 
 fn distance(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> f64 {
-    traced(worker, index, ray).map_or(NOWHERE, |traced| traced.effective_distance.min(NOWHERE))
+    traced(worker, index, ray).map_or(NO_HIT_DISTANCE, |traced| traced.effective_distance.min(NO_HIT_DISTANCE))
 }
 
-/// The mean of each band over the pixels that are not black in it, of which a few may be dazzling.
+/// The mean of each band over the pixels that are not black in it, with bright pixels limited.
 fn typical(pixels: &[Pixel]) -> [f64; 3] {
     std::array::from_fn(|band| {
         let mut values: Vec<f64> = pixels.iter().map(|pixel| pixel.mean()[band]).filter(|value| *value > 0.0).collect();
         if values.is_empty() {
             return 0.0;
         }
-        let middle = values.len() / 2;
-        let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-        let most = DAZZLING * *median;
+        let center = values.len() / 2;
+        let (_, median, _) = values.select_nth_unstable_by(center, f64::total_cmp);
+        let most = BRIGHT_LIMIT * *median;
         values.iter().map(|value| value.min(most)).sum::<f64>() / values.len() as f64
     })
 }

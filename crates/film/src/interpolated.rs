@@ -1,12 +1,12 @@
-//! Pictures that are sampled as finely as they change: what `rpict -ps -pt` ask for.
+//! Interpolated pictures: `rpict -ps -pt`.
 //!
-//! Pixels on a square grid are sampled first. A cell of the grid is interpolated where its corners
-//! see the same surfaces, are nearly coplanar, and differ by no more than the contrast that is
-//! allowed or than their noise; else it is divided into four, down to single pixels. Probes that
-//! only look for the first surface find silhouettes between the corners. Samples that agree within
-//! their noise are averaged with their neighbours before anything is interpolated.
+//! Pixels on a square grid are sampled first. A cell of the grid is interpolated if its corners see
+//! the same surfaces, are nearly coplanar, and differ by no more than the allowed contrast or their
+//! noise. Otherwise it is divided into four, down to single pixels. Probe rays that only find the
+//! first surface detect silhouettes between the corners. Samples that agree within their noise are
+//! averaged with their neighbours before interpolation.
 //!
-//! Source of the scheme: Radiance's `rpict` (Ward 1994), with the tests of surfaces and noise of
+//! The scheme is that of Radiance's `rpict` (Ward 1994), with the surface and noise tests of
 //! edge-aware reconstruction (Bala, Walter and Greenberg 2003; Rousselle, Manzi and Zwicker 2013).
 
 use crate::view_camera::{CameraRay, ViewCamera, traced};
@@ -19,63 +19,63 @@ use std::ops::Range;
 /// How a picture is interpolated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolation {
-    /// Pixels between the samples of the coarsest grid (`-ps`), at least 1.
+    /// Spacing of the coarsest grid in pixels (`-ps`), at least 1.
     pub spacing: f64,
-    /// The largest difference between corners over their mean that is interpolated (`-pt`).
+    /// The largest relative difference between corners that is interpolated (`-pt`).
     pub contrast: f64,
 }
 
-/// The widest cell, pixels, and the fewest cells across a picture.
-const WIDEST_CELL: usize = 16;
-const LEAST_CELLS: usize = 8;
+/// Maximum width of a cell in pixels, and minimum number of cells across a picture.
+const MAX_CELL_WIDTH: usize = 16;
+const MIN_CELLS: usize = 8;
 
-/// Rays through a pixel, at first and at most: where it stands for a cell of the coarsest grids, for one of the finer ones where samples around
-/// are noisy, and where they are not.
+/// Rays per pixel, initial and maximum: on the coarsest grids, on finer grids where samples are
+/// noisy, and where they are not.
 const COARSE_RAYS: (u32, u32) = (4, 8);
 const NOISY_RAYS: (u32, u32) = (2, 3);
 const FINE_RAYS: (u32, u32) = (1, 1);
 
-/// Rays that tell the surfaces in a pixel on a silhouette, and what sets their numbers apart.
+/// Rays that find the surfaces in a silhouette pixel, and the offset of their ray numbers.
 const SILHOUETTE_PROBES: u32 = 4;
 const PROBES: u64 = 1 << (46 + INDEX_LOG2);
 
-/// Least cosine between the normals of corners of an interpolated cell.
-const LEAST_COSINE: f64 = 0.9;
+/// Minimum cosine between the normals of corners of an interpolated cell.
+const MIN_COSINE: f64 = 0.9;
 
-/// A corner is off the plane of another by at most this share of the distance between them.
-const MOST_SLOPE: f64 = 0.3;
+/// Maximum distance of a corner from the plane of another, relative to the distance between them.
+const MAX_SLOPE: f64 = 0.3;
 
-/// Samples are averaged with those up to so many steps of their grid away.
-const REACH: isize = 2;
+/// Radius of the filter, in steps of the grid.
+const FILTER_RADIUS: isize = 2;
 
-/// The least weight ([`Block::neighbors`]) of samples one step away.
-const BESIDE: f64 = 4.0;
+/// The minimum weight ([`Block::neighbors`]) of samples one step away.
+const ADJACENT_WEIGHT: f64 = 4.0;
 
-/// What is darker than this share of what is typical need not be more exact.
-const DARK: f64 = 0.03;
+/// Pixels darker than this fraction of the typical value need no more accuracy.
+const DARK_FRACTION: f64 = 0.03;
 
-/// Averaging with neighbours makes noise so many times smaller.
-const FILTERED: f64 = 3.0;
+/// Factor by which the filter reduces noise.
+const NOISE_REDUCTION: f64 = 3.0;
 
-/// Standard errors by which two samples may differ by chance.
-const CHANCE: f64 = 2.0;
+/// Number of standard errors by which two samples may differ by chance.
+const CHANCE_ERRORS: f64 = 2.0;
 
-/// Every grid has random numbers of its own, which follow a Z-order curve, so that those of
-/// neighbouring samples are evenly spread together.
+/// Every grid has its own random numbers along a Z-order curve, so that those of neighbouring
+/// samples are stratified together.
 const TILE_LOG2: u32 = 6;
 const INDEX_LOG2: u32 = 16;
 
-/// What the rays through a pixel found.
+/// The result of the rays of a pixel.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     rays: u32,
     value: [f64; 3],
-    /// Squared standard error of the mean of the bands, from the rays' own spread.
+    /// Squared standard error of the mean over the bands, from the variance of the rays.
     variance: f64,
     surface: Surface,
 }
 
-/// The rays through a pixel so far.
+/// The rays of a pixel so far.
 #[derive(Debug, Default)]
 struct Tally {
     rays: u32,
@@ -108,7 +108,7 @@ impl Tally {
 /// The surface that a pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Surface {
-    /// Zero where the rays through the pixel saw several.
+    /// 0 where the rays of the pixel saw several surfaces.
     key: u64,
     material: u32,
     point: DVec3,
@@ -116,7 +116,7 @@ struct Surface {
     distance: f64,
 }
 
-/// Outside of the view, or beyond the aft clipping plane.
+/// Outside the view, or beyond the aft clipping plane.
 const OUTSIDE: Surface = Surface { key: 1, ..Surface::NONE };
 
 /// No single surface.
@@ -126,7 +126,8 @@ impl Surface {
     const NONE: Surface =
         Surface { key: SEVERAL, material: u32::MAX, point: DVec3::ZERO, normal: DVec3::ZERO, distance: f64::INFINITY };
 
-    /// What a ray in this direction met first; `key` tells what it met in all.
+    /// The surface that a ray in this direction hit first; `key` identifies all surfaces on its
+    /// path.
     fn new(key: u64, hit: Option<FirstHit>, direction: DVec3) -> Surface {
         let key = key.max(1);
         match hit {
@@ -138,12 +139,12 @@ impl Surface {
         }
     }
 
-    /// Whether what is between two pixels can be told from both.
+    /// Whether pixels between two can be interpolated.
     fn joins(&self, other: &Surface) -> bool {
         self.key == other.key && self.key != SEVERAL && self.continues(other)
     }
 
-    /// Whether the first surface is the same, or goes on smoothly in another.
+    /// Whether the first surface is the same, or continues smoothly in another one.
     fn continues(&self, other: &Surface) -> bool {
         if self.material != other.material || self.distance.is_finite() != other.distance.is_finite() {
             return false;
@@ -153,8 +154,8 @@ impl Surface {
         }
         let way = other.point - self.point;
         let (length, normals) = (way.length(), [self.normal, other.normal]);
-        normals[0].dot(normals[1]) >= LEAST_COSINE
-            && normals.iter().all(|normal| normal.dot(way).abs() <= MOST_SLOPE * length + 1e-9)
+        normals[0].dot(normals[1]) >= MIN_COSINE
+            && normals.iter().all(|normal| normal.dot(way).abs() <= MAX_SLOPE * length + 1e-9)
     }
 }
 
@@ -176,11 +177,11 @@ impl Cell {
         self.right - self.left > 1 || self.bottom - self.top > 1
     }
 
-    /// The columns and rows at which it is divided.
+    /// The columns and rows of its subdivision.
     fn parts(&self) -> (Vec<usize>, Vec<usize>) {
         let halves = |first: usize, last: usize| {
-            let middle = first + (last - first) / 2;
-            if middle > first { vec![first, middle, last] } else { vec![first, last] }
+            let center = first + (last - first) / 2;
+            if center > first { vec![first, center, last] } else { vec![first, last] }
         };
         (halves(self.left, self.right), halves(self.top, self.bottom))
     }
@@ -196,20 +197,20 @@ impl Cell {
     }
 }
 
-/// Samples of a block of rows, and the rows around it that its interpolation needs.
+/// Samples of a block of rows, and of the adjacent rows that its interpolation needs.
 #[derive(Debug)]
 struct Block<'b> {
     renderer: &'b Renderer,
     camera: &'b ViewCamera,
     interpolation: Interpolation,
-    /// Differences below this are not seen.
+    /// Differences below this are invisible.
     darkness: f64,
     first_row: usize,
     rows: usize,
-    /// Those of its rows, from `first_row` on, that are wanted.
+    /// The requested rows, from `first_row` on.
     wanted: Range<usize>,
     samples: Vec<Option<Sample>>,
-    /// The spacing of the grid by which each pixel was sampled; 0 for none.
+    /// The spacing of the grid on which each pixel was sampled; 0 for none.
     spacing: Vec<u8>,
 }
 
@@ -221,7 +222,7 @@ pub(crate) fn block(
     rows: &Range<usize>,
 ) -> Vec<[f32; 3]> {
     let spacing = interpolation.grid(camera.columns().min(camera.rows()));
-    // Whole cells, and one more on either side for averages.
+    // Whole cells, and one more on either side for the filter.
     let first_row = (rows.start / spacing).saturating_sub(1) * spacing;
     let last_row = (rows.end.div_ceil(spacing) * spacing + spacing).min(camera.rows() - 1);
     let count = last_row + 1 - first_row;
@@ -243,10 +244,11 @@ pub(crate) fn block(
 }
 
 impl Interpolation {
-    /// The spacing of the coarsest grid for a picture whose shorter side has so many pixels, a power of two.
+    /// The spacing of the coarsest grid for a picture whose shorter side has `side` pixels, a power
+    /// of two.
     fn grid(&self, side: usize) -> usize {
-        let spacing = self.spacing.clamp(1.0, WIDEST_CELL as f64) as usize;
-        1 << spacing.min(side / LEAST_CELLS).max(1).ilog2()
+        let spacing = self.spacing.clamp(1.0, MAX_CELL_WIDTH as f64) as usize;
+        1 << spacing.min(side / MIN_CELLS).max(1).ilog2()
     }
 }
 
@@ -259,7 +261,7 @@ impl Block<'_> {
         self.samples[self.at(pixel)].as_ref()
     }
 
-    /// Samples the block and gives the cells that are interpolated.
+    /// Samples the block and returns the cells to interpolate.
     fn sample(&mut self, spacing: usize) -> Vec<Cell> {
         let steps = |count: usize| -> Vec<usize> {
             let mut steps: Vec<usize> = (0..count).step_by(spacing).collect();
@@ -272,13 +274,13 @@ impl Block<'_> {
         let first: Vec<(usize, usize)> =
             rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row))).collect();
         self.trace(first.into_iter().map(|pixel| (pixel, false)).collect(), spacing);
-        self.darkness = DARK * self.interpolation.contrast * self.typical();
+        self.darkness = DARK_FRACTION * self.interpolation.contrast * self.typical();
         let pairs = |steps: &[usize]| -> Vec<(usize, usize)> {
             if steps.len() < 2 { vec![(0, 0)] } else { steps.windows(2).map(|pair| (pair[0], pair[1])).collect() }
         };
         let mut cells: Vec<Cell> = Vec::new();
         for (top, bottom) in pairs(&rows) {
-            // Beyond what is wanted only the first samples count, for averages.
+            // Outside the requested rows only the first samples are needed, for the filter.
             if top < self.wanted.end && bottom >= self.wanted.start {
                 cells.extend(pairs(&columns).into_iter().map(|(left, right)| Cell { left, right, top, bottom }));
             }
@@ -302,7 +304,7 @@ impl Block<'_> {
             }
             finer = (finer / 2).max(1);
             wanted.retain(|(pixel, _)| self.samples[self.at(*pixel)].is_none());
-            // A pixel between cells is as noisy as the noisier of them.
+            // A pixel between cells counts as noisy if one of them is.
             wanted.sort_unstable_by_key(|((column, row), noisy)| (*row, *column, !noisy));
             wanted.dedup_by_key(|(pixel, _)| *pixel);
             self.trace(wanted, finer);
@@ -315,8 +317,8 @@ impl Block<'_> {
     fn typical(&self) -> f64 {
         let mut values: Vec<f64> =
             self.samples.iter().flatten().map(|sample| mean(&sample.value)).filter(|value| *value > 0.0).collect();
-        let middle = values.len() / 2;
-        if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
+        let center = values.len() / 2;
+        if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(center, f64::total_cmp).1 }
     }
 
     /// Whether the light on the surfaces at the corners of a cell is noisy.
@@ -327,7 +329,7 @@ impl Block<'_> {
     }
 
     fn allowed_noise(&self, sample: &Sample) -> f64 {
-        FILTERED * self.interpolation.contrast * mean(&sample.value)
+        NOISE_REDUCTION * self.interpolation.contrast * mean(&sample.value)
     }
 
     fn trace(&mut self, pixels: Vec<((usize, usize), bool)>, spacing: usize) {
@@ -347,7 +349,7 @@ impl Block<'_> {
         }
     }
 
-    /// How many rays go through a pixel of a grid, at first and at most.
+    /// Number of rays of a pixel of a grid, initial and maximum.
     fn rays_of(&self, spacing: usize, noisy: bool) -> (u32, u32) {
         match spacing {
             4.. => COARSE_RAYS,
@@ -356,7 +358,8 @@ impl Block<'_> {
         }
     }
 
-    /// Rays go through a pixel until their mean is as exact as the contrast that is allowed, unless they differ since they meet several surfaces.
+    /// Traces rays through a pixel until their mean is as accurate as the allowed contrast, unless
+    /// they differ because they hit several surfaces.
     fn sample_of(
         &self,
         worker: &mut RayWorker<'_>,
@@ -371,13 +374,14 @@ impl Block<'_> {
             for number in tally.rays..wanted {
                 let index = numbered([column, row], spacing, COARSE_RAYS.1, number);
                 let sampler = RaySampler::new(self.renderer.plan().seed(), index);
-                // A single ray stands for the pixel best from its middle: what lies on its border is found by probes.
+                // A single ray represents the pixel best at its centre; probes find what lies at
+                // its border.
                 let ray = if most == 1 {
-                    self.camera.middle_ray(column, row, &sampler)
+                    self.camera.center_ray(column, row, &sampler)
                 } else {
                     self.camera.ray(column, row, &sampler)
                 };
-                tally.add(ray.map_or(([0.0; 3], OUTSIDE), |ray| seen(worker, index, &ray)));
+                tally.add(ray.map_or(([0.0; 3], OUTSIDE), |ray| trace_sample(worker, index, &ray)));
             }
             let sample = tally.sample();
             let is_exact = sample.variance.sqrt() <= self.allowed_noise(&sample) + self.darkness;
@@ -388,7 +392,7 @@ impl Block<'_> {
         }
     }
 
-    /// Whether all pixels of a cell can be told from its corners.
+    /// Whether all pixels of a cell can be interpolated from its corners.
     fn is_smooth(&self, cell: &Cell) -> bool {
         let corners = cell.corners().map(|corner| self.sampled(corner));
         let [Some(first), Some(second), Some(third), Some(fourth)] = corners else { return false };
@@ -403,17 +407,17 @@ impl Block<'_> {
         self.probes(cell).all(|pixel| self.probe(pixel, &first.surface))
     }
 
-    /// Whether two samples differ by no more than is allowed, or than moderate noise.
+    /// Whether two samples differ by no more than the allowed contrast, or than moderate noise.
     fn agree(&self, one: &Sample, other: &Sample) -> bool {
-        let chance = CHANCE * (one.variance + other.variance).sqrt();
+        let chance = CHANCE_ERRORS * (one.variance + other.variance).sqrt();
         (0..3).all(|band| {
             let [a, b] = [one, other].map(|sample| sample.value[band]);
             let allowed = 0.5 * self.interpolation.contrast * (a + b);
-            (a - b).abs() <= allowed + chance.min(FILTERED * allowed) + self.darkness
+            (a - b).abs() <= allowed + chance.min(NOISE_REDUCTION * allowed) + self.darkness
         })
     }
 
-    /// Pixels of a cell through which a ray looks for other surfaces.
+    /// Pixels of a cell in which a probe ray looks for other surfaces.
     fn probes(&self, cell: &Cell) -> impl Iterator<Item = (usize, usize)> + use<> {
         let quarters = |first: usize, last: usize| {
             let size = last - first;
@@ -432,14 +436,13 @@ impl Block<'_> {
         ray.and_then(|ray| self.first_surface(&ray)).is_some_and(|surface| corner.continues(&surface))
     }
 
-    /// What a ray meets first, without what it brings.
+    /// The first surface on a ray, without its radiance.
     fn first_surface(&self, ray: &CameraRay) -> Option<Surface> {
         let cast = Ray::new(ray.origin, ray.direction)?;
         Some(Surface::new(1, self.renderer.plan().cast(&cast), ray.direction))
     }
 
-    /// All pixels: those that were sampled, averaged with those around as far as their noise goes,
-    /// and those between them.
+    /// All pixels: sampled ones, filtered within their noise, and interpolated ones.
     fn interpolated(&self, smooth: &[Cell]) -> Vec<[f32; 3]> {
         let columns = self.camera.columns();
         let all = || (0..self.samples.len()).into_par_iter().with_min_len(256);
@@ -469,7 +472,7 @@ impl Block<'_> {
         pixels.into_iter().map(|pixel| pixel.map(|band| band as f32)).collect()
     }
 
-    /// A pixel on a silhouette: probes find which share of it each of the surfaces around fills.
+    /// A silhouette pixel: probe rays find the fraction of it that each adjacent surface covers.
     fn antialiased(&self, averaged: &[[f64; 3]], (column, row): (usize, usize)) -> [f64; 3] {
         let own = averaged[self.at((column, row))];
         let Some(sample) = self.sampled((column, row)) else { return own };
@@ -491,7 +494,8 @@ impl Block<'_> {
         sum.map(|band| band / f64::from(SILHOUETTE_PROBES + 1))
     }
 
-    /// The value of the surface around that a probe through a pixel meets; `None` for its own.
+    /// The value of the adjacent surface that a probe through a pixel hits; `None` for its own
+    /// surface.
     fn silhouette_probe(
         &self,
         (column, row): (usize, usize),
@@ -508,7 +512,7 @@ impl Block<'_> {
         near.iter().find(|(surface, _)| surface.continues(&met)).map(|(_, value)| *value)
     }
 
-    /// The spacing of the finest grid that has samples beside a pixel.
+    /// The spacing of the finest grid that has samples next to a pixel.
     fn step_around(&self, (column, row): (usize, usize)) -> usize {
         let spacing = usize::from(self.spacing[self.at((column, row))]);
         let has = |x: usize, y: usize| x < self.camera.columns() && y < self.rows && self.sampled((x, y)).is_some();
@@ -524,26 +528,28 @@ impl Block<'_> {
         step.max(1)
     }
 
-    /// Samples of the same surface on the grid of a pixel, up to two steps away, with the weight of their distance; itself among them.
+    /// Samples of the same surface on the grid of a pixel, up to two steps away, with the weight of
+    /// their distance; includes the pixel.
     fn neighbors(&self, (column, row): (usize, usize)) -> impl Iterator<Item = (usize, f64)> {
         let at = self.at((column, row));
         let step = self.step_around((column, row)) as isize;
         let own = self.samples[at].as_ref();
-        (-REACH..=REACH).flat_map(move |down| (-REACH..=REACH).map(move |right| (right, down))).filter_map(
-            move |(right, down)| {
+        (-FILTER_RADIUS..=FILTER_RADIUS)
+            .flat_map(move |down| (-FILTER_RADIUS..=FILTER_RADIUS).map(move |right| (right, down)))
+            .filter_map(move |(right, down)| {
                 let x = column.checked_add_signed(right * step).filter(|x| *x < self.camera.columns())?;
                 let y = row.checked_add_signed(down * step).filter(|y| *y < self.rows)?;
                 let other = self.at((x, y));
                 let (own, near) = (own?, self.samples[other].as_ref()?);
-                // Between samples that are not side by side light may do anything, unless they agree.
+                // Between samples that are not adjacent light may change arbitrarily, unless they
+                // agree.
                 let joins = own.surface.joins(&near.surface) && (step == 1 || self.agree(own, near));
-                let weight = ((REACH + 1 - right.abs()) * (REACH + 1 - down.abs())) as f64;
+                let weight = ((FILTER_RADIUS + 1 - right.abs()) * (FILTER_RADIUS + 1 - down.abs())) as f64;
                 (joins || other == at).then_some((other, weight))
-            },
-        )
+            })
     }
 
-    /// What the samples around a pixel tell together.
+    /// The combined statistics of the samples around a pixel.
     fn patch(&self, at: usize) -> Patch {
         let columns = self.camera.columns();
         let Some(sample) = self.samples[at].filter(|sample| sample.surface.key != SEVERAL) else {
@@ -558,8 +564,8 @@ impl Block<'_> {
                 variance += weight * (rays - 1.0) * other.variance * rays;
                 weights += weight * (rays - 1.0);
             }
-            // Those next to it.
-            if weight >= BESIDE {
+            // The adjacent ones.
+            if weight >= ADJACENT_WEIGHT {
                 sum += rays * mean(&other.value);
                 near += rays;
             }
@@ -572,8 +578,9 @@ impl Block<'_> {
         Patch { variance: own, mean: sum / near, variance_of_mean: variance / near }
     }
 
-    /// The mean of a sample and those around it that see the same surface and differ by no more than noise, each by itself and with
-    /// what is next to it (non-local means: Buades, Coll and Morel 2005; Rousselle, Knaus and Zwicker 2012).
+    /// The mean of a sample and of those around it that see the same surface and differ by no more
+    /// than noise, as samples and as patches (non-local means: Buades, Coll and Morel 2005;
+    /// Rousselle, Knaus and Zwicker 2012).
     fn averaged(&self, patches: &[Patch], at: usize) -> [f64; 3] {
         let columns = self.camera.columns();
         let Some(sample) = &self.samples[at] else { return [0.0; 3] };
@@ -595,10 +602,10 @@ impl Block<'_> {
     }
 }
 
-/// What a sample and those next to it tell of light and noise.
+/// Statistics of a sample and its adjacent samples.
 #[derive(Clone, Copy, Debug, Default)]
 struct Patch {
-    /// Squared standard error of the sample by itself, from the spread of rays around; 0 where nothing tells it.
+    /// Squared standard error of a single sample, from the variance of adjacent rays; 0 if unknown.
     variance: f64,
     mean: f64,
     variance_of_mean: f64,
@@ -608,24 +615,24 @@ fn mean(value: &[f64; 3]) -> f64 {
     (value[0] + value[1] + value[2]) / 3.0
 }
 
-/// The number of a ray: along a Z-order curve through the samples of a grid.
+/// The number of a ray along a Z-order curve through the samples of a grid.
 fn numbered([column, row]: [usize; 2], spacing: usize, rays: u32, ray: u32) -> u64 {
     let [x, y] = [column / spacing, row / spacing].map(|at| at as u64);
     let tile = (spacing as u64) << 40 | (y >> TILE_LOG2) << 20 | (x >> TILE_LOG2);
     let within = 1 << TILE_LOG2;
     let along = morton(x % within) | morton(y % within) << 1;
-    // Pixels between the grid's lines, at the border of the picture, come after all others.
+    // Pixels between the lines of the grid, at the border of the picture, follow after all others.
     let off = u64::from(column % spacing != 0 || row % spacing != 0);
     ((tile | off << 45) << INDEX_LOG2) | (along * u64::from(rays) + u64::from(ray))
 }
 
-/// The bits of a number below 2⁸, each followed by a zero.
+/// The bits of a number below 2⁸, interleaved with zeros.
 fn morton(number: u64) -> u64 {
     (0..8).map(|bit| (number >> bit & 1) << (2 * bit)).sum()
 }
 
-/// The radiance of a ray, and the surfaces that it shows.
-fn seen(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> ([f64; 3], Surface) {
+/// The radiance of a ray, and the surfaces that it hits.
+fn trace_sample(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> ([f64; 3], Surface) {
     traced(worker, index, ray).map_or(([0.0; 3], OUTSIDE), |traced| {
         (traced.value, Surface::new(traced.surface_key, traced.first_hit, ray.direction))
     })

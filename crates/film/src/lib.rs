@@ -1,12 +1,14 @@
-//! Renders the picture of a view: what `rpict` computes, and the rays that `vwrays` sends.
+//! Renders the picture of a view: the computation of `rpict`, and the rays of `vwrays`.
 //!
-//! A [`ViewCamera`] turns places in pixels into rays, with Radiance's pixel jitter, aperture and motion. A [`Film`] traces as many of
-//! them as each pixel needs and gives rows of pixels, top row first.
+//! A [`ViewCamera`] maps points of pixels to rays, with Radiance's pixel jitter, aperture and
+//! motion. A [`Film`] traces as many of them as each pixel needs and returns rows of pixels, top
+//! row first.
 //!
-//! Guarantees: with a number of samples a pixel is the mean of rays over its area, without bias but for that of cached irradiance; with
-//! an asked error that is corrected as far as the error needs. Only [`SamplingBudget::Interpolated`] interpolates. A pixel
-//! is a function of the plan, the camera, the budget and the seed, so neither threads nor an interruption that is resumed at a row
-//! change it, unless the time is limited. Knows neither files nor picture headers.
+//! Guarantees: with a fixed number of samples a pixel is the mean of rays over its area, unbiased
+//! except for cached irradiance. With a requested error the bias is corrected as far as the error
+//! requires. Only [`SamplingBudget::Interpolated`] interpolates. A pixel is a function of the plan,
+//! the camera, the budget and the seed, so neither threads nor a resumed interruption change it,
+//! unless the time is limited. Knows neither files nor picture headers.
 #![forbid(unsafe_code)]
 
 mod adaptive;

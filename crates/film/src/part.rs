@@ -1,4 +1,4 @@
-//! A rectangle of a picture, for who renders the rest elsewhere.
+//! A rectangle of a picture whose other parts are rendered elsewhere.
 
 use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
 use crate::view_camera::{ViewCamera, traced};
@@ -7,16 +7,19 @@ use radsight_sampling::RaySampler;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A pixel with so many samples.
+/// A pixel with a fixed number of samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SampledPixel {
-    /// The mean of its samples, W/(sr·m²): what [`crate::Film`] gives for [`crate::SamplingBudget::Samples`], to the last bit.
+    /// The mean of its samples, W/(sr·m²): equal to the last bit to that of [`crate::Film`] with
+    /// [`crate::SamplingBudget::Samples`].
     pub mean: [f64; 3],
-    /// Half the difference of the means of its two halves, which estimates the standard error of the mean; NaN with one sample.
+    /// Half the difference between the means of its two halves, which estimates the standard error
+    /// of the mean; NaN with one sample.
     pub half_difference: [f64; 3],
 }
 
-/// The pixels of a rectangle, top row first, each with as many samples. Neither the other pixels nor threads matter.
+/// The pixels of a rectangle, top row first, with a fixed number of samples each. Independent of
+/// other pixels and of threads.
 ///
 /// # Panics
 /// If the camera has fewer columns or rows.
@@ -61,7 +64,7 @@ fn sampled(
     SampledPixel { mean: sum.map(|sum| sum / f64::from(samples)), half_difference }
 }
 
-/// The radiance of a sample of a pixel; every pixel has a scramble of the sequence of its own.
+/// The radiance of a sample of a pixel. Every pixel has its own scramble of the sequence.
 pub(crate) fn radiance(
     worker: &mut RayWorker<'_>,
     renderer: &Renderer,

@@ -1,18 +1,20 @@
-//! What cached irradiance misses, told by single paths.
+//! The error of cached irradiance, estimated and corrected by independent paths.
 //!
-//! In some pixels camera rays are followed twice: with cached irradiance, and without (single paths, which have no bias).
-//! The mean D of the differences is an estimate, without bias, of what the cache's noise and interpolation take from a
-//! pixel. It comes in two halves A and B of independent rays, so `E[A·B]` is the squared error of the cache there, whatever
-//! the noise of A and B. The same holds for what is left of the error once something is added to the pixel that knows
-//! nothing of A and B: with a correction m made of the pixels around, `E[(A − m)(B − m)]`.
+//! In some pixels camera rays are traced twice: with cached irradiance, and as independent paths,
+//! which are unbiased. The mean D of the differences is an unbiased estimate of the noise and
+//! interpolation bias of the cache in a pixel. It consists of two halves A and B of independent
+//! rays, so `E[A·B]` is the squared error of the cache, whatever the noise of A and B. The same
+//! holds for the error that is left after a correction m that is independent of A and B, such as
+//! one made from the surrounding pixels: `E[(A − m)(B − m)]`.
 //!
-//! A pixel's correction is `w·D + (1 − w)·m`, where m is a mean of D over pixels around or nothing, whichever leaves less
-//! there, and w is what minimises the squared error `(1 − w)²·(A − m)(B − m) + w²·Var D`. Both are chosen by what is found in
-//! the pixels around alone: the estimate of the error that is left so stays without bias (as Stein's does). Where the cache
-//! is good this leaves pixels as they are; where it is not they become means of single paths.
+//! A pixel's correction is `w·D + (1 − w)·m`. m is either a mean of D over surrounding pixels or 0,
+//! whichever leaves less error there. w minimises the squared error `(1 − w)²·(A − m)(B − m) +
+//! w²·Var D`. Both are chosen from the surrounding pixels alone, so the estimate of the error that
+//! is left is unbiased (as in Stein's method). Where the cache is good, pixels remain unchanged;
+//! where it is not, they become means of independent paths.
 //!
-//! Rays go where they lower the estimated error or its uncertainty most. Large blocks of pixels are divided into cells; one
-//! pixel of each cell stands for it until more are needed.
+//! Rays are allocated where they lower the estimated error or its uncertainty most. Large blocks of
+//! pixels are divided into cells; one pixel represents each cell until more are needed.
 
 use crate::sequence::SEQUENCE_LOG2;
 use crate::view_camera::{ViewCamera, traced_both};
@@ -21,29 +23,29 @@ use radsight_sampling::RaySampler;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// About so many pixels of a block stand for all at first.
+/// Approximate number of pixels of a block that get the first rays.
 const FIRST_PIXELS: usize = 1024;
 
-/// Rays of each half of a pixel at first.
+/// First rays of each half of a pixel.
 const FIRST_RAYS: u32 = 8;
 
-/// What is found around a pixel is averaged over so many cells to each side.
-const REGION: usize = 3;
+/// Radius of the region around a pixel for its statistics, in cells.
+const REGION_RADIUS: usize = 3;
 
-/// Corrections are means over so many cells to each side.
-const RADII: [usize; 2] = [1, 3];
+/// Radii of the corrections' means, in cells.
+const CORRECTION_RADII: [usize; 2] = [1, 3];
 
-/// Those, and none.
-const CORRECTIONS: usize = RADII.len() + 1;
+/// These means, and no correction.
+const CORRECTIONS: usize = CORRECTION_RADII.len() + 1;
 
-/// Standard errors by which the estimate must be within what is asked: rare bright paths make more of it than a normal distribution
-/// would.
-const CERTAINTY: f64 = 2.0;
+/// Number of standard errors by which the estimate must be below the requested error: rare bright
+/// paths need more than a normal distribution.
+const CERTAINTY_ERRORS: f64 = 2.0;
 
-/// In one round no pixel gets rays that is worth less than this share of the best.
-const LEAST_WORTH: f64 = 0.1;
+/// Minimum benefit of a pixel's rays in one round, relative to the largest.
+const MIN_BENEFIT: f64 = 0.1;
 
-/// The residuals of a block of pixels, in units of the values that errors are relative to.
+/// The residuals of a block of pixels, in units of the values to which errors are relative.
 #[derive(Debug)]
 pub(crate) struct Residuals {
     range: Range<usize>,
@@ -52,7 +54,7 @@ pub(crate) struct Residuals {
     /// Side of a cell, pixels.
     side: usize,
     pixels: Vec<Residual>,
-    /// What stands for one in each band of each pixel.
+    /// The values to which errors are relative, in each band of each pixel.
     units: Vec<[f64; 3]>,
 }
 
@@ -82,50 +84,51 @@ impl Residual {
         (0..3).map(|band| 0.25 * (a[band] - b[band]).powi(2)).sum::<f64>() / 3.0
     }
 
-    /// The squared error that a correction leaves, without bias.
-    fn left_by(&self, correction: &[f64; 3]) -> f64 {
+    /// Unbiased estimate of the squared error after a correction.
+    fn error_after(&self, correction: &[f64; 3]) -> f64 {
         let [a, b] = self.means();
         (0..3).map(|band| (a[band] - correction[band]) * (b[band] - correction[band])).sum::<f64>() / 3.0
     }
 }
 
-/// What is known of a pixel from its surroundings, without itself.
+/// Statistics of the surroundings of a pixel, without the pixel itself.
 #[derive(Clone, Copy, Debug, Default)]
 struct Surroundings {
-    /// The correction that they make, and which one that is.
+    /// The correction with the smallest error, and its index.
     correction: [f64; 3],
     chosen: usize,
-    /// The squared error that it leaves.
+    /// The squared error after the correction.
     left: f64,
     /// Variance of the mean of a pixel's two halves, if each has one ray.
     of_a_ray: f64,
 }
 
-/// How good a block is with the corrections that are known by now.
+/// The quality of a block with the current corrections.
 #[derive(Debug)]
-pub(crate) struct Judgement {
-    /// What to add to each pixel.
+pub(crate) struct Assessment {
+    /// Added to each pixel.
     pub(crate) corrections: Vec<[f64; 3]>,
-    /// Sum over the pixels of the squared errors that are left, and the variance of that sum.
+    /// Sum over the pixels of the remaining squared errors, and the variance of that sum.
     pub(crate) squared: f64,
     pub(crate) variance: f64,
-    /// About what is left in each pixel.
+    /// Approximate remaining squared error of each pixel.
     pub(crate) of_pixels: Vec<f64>,
-    options: Vec<Worth>,
+    options: Vec<Benefit>,
 }
 
-/// What further rays of a pixel would do.
+/// The benefit of further rays of a pixel.
 #[derive(Clone, Copy, Debug)]
-struct Worth {
+struct Benefit {
     pixel: usize,
-    /// By how much the sum of squared errors falls, and its variance.
+    /// Reduction of the sum of squared errors, and of its variance.
     squared: f64,
     variance: f64,
     rays: f64,
 }
 
 impl Residuals {
-    /// Before any ray. `units` of each pixel are the values that errors are relative to.
+    /// The state before the first ray. `units` are the values to which the errors of each pixel are
+    /// relative.
     pub(crate) fn new(range: Range<usize>, columns: usize, units: Vec<[f64; 3]>) -> Residuals {
         let rows = range.len() / columns.max(1);
         let side = ((range.len() as f64 / FIRST_PIXELS as f64).sqrt().ceil() as usize).max(1);
@@ -154,12 +157,12 @@ impl Residuals {
         (pixel % self.columns / self.side, pixel / self.columns / self.side)
     }
 
-    /// Rays so far, both halves and both ways.
+    /// Rays so far, of both halves and both techniques.
     pub(crate) fn rays_of(&self, pixel: usize) -> u32 {
         4 * self.pixels[pixel].rays
     }
 
-    /// Gives pixels as many rays again, or their first ones.
+    /// Doubles the rays of pixels, or traces their first ones.
     pub(crate) fn trace(&mut self, renderer: &Renderer, camera: &ViewCamera, chosen: &[usize]) {
         let (first, film) = (self.range.start, (camera.columns() * camera.rows()) as u64);
         let (pixels, units) = (&self.pixels, &self.units);
@@ -173,7 +176,8 @@ impl Residuals {
                     let further = if before == 0 { FIRST_RAYS } else { before };
                     let (column, row) = ((first + pixel) % camera.columns(), (first + pixel) / camera.columns());
                     let half = |half: u64| {
-                        // Each half has a scramble of the sequence of its own, and the film's pixels another.
+                        // Each half has its own scramble of the sequence, different from that of
+                        // the film's pixels.
                         let stream = ((first + pixel) as u64 + (1 + half) * film) << SEQUENCE_LOG2;
                         let mut sum = [0.0; 3];
                         for sample in before..before + further {
@@ -199,7 +203,7 @@ impl Residuals {
         }
     }
 
-    /// The pixels that have rays, cell by cell.
+    /// The pixels with rays, by cell.
     fn sampled(&self) -> Vec<Vec<usize>> {
         let (across, down) = self.cells();
         let mut cells = vec![Vec::new(); across * down];
@@ -210,7 +214,7 @@ impl Residuals {
         cells
     }
 
-    /// Visits the pixels with rays around one, but not itself, with weights that fall to zero.
+    /// Visits the pixels with rays around a pixel, without itself, with weights that fall to zero.
     fn around(&self, cells: &[Vec<usize>], pixel: usize, radius: usize, mut visit: impl FnMut(usize, f64)) {
         let (across, down) = self.cells();
         let (column, row) = self.cell_of(pixel);
@@ -224,10 +228,10 @@ impl Residuals {
         }
     }
 
-    /// The corrections that the pixels around one can make.
+    /// The possible corrections from the pixels around one.
     fn corrections(&self, cells: &[Vec<usize>], pixel: usize) -> [[f64; 3]; CORRECTIONS] {
         let mut corrections = [[0.0; 3]; CORRECTIONS];
-        for (correction, radius) in corrections[1..].iter_mut().zip(RADII) {
+        for (correction, radius) in corrections[1..].iter_mut().zip(CORRECTION_RADII) {
             let mut weights = 0.0;
             self.around(cells, pixel, radius, |other, weight| {
                 let mean = self.pixels[other].mean();
@@ -239,14 +243,14 @@ impl Residuals {
         corrections
     }
 
-    /// How good the block is by now; no pixel gets more than `most` rays.
-    pub(crate) fn judge(&self, most: u32) -> Judgement {
+    /// The current quality of the block; no pixel gets more than `most` rays.
+    pub(crate) fn assess(&self, most: u32) -> Assessment {
         let cells = self.sampled();
         let all = 0..self.pixels.len();
         let corrections: Vec<[[f64; 3]; CORRECTIONS]> =
             all.clone().into_par_iter().with_min_len(64).map(|pixel| self.corrections(&cells, pixel)).collect();
         let left: Vec<[f64; CORRECTIONS]> = (corrections.iter().zip(&self.pixels))
-            .map(|(corrections, pixel)| corrections.map(|correction| pixel.left_by(&correction)))
+            .map(|(corrections, pixel)| corrections.map(|correction| pixel.error_after(&correction)))
             .collect();
         let around: Vec<Surroundings> = all
             .clone()
@@ -265,7 +269,7 @@ impl Residuals {
         left: &[[f64; CORRECTIONS]],
     ) -> Surroundings {
         let (mut sums, mut of_a_ray, mut weights) = ([0.0; CORRECTIONS], 0.0, 0.0);
-        self.around(cells, pixel, REGION, |other, weight| {
+        self.around(cells, pixel, REGION_RADIUS, |other, weight| {
             for (sum, left) in sums.iter_mut().zip(left[other]) {
                 *sum += weight * left;
             }
@@ -288,13 +292,13 @@ impl Residuals {
         around: &[Surroundings],
         left: &[[f64; CORRECTIONS]],
         most: u32,
-    ) -> Judgement {
+    ) -> Assessment {
         let own_weight = |pixel: usize| {
             let noise = around[pixel].of_a_ray / f64::from(self.pixels[pixel].rays.max(1));
             let known = around[pixel].left + noise;
             if self.pixels[pixel].rays == 0 || known <= 0.0 { 0.0 } else { around[pixel].left / known }
         };
-        let mut judgement = Judgement {
+        let mut assessment = Assessment {
             corrections: vec![[0.0; 3]; self.pixels.len()],
             squared: 0.0,
             variance: 0.0,
@@ -305,30 +309,31 @@ impl Residuals {
         for (pixel, residual) in self.pixels.iter().enumerate() {
             let (Surroundings { correction, .. }, own) = (around[pixel], own_weight(pixel));
             let (mean, unit) = (residual.mean(), self.units[pixel]);
-            judgement.corrections[pixel] =
+            assessment.corrections[pixel] =
                 std::array::from_fn(|band| unit[band] * (own * mean[band] + (1.0 - own) * correction[band]));
-            judgement.of_pixels[pixel] = (1.0 - own) * around[pixel].left;
+            assessment.of_pixels[pixel] = (1.0 - own) * around[pixel].left;
             let left = left[pixel][around[pixel].chosen];
             found[pixel] = (1.0 - own).powi(2) * left + own * own * residual.variance();
         }
         for cell in cells {
-            self.add_cell(cell, (around, left, &found), most, &mut judgement);
+            self.add_cell(cell, (around, left, &found), most, &mut assessment);
         }
-        // What surroundings tell of single pixels adds up to the estimate of all.
-        let sum: f64 = judgement.of_pixels.iter().sum();
-        let total = judgement.squared.max(0.0);
+        // Scales the estimates of single pixels from their surroundings to the estimate of all.
+        let sum: f64 = assessment.of_pixels.iter().sum();
+        let total = assessment.squared.max(0.0);
         let even = total / self.pixels.len().max(1) as f64;
-        judgement.of_pixels.iter_mut().for_each(|left| *left = if sum > 0.0 { *left * (total / sum) } else { even });
-        judgement
+        assessment.of_pixels.iter_mut().for_each(|left| *left = if sum > 0.0 { *left * (total / sum) } else { even });
+        assessment
     }
 
-    /// Adds what the pixels of a cell tell of it: those without rays are like the others would be by the surroundings alone.
+    /// Adds the pixels of a cell. Those without rays are assumed to be corrected from their
+    /// surroundings alone.
     fn add_cell(
         &self,
         cell: &[usize],
         (around, left, found): (&[Surroundings], &[[f64; CORRECTIONS]], &[f64]),
         most: u32,
-        judgement: &mut Judgement,
+        assessment: &mut Assessment,
     ) {
         let Some(&one) = cell.first() else { return };
         let (column, row) = self.cell_of(one);
@@ -338,8 +343,8 @@ impl Residuals {
         let others = (pixels.len() - cell.len()) as f64 / cell.len() as f64;
         for &pixel in cell {
             let value = found[pixel] + others * left[pixel][around[pixel].chosen];
-            judgement.squared += value;
-            judgement.variance += (value - judgement.of_pixels[pixel] - others * around[pixel].left).powi(2);
+            assessment.squared += value;
+            assessment.variance += (value - assessment.of_pixels[pixel] - others * around[pixel].left).powi(2);
         }
         for pixel in pixels {
             let rays = self.pixels[pixel].rays;
@@ -359,28 +364,29 @@ impl Residuals {
             } else {
                 (1.0 + others).powi(2) * (spread(now) - spread(then))
             };
-            judgement.options.push(Worth { pixel, squared, variance, rays: f64::from(further) });
+            assessment.options.push(Benefit { pixel, squared, variance, rays: f64::from(further) });
         }
     }
 }
 
-impl Judgement {
-    /// What may be left in all: the estimate, and some standard errors more.
+impl Assessment {
+    /// Upper bound of the remaining error: the estimate plus some standard errors.
     pub(crate) fn upper(&self) -> f64 {
-        self.squared.max(0.0) + CERTAINTY * self.variance.sqrt()
+        self.squared.max(0.0) + CERTAINTY_ERRORS * self.variance.sqrt()
     }
 
-    /// The pixels to trace further until no more than `allowed` is left; none where nothing helps.
+    /// The pixels to trace further until the bound is at most `allowed`; none if nothing helps.
     pub(crate) fn wanted(&self, allowed: f64) -> Vec<usize> {
         let deviation = self.variance.sqrt().max(f64::MIN_POSITIVE);
-        let worth = |option: &Worth| (option.squared + 0.5 * CERTAINTY * option.variance / deviation) / option.rays;
-        let mut options: Vec<(f64, &Worth)> = self.options.iter().map(|option| (worth(option), option)).collect();
-        options.retain(|(worth, _)| *worth > 0.0);
+        let benefit =
+            |option: &Benefit| (option.squared + 0.5 * CERTAINTY_ERRORS * option.variance / deviation) / option.rays;
+        let mut options: Vec<(f64, &Benefit)> = self.options.iter().map(|option| (benefit(option), option)).collect();
+        options.retain(|(benefit, _)| *benefit > 0.0);
         options.sort_by(|(one, _), (two, _)| two.total_cmp(one));
-        let least = LEAST_WORTH * options.first().map_or(0.0, |(worth, _)| *worth);
+        let least = MIN_BENEFIT * options.first().map_or(0.0, |(benefit, _)| *benefit);
         let (mut squared, mut variance, mut wanted) = (self.squared.max(0.0), self.variance, Vec::new());
-        for (worth, option) in options {
-            if worth < least || squared.max(0.0) + CERTAINTY * variance.max(0.0).sqrt() <= allowed {
+        for (benefit, option) in options {
+            if benefit < least || squared.max(0.0) + CERTAINTY_ERRORS * variance.max(0.0).sqrt() <= allowed {
                 break;
             }
             squared -= option.squared;
@@ -399,7 +405,7 @@ mod tests {
     const PIXELS: usize = 48 * 36;
     const RAYS: u32 = 16;
 
-    /// Evenly distributed noise of this standard deviation (SplitMix64).
+    /// Uniform noise of this standard deviation (SplitMix64).
     fn noise(state: &mut u64, deviation: f64) -> f64 {
         *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = *state;
@@ -408,7 +414,8 @@ mod tests {
         ((z >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12f64.sqrt() * deviation
     }
 
-    /// Residuals of a block whose cache misses `truth`, by rays of this standard deviation through pixels of which one in `every` has rays.
+    /// Residuals of a block with the cache error `truth`, from rays of this standard deviation in
+    /// one of `every` pixels.
     fn residuals(seed: u64, truth: &[f64], deviation: f64, every: usize) -> Residuals {
         let mut residuals = Residuals::new(0..PIXELS, COLUMNS, vec![[1.0; 3]; PIXELS]);
         let mut state = seed;
@@ -422,11 +429,11 @@ mod tests {
         residuals
     }
 
-    fn left(judgement: &Judgement, truth: &[f64]) -> f64 {
-        judgement.corrections.iter().zip(truth).map(|(correction, truth)| (correction[0] - truth).powi(2)).sum()
+    fn left(assessment: &Assessment, truth: &[f64]) -> f64 {
+        assessment.corrections.iter().zip(truth).map(|(correction, truth)| (correction[0] - truth).powi(2)).sum()
     }
 
-    /// None, a smooth one, one with an edge, and one that no neighbour knows of.
+    /// No error, a smooth one, one with an edge, and one that differs from all neighbours.
     fn truths() -> [Vec<f64>; 4] {
         let truth = |of: &dyn Fn(usize, usize) -> f64| (0..PIXELS).map(|at| of(at % COLUMNS, at / COLUMNS)).collect();
         [
@@ -438,15 +445,15 @@ mod tests {
     }
 
     #[test]
-    fn the_error_that_is_left_is_estimated_without_bias() {
+    fn the_estimate_of_the_remaining_error_is_unbiased() {
         for (number, truth) in truths().iter().enumerate() {
             for every in [1, 2] {
                 let (mut found, mut actual, mut variance) = (0.0, 0.0, 0.0);
                 for seed in 0..24 {
-                    let judgement = residuals(seed, truth, 0.8, every).judge(1 << 16);
-                    found += judgement.squared;
-                    actual += left(&judgement, truth);
-                    variance += judgement.variance;
+                    let assessment = residuals(seed, truth, 0.8, every).assess(1 << 16);
+                    found += assessment.squared;
+                    actual += left(&assessment, truth);
+                    variance += assessment.variance;
                 }
                 let apart = (found - actual).abs();
                 assert!(
@@ -459,24 +466,24 @@ mod tests {
     }
 
     #[test]
-    fn smooth_errors_of_the_cache_are_corrected_and_none_are_made() {
+    fn smooth_errors_of_the_cache_are_corrected() {
         let [none, smooth, ..] = truths();
         let uncorrected: f64 = smooth.iter().map(|truth| truth * truth).sum();
-        let corrected = left(&residuals(1, &smooth, 0.8, 1).judge(1 << 16), &smooth);
+        let corrected = left(&residuals(1, &smooth, 0.8, 1).assess(1 << 16), &smooth);
         assert!(corrected < 0.5 * uncorrected, "{corrected} of {uncorrected}");
         let alone = PIXELS as f64 * 0.8 * 0.8 / f64::from(2 * RAYS);
-        let made = left(&residuals(1, &none, 0.8, 1).judge(1 << 16), &none);
+        let made = left(&residuals(1, &none, 0.8, 1).assess(1 << 16), &none);
         assert!(made < 0.05 * alone, "{made}, where pixels alone would have {alone}");
     }
 
     #[test]
-    fn rays_go_where_the_cache_is_wrong_until_nothing_helps() {
+    fn rays_are_allocated_where_the_cache_is_wrong() {
         let [_, _, edge, _] = truths();
-        let judgement = residuals(3, &edge, 0.8, 1).judge(1 << 16);
-        assert!(judgement.wanted(1e9).is_empty());
-        let wanted = judgement.wanted(judgement.upper() - 1.0);
+        let assessment = residuals(3, &edge, 0.8, 1).assess(1 << 16);
+        assert!(assessment.wanted(1e9).is_empty());
+        let wanted = assessment.wanted(assessment.upper() - 1.0);
         let wrong = wanted.iter().filter(|pixel| **pixel % COLUMNS < 24).count();
         assert!(!wanted.is_empty() && 2 * wrong > wanted.len(), "{wrong} of {}", wanted.len());
-        assert!(residuals(3, &edge, 0.8, 1).judge(RAYS).wanted(0.0).is_empty());
+        assert!(residuals(3, &edge, 0.8, 1).assess(RAYS).wanted(0.0).is_empty());
     }
 }

@@ -1,7 +1,7 @@
 //! How the rays of pixels are numbered.
 
-/// Bits of a ray's number that tell the samples of a pixel.
+/// Number of bits of a ray's number that count the samples of a pixel.
 pub(crate) const SEQUENCE_LOG2: u32 = 16;
 
-/// No pixel gets more samples: what one scramble of the sequence holds.
+/// Maximum number of samples of a pixel: the length of one scrambled sequence.
 pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;

@@ -1,16 +1,16 @@
-//! One ray, traced as often as it needs.
+//! Adaptive sampling of a single ray.
 
 use crate::SamplingBudget;
 use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
 use radsight_render::{Ray, RayWorker, Traced};
 
-/// Samples of a ray before anything is decided: no neighbour helps to tell its error.
+/// Samples before the first error estimate: more than for pixels, since there are no neighbours.
 const FIRST_SAMPLES: u32 = 16;
 
-/// The mean of what a ray brings over many samples of the light that it meets. `number` is the ray's number in its stream; where
-/// the ray ends is that of the first sample.
+/// The mean radiance of a ray over many samples of the light at its hit point. `number` is the
+/// ray's number in its stream; hit data are those of the first sample.
 ///
-/// With one sample this is the ray as [`RayWorker::trace`] gives it, with the same random numbers.
+/// With one sample the result equals that of [`RayWorker::trace`], with the same random numbers.
 #[must_use]
 pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, budget: SamplingBudget) -> Traced {
     if matches!(budget, SamplingBudget::Samples(1) | SamplingBudget::Interpolated(_)) {
@@ -49,7 +49,7 @@ pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, budget: Sampl
                 if samples >= FIRST_SAMPLES && is_good {
                     break;
                 }
-                // The same difference would be twice as large in a sum of twice as many.
+                // The difference of a sum of twice as many samples would be twice as large.
                 before = 2.0 * difference;
             }
         }

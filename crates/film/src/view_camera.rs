@@ -7,13 +7,13 @@ use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_8;
 
-/// Where the rays of a picture start and go.
+/// Generates the rays of a picture.
 ///
 /// ```
 /// use radsight_film::ViewCamera;
 /// use radsight_picture::{View, ViewOptions};
-/// let lens = ViewCamera::new(View::new(ViewOptions::default()).unwrap(), 3, 3);
-/// let ray = lens.central_ray(1, 1).unwrap();
+/// let camera = ViewCamera::new(View::new(ViewOptions::default()).unwrap(), 3, 3);
+/// let ray = camera.central_ray(1, 1).unwrap();
 /// assert!(ray.direction.distance(glam::DVec3::Y) < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -21,39 +21,42 @@ pub struct ViewCamera {
     view: View,
     columns: usize,
     rows: usize,
-    /// Side of the square that rays are spread over, in pixels (`-pj`). Default 0: all through the middle.
+    /// Side of the square over which rays are distributed, in pixels (`-pj`). Default 0: all rays
+    /// pass through the centre.
     pub jitter: f64,
-    /// Diameter of the aperture in scene units (`-pd`); what is as far as the view direction is long is sharp. Default 0.
+    /// Diameter of the aperture in scene units (`-pd`); the focal distance is the length of the
+    /// view direction. Default 0.
     pub aperture: f64,
-    /// The view of the frame before, and the share of the way from it during which the shutter is open (`-pm`). Default none.
+    /// The view of the previous frame, and the fraction of the motion from it during which the
+    /// shutter is open (`-pm`). Default none.
     pub motion: Option<(View, f64)>,
 }
 
 /// A ray through a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraRay {
-    /// Where it starts, scene units.
+    /// The origin, scene units.
     pub origin: DVec3,
     /// Unit.
     pub direction: DVec3,
-    /// How far away the aft clipping plane is, scene units; `None` without one.
+    /// Distance of the aft clipping plane, scene units; `None` without one.
     pub length: Option<f64>,
 }
 
 impl ViewCamera {
-    /// The lens of a view whose picture has so many columns and rows.
+    /// The camera of a view with this number of columns and rows.
     #[must_use]
     pub fn new(view: View, columns: usize, rows: usize) -> ViewCamera {
         ViewCamera { view, columns, rows, jitter: 0.0, aperture: 0.0, motion: None }
     }
 
-    /// Pixels in a row.
+    /// Columns.
     #[must_use]
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Rows of pixels.
+    /// Rows.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows
@@ -65,19 +68,20 @@ impl ViewCamera {
         &self.view
     }
 
-    /// The ray through the middle of a pixel from the middle of the aperture; `None` where the view shows nothing. Row 0 is the top.
+    /// The ray through the centre of a pixel and the centre of the aperture; `None` outside the
+    /// view. Row 0 is the top.
     #[must_use]
     pub fn central_ray(&self, column: usize, row: usize) -> Option<CameraRay> {
         self.view_ray(&self.view, self.place(column, row, [0.5, 0.5]))
     }
 
-    /// A ray through some place of each square of so many pixels' side, top row first: those for which irradiance is gathered
-    /// beforehand. Not through the middles, which in a symmetric view lie on the very edges of a room.
+    /// One ray through each square of `side` pixels, top row first, for the irradiance-cache
+    /// pre-pass. Avoids the centres, which in a symmetric view lie exactly on the edges of a room.
     #[must_use]
     pub fn prepass_rays(&self, side: usize) -> Vec<Option<Ray>> {
         let side = side.max(1);
         let [across, down] = [self.columns.div_ceil(side), self.rows.div_ceil(side)];
-        // Steps of the R₂ sequence (Roberts 2018) are spread evenly over the squares.
+        // The R₂ sequence (Roberts 2018) distributes the points evenly over the squares.
         let ray = |square: usize| {
             let [right, up] =
                 [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (square as f64 * step).fract());
@@ -90,7 +94,7 @@ impl ViewCamera {
         squares.map(|square| ray(square).and_then(|ray| Ray::new(ray.origin, ray.direction))).collect()
     }
 
-    /// How far apart the rays of neighbouring squares of so many pixels' side are, in the middle of the picture.
+    /// Spacing of the rays of neighbouring squares of `side` pixels, at the centre of the picture.
     #[must_use]
     pub fn spread(&self, side: usize) -> RaySpacing {
         let (column, row) = (self.columns / 2, self.rows / 2);
@@ -102,21 +106,22 @@ impl ViewCamera {
         RaySpacing { width: side * apart(|ray| ray.origin), angle: side * apart(|ray| ray.direction) }
     }
 
-    /// A ray through a pixel at the sampler's place in pixel, aperture and time; `None` where the view shows nothing.
+    /// A ray at the sampler's point of pixel, aperture and time; `None` outside the view.
     #[must_use]
     pub fn ray(&self, column: usize, row: usize, sampler: &RaySampler) -> Option<CameraRay> {
         let [x, y, across, along] = sampler.take(DimensionSet::CAMERA);
         self.ray_at(self.place(column, row, [x, y]), [across, along], sampler)
     }
 
-    /// The same through the middle of the pixel.
+    /// The same through the centre of the pixel.
     #[must_use]
-    pub fn middle_ray(&self, column: usize, row: usize, sampler: &RaySampler) -> Option<CameraRay> {
+    pub fn center_ray(&self, column: usize, row: usize, sampler: &RaySampler) -> Option<CameraRay> {
         let [.., across, along] = sampler.take(DimensionSet::CAMERA);
         self.ray_at(self.place(column, row, [0.5, 0.5]), [across, along], sampler)
     }
 
-    /// A ray through any place in the view, (0, 0) the lower left corner and (1, 1) the upper right, spread as the pixels are.
+    /// A ray through any point of the view, (0, 0) the lower left corner and (1, 1) the upper
+    /// right, distributed like those of pixels.
     #[must_use]
     pub fn ray_near(&self, [x, y]: [f64; 2], sampler: &RaySampler) -> Option<CameraRay> {
         let [right, up, across, along] = sampler.take(DimensionSet::CAMERA);
@@ -124,12 +129,12 @@ impl ViewCamera {
         self.ray_at(place, [across, along], sampler)
     }
 
-    /// The place in the view of a sample of a pixel.
+    /// The point of the view of a sample of a pixel.
     fn place(&self, column: usize, row: usize, [x, y]: [f64; 2]) -> [f64; 2] {
         self.pixel_place(column, row, [0.5 + self.jittered(x), 0.5 + self.jittered(y)])
     }
 
-    /// The place in the view of a point whose distance from the lower left corner of a pixel is given in pixels.
+    /// The point of the view of an offset from the lower left corner of a pixel, in pixels.
     fn pixel_place(&self, column: usize, row: usize, [right, up]: [f64; 2]) -> [f64; 2] {
         let from_left = column as f64 + right;
         let from_bottom = (self.rows - 1 - row) as f64 + up;
@@ -159,8 +164,9 @@ impl ViewCamera {
         Some(CameraRay { origin: ray.origin, direction: ray.direction, length: ray.length })
     }
 
-    /// The ray from another place of the aperture to the same place in the focal surface: a plane for perspective and parallel
-    /// views, whose aperture is a disk, else a sphere, whose aperture has a depth too (as Radiance's `jitteraperture`).
+    /// Moves a ray to another point of the aperture, towards the same point of the focal surface: a
+    /// plane for perspective and parallel views, whose aperture is a disk, otherwise a sphere,
+    /// whose aperture has depth as well (as in Radiance's `jitteraperture`).
     fn through_aperture(&self, ray: &CameraRay, [across, along]: [f64; 2], depth: f64) -> Option<CameraRay> {
         let options = self.view.options();
         let focal_distance = options.direction.length();
@@ -182,7 +188,7 @@ impl ViewCamera {
         Some(CameraRay { origin, direction, length: ray.length })
     }
 
-    /// How much farther a clipping surface is along a direction than straight ahead.
+    /// Ratio of the distance of a clipping surface along a direction to that straight ahead.
     fn slant(&self, direction: DVec3) -> f64 {
         match self.view.options().kind {
             ViewKind::Perspective | ViewKind::Parallel => direction.dot(self.view.direction()).recip(),
@@ -192,7 +198,7 @@ impl ViewCamera {
     }
 }
 
-/// The ray a share of the way from one to another.
+/// Interpolates between two rays.
 fn between(to: &CameraRay, from: &CameraRay, share: f64) -> Option<CameraRay> {
     let direction = to.direction.lerp(from.direction, share).try_normalize()?;
     let length = match (to.length, from.length) {
@@ -202,14 +208,14 @@ fn between(to: &CameraRay, from: &CameraRay, share: f64) -> Option<CameraRay> {
     Some(CameraRay { origin: to.origin.lerp(from.origin, share), direction, length })
 }
 
-/// What a ray finds; `None` for nothing, as beyond the aft clipping plane.
+/// The radiance of a ray; `None` if it hits nothing, as beyond the aft clipping plane.
 pub(crate) fn traced(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> Option<Traced> {
     let traced = Ray::new(ray.origin, ray.direction).map(|ray| worker.trace(index, &ray))?;
     let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
     (!is_clipped).then_some(traced)
 }
 
-/// The radiance that a ray finds with cached irradiance, and by a single path; `None` for nothing.
+/// The radiance of a ray with cached irradiance, and by an independent path; `None` for nothing.
 pub(crate) fn traced_both(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> Option<[[f64; 3]; 2]> {
     let cached = traced(worker, index, ray)?;
     let ray = Ray::new(ray.origin, ray.direction)?;

@@ -1,29 +1,30 @@
-//! Records by place.
+//! The cache: records by position.
 
 use crate::fit::{Fit, neighbourhood};
 use crate::grid::Grid;
 use crate::record::{Limits, Record};
 use glam::DVec3;
 
-/// Records, and the irradiance that is interpolated between them.
+/// Records, and interpolation of irradiance between them.
 #[derive(Clone, Debug)]
 pub struct Cache<const BANDS: usize> {
     pub(crate) limits: Limits,
     pub(crate) records: Vec<Record<BANDS>>,
-    /// One for each record; from its own rays alone until others are adopted.
+    /// One per record; made from its own rays alone until another fit is adopted.
     pub(crate) fits: Vec<Fit<BANDS>>,
-    /// Balls of the records' reach.
+    /// Balls with the reach of the records.
     reaches: Grid,
-    /// Balls of the neighbourhoods of fits.
+    /// Balls with the neighbourhoods of the fits.
     neighbourhoods: Grid,
-    /// Whether something near has changed since the last fit.
+    /// Whether records nearby have changed since the last fit.
     pub(crate) is_stale: Vec<bool>,
-    /// How often each record has looked through each stratum.
-    pub(crate) looks: Vec<[u8; STRATA]>,
+    /// Number of gathers of each record through each stratum.
+    pub(crate) gathers: Vec<[u8; STRATA]>,
 }
 
-/// Each cell of a hemisphere is divided into so many strata, of which a look takes one: neighbours that take different ones have together
-/// looked around as evenly as one hemisphere of as many cells.
+/// Number of strata of each cell of a hemisphere. A gather samples one stratum of each cell.
+/// Neighbours that sample different strata are together stratified like one hemisphere with all the
+/// cells.
 pub const STRATA: usize = 16;
 
 impl<const BANDS: usize> Cache<BANDS> {
@@ -35,74 +36,76 @@ impl<const BANDS: usize> Cache<BANDS> {
             limits,
             records: Vec::new(),
             fits: Vec::new(),
-            reaches: Grid::new(limits.least, limits.most),
-            neighbourhoods: Grid::new(wide * limits.least, wide * limits.most),
+            reaches: Grid::new(limits.min_reach, limits.max_reach),
+            neighbourhoods: Grid::new(wide * limits.min_reach, wide * limits.max_reach),
             is_stale: Vec::new(),
-            looks: Vec::new(),
+            gathers: Vec::new(),
         }
     }
 
-    /// How many records there are.
+    /// Number of records.
     #[must_use]
     pub fn len(&self) -> usize {
         self.records.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no records.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()
     }
 
-    /// What bounds the use of the records.
+    /// The limits for the use of records.
     #[must_use]
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
 
-    /// The stratum through which fewest of those around a point have looked. Looks through it are told apart by how often that was: stratum s has the
-    /// numbers s, s + [`STRATA`], s + 2 [`STRATA`]…
+    /// The stratum least sampled by the records around a point. The number of a gather also counts
+    /// how often its stratum was sampled: stratum s has the numbers s, s + [`STRATA`], s + 2
+    /// [`STRATA`]…
     #[must_use]
     pub fn next_gather(&self, position: DVec3, normal: DVec3) -> usize {
-        let mut looks = [0u32; STRATA];
+        let mut gathers = [0u32; STRATA];
         self.neighbourhoods.visit(position, |index| {
             let record = &self.records[index as usize];
             let radius = neighbourhood(&self.limits) * record.reach(&self.limits);
-            if record.misplacement(position, normal, radius, self.limits.accuracy) < 1.0 {
-                for (sum, looks) in looks.iter_mut().zip(self.looks[index as usize]) {
-                    *sum += u32::from(looks);
+            if record.relative_error(position, normal, radius, self.limits.accuracy) < 1.0 {
+                for (sum, gathers) in gathers.iter_mut().zip(self.gathers[index as usize]) {
+                    *sum += u32::from(gathers);
                 }
             }
         });
-        let stratum = (0..STRATA).min_by_key(|stratum| looks[*stratum]).unwrap_or(0);
-        stratum + STRATA * looks[stratum] as usize
+        let stratum = (0..STRATA).min_by_key(|stratum| gathers[*stratum]).unwrap_or(0);
+        stratum + STRATA * gathers[stratum] as usize
     }
 
-    /// The next look from a record; it counts as done from now on.
+    /// The number of the next gather of a record, which is counted from now on.
     ///
     /// # Panics
     /// If there is no such record.
     pub fn take_gather(&mut self, index: usize) -> usize {
-        let look = self.next_gather(self.records[index].position, self.records[index].normal);
-        self.count_gather(index, look);
-        look
+        let gather = self.next_gather(self.records[index].position, self.records[index].normal);
+        self.count_gather(index, gather);
+        gather
     }
 
-    fn count_gather(&mut self, index: usize, look: usize) {
-        let looks = &mut self.looks[index][look % STRATA];
-        *looks = looks.saturating_add(1);
+    fn count_gather(&mut self, index: usize, gather: usize) {
+        let gathers = &mut self.gathers[index][gather % STRATA];
+        *gathers = gathers.saturating_add(1);
     }
 
-    /// Adds a record that has made this look ([`Cache::next_gather`]); it and its neighbours restrain each other's reach.
-    pub fn insert(&mut self, mut record: Record<BANDS>, look: usize) {
+    /// Adds a record with the number of its gather ([`Cache::next_gather`]). It and its neighbours
+    /// limit each other's reach.
+    pub fn insert(&mut self, mut record: Record<BANDS>, gather: usize) {
         let mut near = Vec::new();
         self.neighbourhoods.visit(record.position, |index| near.push(index as usize));
         for &index in &near {
-            record.restrain(&self.records[index], self.limits.accuracy);
+            record.clamp_to_neighbour(&self.records[index], self.limits.accuracy);
         }
         for index in near {
-            // A shrunken record stays in its cubes until all are sorted in; it only reaches less of them.
-            self.records[index].restrain(&record, self.limits.accuracy);
+            // A record with a reduced reach stays in its cubes until all are sorted again.
+            self.records[index].clamp_to_neighbour(&record, self.limits.accuracy);
             self.is_stale[index] = true;
         }
         let index = self.records.len() as u32;
@@ -112,11 +115,11 @@ impl<const BANDS: usize> Cache<BANDS> {
         self.fits.push(Fit::of(&record));
         self.records.push(record);
         self.is_stale.push(true);
-        self.looks.push([0; STRATA]);
-        self.count_gather(index as usize, look);
+        self.gathers.push([0; STRATA]);
+        self.count_gather(index as usize, gather);
     }
 
-    /// Adds what further rays found from the place of a record.
+    /// Adds the result of further rays to a record.
     ///
     /// # Panics
     /// If there is no such record.
@@ -133,7 +136,8 @@ impl<const BANDS: usize> Cache<BANDS> {
         (0..self.len()).filter(|index| self.is_stale[*index]).collect()
     }
 
-    /// Fits the irradiance around a record to what is there by now. Nothing changes until the fit is adopted, so many may be made at once.
+    /// Fits the irradiance around a record to the current records. The cache does not change until
+    /// the fit is adopted, so fits can be made in parallel.
     ///
     /// # Panics
     /// If there is no such record.
@@ -154,16 +158,17 @@ impl<const BANDS: usize> Cache<BANDS> {
         self.is_stale[index] = false;
     }
 
-    /// Trusts records no farther than their neighbours agreed when they were fitted, which leaves gaps for others.
-    pub fn shorten_reaches(&mut self) {
+    /// Limits the reach of records to the scale on which their neighbours agreed with the fit,
+    /// which leaves gaps for new records.
+    pub fn reduce_reaches(&mut self) {
         for (record, fit) in self.records.iter_mut().zip(&self.fits) {
-            record.shorten(fit.scale, self.limits.accuracy);
+            record.reduce_scale(fit.scale, self.limits.accuracy);
         }
-        self.sort_in();
+        self.rebuild_index();
     }
 
-    /// Makes looking for records fast again, after many were added and restrained each other.
-    pub fn sort_in(&mut self) {
+    /// Restores fast lookup after many records were added and have limited each other.
+    pub fn rebuild_index(&mut self) {
         self.reaches = self.reaches.cleared();
         self.neighbourhoods = self.neighbourhoods.cleared();
         for (index, record) in (0..).zip(&self.records) {
@@ -179,7 +184,7 @@ impl<const BANDS: usize> Cache<BANDS> {
         self.fits.iter().map(Fit::brightness).sum::<f64>() / self.len().max(1) as f64
     }
 
-    /// What a record's irradiance rests on.
+    /// The position, normal and rays of a record.
     ///
     /// # Panics
     /// If there is no such record.
@@ -188,16 +193,17 @@ impl<const BANDS: usize> Cache<BANDS> {
         (&self.records[index], &self.fits[index])
     }
 
-    /// Whether some record reaches a point of a surface with this unit normal.
+    /// Whether a record reaches a point of a surface with this unit normal.
     #[must_use]
     pub fn reaches(&self, position: DVec3, normal: DVec3) -> bool {
         let mut weights = 0.0;
         self.reaches
             .visit(position, |index| weights += self.weight(&self.records[index as usize], position, normal, 1.0));
-        weights > LEAST_WEIGHT
+        weights > MIN_WEIGHT
     }
 
-    /// Adds the numbers of the records that give the irradiance at a point of a surface with this unit normal, with the share of each.
+    /// Appends the indices of the records that contribute to the irradiance at a point of a surface
+    /// with this unit normal, with their normalised weights.
     pub fn shares(&self, position: DVec3, normal: DVec3, shares: &mut Vec<(u32, f64)>) {
         let before = shares.len();
         self.reaches.visit(position, |index| {
@@ -210,15 +216,16 @@ impl<const BANDS: usize> Cache<BANDS> {
         shares[before..].iter_mut().for_each(|(_, weight)| *weight /= total);
     }
 
-    /// The irradiance at a point of a surface with this unit normal, on a facet of it that is turned to the unit normal `facet`;
-    /// `None` where no record reaches.
+    /// The irradiance at a point of a surface with this unit normal, on a facet with the unit
+    /// normal `facet`; `None` where no record reaches.
     #[must_use]
     pub fn irradiance(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
         self.blend(&self.reaches, 1.0, [position, normal, facet], f64::INFINITY).irradiance()
     }
 
-    /// The same where records disagree around it by no more than this share: where irradiance bends more they cannot follow. In the small gaps between
-    /// places that were looked around from it is told by records that do not quite reach.
+    /// The same where the relative interpolation error of the records is at most `error`; elsewhere
+    /// they cannot follow the irradiance. Small gaps between records are filled by extrapolation
+    /// from records that do not quite reach.
     #[must_use]
     pub fn trusted_irradiance(
         &self,
@@ -227,15 +234,15 @@ impl<const BANDS: usize> Cache<BANDS> {
         facet: DVec3,
         max_interpolation_error: f64,
     ) -> Option<[f64; BANDS]> {
-        let place = [position, normal, facet];
-        let mut blend = self.blend(&self.reaches, 1.0, place, f64::INFINITY);
+        let query = [position, normal, facet];
+        let mut blend = self.blend(&self.reaches, 1.0, query, f64::INFINITY);
         if blend.irradiance().is_none() {
-            blend = self.blend(&self.neighbourhoods, neighbourhood(&self.limits), place, f64::INFINITY);
+            blend = self.blend(&self.neighbourhoods, neighbourhood(&self.limits), query, f64::INFINITY);
         }
         if blend.interpolation_error() > max_interpolation_error { None } else { blend.irradiance() }
     }
 
-    /// The same from records that reach no farther than this; `None` where there are none.
+    /// The same from records with at most this reach; `None` where there are none.
     #[must_use]
     pub fn fine_irradiance(
         &self,
@@ -273,17 +280,18 @@ impl<const BANDS: usize> Cache<BANDS> {
         blend
     }
 
-    /// Falls to zero at the border of the reach, so that nothing jumps there (Tabellion and Lamorlette 2004).
+    /// Falls to zero at the border of the reach, so that the interpolation is continuous (Tabellion
+    /// and Lamorlette 2004).
     fn weight(&self, record: &Record<BANDS>, position: DVec3, normal: DVec3, farther: f64) -> f64 {
         let reach = farther * record.reach(&self.limits);
-        (1.0 - record.misplacement(position, normal, reach, self.limits.accuracy)).max(0.0)
+        (1.0 - record.relative_error(position, normal, reach, self.limits.accuracy)).max(0.0)
     }
 }
 
-/// What the records around a point say, weighted.
+/// Weighted sums over the records around a point.
 #[derive(Clone, Copy, Debug)]
 struct Blend<const BANDS: usize> {
-    /// Of irradiance, and of the share by which the records disagree around them.
+    /// Of irradiance, and of the relative interpolation error of the records.
     sum: [f64; BANDS],
     interpolation_error: f64,
     weights: f64,
@@ -292,14 +300,14 @@ struct Blend<const BANDS: usize> {
 impl<const BANDS: usize> Blend<BANDS> {
     /// `None` where no record reaches.
     fn irradiance(&self) -> Option<[f64; BANDS]> {
-        (self.weights > LEAST_WEIGHT).then(|| self.sum.map(|band| band / self.weights))
+        (self.weights > MIN_WEIGHT).then(|| self.sum.map(|band| band / self.weights))
     }
 
-    /// By how much the records disagree, as a share.
+    /// The relative interpolation error.
     fn interpolation_error(&self) -> f64 {
         if self.weights > 0.0 { self.interpolation_error / self.weights } else { 0.0 }
     }
 }
 
-/// Below this total the nearest record is all but out of reach.
-const LEAST_WEIGHT: f64 = 1e-4;
+/// Below this total weight the nearest record is almost out of reach.
+const MIN_WEIGHT: f64 = 1e-4;

@@ -1,105 +1,108 @@
-//! Where the light comes from that a record's rays found, in a few points.
+//! A model of the emitters around a record, as a few points.
 //!
-//! Irradiance bends where its source is near: under a bright patch it is a dome, which a plane through neighbouring records
-//! misses. What the rays hit says how it bends. A few hits stand for all of them ([`Emitters`]), and those of all
-//! neighbours together are a model of the irradiance around a record ([`EmitterModel`]), in which each point emitter of
-//! radiance L and area A contributes
+//! Irradiance varies nonlinearly near its source: below a bright patch it has a maximum, which a
+//! plane through neighbouring records misses. The hit points of the rays predict this. A few hits
+//! represent all of a record ([`Emitters`]), and those of all neighbours together are a model of
+//! the irradiance around a record ([`EmitterModel`]), in which each point emitter of radiance L and
+//! area A contributes
 //!
 //! `E(x) = L A cos θ cos θ' / r²`
 //!
-//! with θ and θ' the angles of the way to the surface normals at x and at the emitter, and r its length. The model knows
-//! nothing of occlusion. It serves as a control variate: only its changes are used, and the records are fitted to what
-//! remains.
+//! with θ and θ' the angles between the connecting line and the surface normals at x and at the
+//! emitter, and r its length. The model ignores occlusion. It is a control variate: only its
+//! changes are used, and the records are fitted to the remainder.
 
 use crate::record::{Record, mean};
 use crate::stored::store_fields;
 use glam::DVec3;
 
-/// What one ray from the place of a record found.
+/// The hit of one gather ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GatherHit<const BANDS: usize> {
-    /// Unit, from the place to what was hit.
+    /// Unit, from the record's position to the hit.
     pub direction: DVec3,
-    /// Length of the way; infinite where it leads to the sky.
+    /// Distance to the hit; infinite for the sky.
     pub distance: f64,
-    /// Unit geometric normal of what was hit, turned to the place; `None` where that is not known.
+    /// Unit geometric normal of the hit, on the side of the record; `None` if unknown.
     pub normal: Option<DVec3>,
-    /// What the ray contributes to the irradiance.
+    /// The ray's contribution to the irradiance.
     pub irradiance: [f64; BANDS],
 }
 
-/// Where a smaller share of the rays than this leads to the sky, the sky is seen through openings.
-const MOST_SKY: f64 = 0.3;
+/// If the sky gets a smaller fraction of the rays than this, it is seen through portals.
+const MAX_SKY_FRACTION: f64 = 0.3;
 
-/// An opening is in the plane of the surface beside it, unless that is so many times as far away as the surface.
-const FARTHEST_PORTAL: f64 = 3.0;
+/// A portal lies in the plane of the adjacent surface, unless that plane is this many times as far
+/// away as the surface.
+const MAX_PORTAL_RATIO: f64 = 3.0;
 
 impl<const BANDS: usize> GatherHit<BANDS> {
-    /// Light from the sky through an opening changes with the place as if the opening emitted it. The opening is about in
-    /// the plane of the nearest hit beside the ray. `None` where the ray does not lead to the sky or there is no such plane.
+    /// The light of the sky through a portal varies with position as if the portal emitted it. The
+    /// portal lies approximately in the plane of the nearest adjacent hit. `None` if the ray does
+    /// not hit the sky or there is no such plane.
     fn through_portal(&self, hits: &[GatherHit<BANDS>]) -> Option<GatherHit<BANDS>> {
         if self.distance.is_finite() {
             return None;
         }
         let walls = hits.iter().filter(|hit| hit.distance.is_finite() && hit.normal.is_some());
         let nearness = |hit: &&GatherHit<BANDS>| hit.direction.dot(self.direction);
-        let beside = walls.max_by(|one, two| nearness(one).total_cmp(&nearness(two)))?;
-        let normal = beside.normal?;
-        let distance = beside.distance * beside.direction.dot(normal) / self.direction.dot(normal);
-        let is_before = self.direction.dot(normal) < 0.0 && distance < FARTHEST_PORTAL * beside.distance;
+        let with_ungathered = walls.max_by(|one, two| nearness(one).total_cmp(&nearness(two)))?;
+        let normal = with_ungathered.normal?;
+        let distance = with_ungathered.distance * with_ungathered.direction.dot(normal) / self.direction.dot(normal);
+        let is_before = self.direction.dot(normal) < 0.0 && distance < MAX_PORTAL_RATIO * with_ungathered.distance;
         is_before.then_some(GatherHit { distance, normal: Some(normal), ..*self })
     }
 }
 
-/// Points that stand for all hits of a record.
+/// Points that represent all hits of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Emitters<const BANDS: usize> {
     points: [Emitter<BANDS>; COUNT],
-    /// Either none of the points or all of them.
+    /// Whether the points are known; either none or all of them are.
     is_known: bool,
 }
 
-/// A point that contributes to the irradiance around it.
+/// A point emitter around a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Emitter<const BANDS: usize> {
-    /// Its position, or the unit direction towards it where it is at infinity.
-    place: DVec3,
+    /// Its position, or the unit direction towards it if it is at infinity.
+    position: DVec3,
     is_distant: bool,
-    /// Zero where the emitter faces every point alike.
+    /// Zero if the emitter radiates equally in all directions.
     normal: DVec3,
-    /// What it contributes to the irradiance of its record.
+    /// Its contribution to the irradiance of its record.
     irradiance: [f32; BANDS],
 }
 
 store_fields!(Emitters: points, is_known);
-store_fields!(Emitter: place, is_distant, normal, irradiance);
+store_fields!(Emitter: position, is_distant, normal, irradiance);
 
-/// So many points stand for the hits of a record.
+/// Number of points per record.
 const COUNT: usize = 8;
 
-/// A model of a neighbourhood has at most so many points.
+/// Maximum number of points of a model.
 const CAPACITY: usize = 64;
 
-/// Cosines below this count as this: a hit at a grazing angle would change without bounds.
-const LEAST_COSINE: f32 = 0.05;
+/// Minimum cosine: the contribution of a hit at a grazing angle would change without bounds.
+const MIN_COSINE: f32 = 0.05;
 
-/// Squared distances are lengthened by this share of the squared radius of the neighbourhood: nearer emitters change more
-/// than neighbouring records can tell.
+/// Fraction of the squared radius of the neighbourhood that is added to squared distances: closer
+/// emitters vary faster than neighbouring records can resolve.
 const SOFTENING: f32 = 0.09;
 
-/// Sums are made in so many parts, which vector instructions add at once.
+/// Number of partial sums, for vector instructions.
 const LANES: usize = 8;
 
 impl<const BANDS: usize> Emitters<BANDS> {
-    /// None.
+    /// No points.
     pub(crate) const UNKNOWN: Self = Emitters {
-        points: [Emitter { place: DVec3::ZERO, is_distant: false, normal: DVec3::ZERO, irradiance: [0.0; BANDS] };
+        points: [Emitter { position: DVec3::ZERO, is_distant: false, normal: DVec3::ZERO, irradiance: [0.0; BANDS] };
             COUNT],
         is_known: false,
     };
 
-    /// Chooses points that stand for these hits, by systematic resampling: in equal steps of their contributions, from an
-    /// `offset` of 0…1 on.
+    /// Selects points that represent these hits by systematic resampling: in equal steps of their
+    /// contributions, starting at an `offset` of 0…1.
     pub(crate) fn new(position: DVec3, hits: &[GatherHit<BANDS>], offset: f64) -> Self {
         let total: f64 = hits.iter().map(|hit| mean(&hit.irradiance)).sum();
         let step = total / COUNT as f64;
@@ -108,7 +111,7 @@ impl<const BANDS: usize> Emitters<BANDS> {
         }
         let mut emitters = Emitters { is_known: true, ..Self::UNKNOWN };
         let distant = hits.iter().filter(|hit| !hit.distance.is_finite()).count();
-        let is_enclosed = (distant as f64) < MOST_SKY * hits.len() as f64;
+        let is_enclosed = (distant as f64) < MAX_SKY_FRACTION * hits.len() as f64;
         let (mut chosen, mut sum) = (0, 0.0);
         for hit in hits {
             let contribution = mean(&hit.irradiance);
@@ -119,7 +122,7 @@ impl<const BANDS: usize> Emitters<BANDS> {
                 chosen += 1;
             }
         }
-        // Rounding may leave the last step just beyond the sum.
+        // Rounding may place the last step just beyond the sum.
         emitters.is_known = chosen == COUNT;
         emitters
     }
@@ -127,12 +130,15 @@ impl<const BANDS: usize> Emitters<BANDS> {
     /// Whether all numbers are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let is_finite = |point: &Emitter<BANDS>| {
-            point.place.is_finite() && point.normal.is_finite() && point.irradiance.iter().all(|band| band.is_finite())
+            point.position.is_finite()
+                && point.normal.is_finite()
+                && point.irradiance.iter().all(|band| band.is_finite())
         };
         self.points.iter().all(is_finite)
     }
 
-    /// Takes in those of further rays from the same place, which have this share in all light found by now.
+    /// Merges the points of further rays from the same position, which contribute this fraction of
+    /// all light so far.
     pub(crate) fn add(&mut self, other: &Self, share: f64, seed: f64) {
         if !other.is_known || !self.is_known {
             if other.is_known {
@@ -141,21 +147,21 @@ impl<const BANDS: usize> Emitters<BANDS> {
             return;
         }
         for (slot, (point, other)) in self.points.iter_mut().zip(&other.points).enumerate() {
-            if (GOLDEN * (slot as f64 + 1.0) + seed).fract() < share {
+            if (GOLDEN_RATIO * (slot as f64 + 1.0) + seed).fract() < share {
                 *point = *other;
             }
         }
     }
 }
 
-/// Steps of the golden section are spread evenly.
-const GOLDEN: f64 = 0.618_033_988_749_895;
+/// Multiples of the golden ratio are distributed evenly modulo 1.
+const GOLDEN_RATIO: f64 = 0.618_033_988_749_895;
 
 impl<const BANDS: usize> Emitter<BANDS> {
     fn new(position: DVec3, hit: &GatherHit<BANDS>, share: f64) -> Self {
         let is_distant = !hit.distance.is_finite();
         Emitter {
-            place: if is_distant { hit.direction } else { position + hit.direction * hit.distance },
+            position: if is_distant { hit.direction } else { position + hit.direction * hit.distance },
             is_distant,
             normal: hit.normal.unwrap_or(DVec3::ZERO),
             irradiance: hit.irradiance.map(|band| (band * share) as f32),
@@ -163,27 +169,27 @@ impl<const BANDS: usize> Emitter<BANDS> {
     }
 }
 
-/// How the irradiance changes around a record, by the emitters of all its neighbours.
+/// The variation of the irradiance around a record, due to the emitters of all its neighbours.
 ///
-/// Single precision in arrays, in radii of the neighbourhood from the record: the loops over the points are made of vector
-/// instructions.
+/// Single-precision arrays, in radii of the neighbourhood relative to the record: the loops over
+/// the points compile to vector instructions.
 #[derive(Debug)]
 pub(crate) struct EmitterModel<const BANDS: usize> {
     origin: DVec3,
     radius: f64,
     count: usize,
-    /// Place and normal, coordinate by coordinate.
-    place: [[f32; CAPACITY]; 3],
+    /// Position and normal, coordinate by coordinate.
+    position: [[f32; CAPACITY]; 3],
     normal: [[f32; CAPACITY]; 3],
-    /// One for an emitter at a place, zero for one at infinity.
+    /// 1 for an emitter at a position, 0 for one at infinity.
     is_near: [f32; CAPACITY],
-    /// One for an emitter that faces every point alike, zero for others.
+    /// 1 for an emitter that radiates equally in all directions, 0 for others.
     faces_all: [f32; CAPACITY],
-    /// Contribution to the irradiance over the form factor, band by band.
+    /// Contribution to the irradiance divided by the form factor, band by band.
     strength: [[f32; CAPACITY]; BANDS],
 }
 
-/// The change of the irradiance around a point, to second order, in two tangents x and y.
+/// The change of the irradiance around a point, to second order, along two tangents x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Change {
     pub(crate) slope: [f64; 2],
@@ -192,14 +198,14 @@ pub(crate) struct Change {
 }
 
 impl<const BANDS: usize> EmitterModel<BANDS> {
-    /// A model that knows of no emitters.
+    /// A model without emitters.
     pub(crate) fn none(origin: DVec3, radius: f64) -> Self {
         let none = [0.0; CAPACITY];
         EmitterModel {
             origin,
             radius,
             count: 0,
-            place: [none; 3],
+            position: [none; 3],
             normal: [none; 3],
             is_near: none,
             faces_all: none,
@@ -207,14 +213,15 @@ impl<const BANDS: usize> EmitterModel<BANDS> {
         }
     }
 
-    /// Around a position, from records with the weight of each, which sum to 1; `radius` is that of the neighbourhood.
+    /// The model around a position, from records with weights that sum to 1; `radius` is that of
+    /// the neighbourhood.
     pub(crate) fn new<'r>(
         origin: DVec3,
         records: impl ExactSizeIterator<Item = (&'r Record<BANDS>, f64)>,
         radius: f64,
     ) -> Self {
         let mut model = Self::none(origin, radius);
-        // Of each record as many points, so that all have room.
+        // The same number of points from each record, so that all fit.
         let kept = (CAPACITY / records.len().max(1)).clamp(1, COUNT);
         for (index, (record, weight)) in records.enumerate() {
             if !record.emitters.is_known || model.count + kept > CAPACITY {
@@ -235,9 +242,9 @@ impl<const BANDS: usize> EmitterModel<BANDS> {
     }
 
     fn push(&mut self, point: &Emitter<BANDS>, weight: f64) {
-        let place = if point.is_distant { point.place } else { (point.place - self.origin) / self.radius };
+        let position = if point.is_distant { point.position } else { (point.position - self.origin) / self.radius };
         for axis in 0..3 {
-            self.place[axis][self.count] = place[axis] as f32;
+            self.position[axis][self.count] = position[axis] as f32;
             self.normal[axis][self.count] = point.normal[axis] as f32;
         }
         self.is_near[self.count] = if point.is_distant { 0.0 } else { 1.0 };
@@ -248,7 +255,7 @@ impl<const BANDS: usize> EmitterModel<BANDS> {
         self.count += 1;
     }
 
-    /// What each emitter contributes at a point of a surface with this unit normal is in proportion to this.
+    /// The relative contribution of each emitter at a point of a surface with this unit normal.
     fn form_factors(&self, position: DVec3, normal: DVec3) -> [f32; CAPACITY] {
         let position = ((position - self.origin) / self.radius).as_vec3().to_array();
         let normal = normal.as_vec3().to_array();
@@ -256,13 +263,13 @@ impl<const BANDS: usize> EmitterModel<BANDS> {
         for (point, factor) in factors.iter_mut().enumerate() {
             let (mut squared, mut received, mut emitted) = (SOFTENING * self.is_near[point], 0.0, 0.0);
             for axis in 0..3 {
-                let way = self.place[axis][point] - position[axis] * self.is_near[point];
-                squared += way * way;
-                received += way * normal[axis];
-                emitted -= way * self.normal[axis][point];
+                let offset = self.position[axis][point] - position[axis] * self.is_near[point];
+                squared += offset * offset;
+                received += offset * normal[axis];
+                emitted -= offset * self.normal[axis][point];
             }
             let length = squared.sqrt();
-            let least = LEAST_COSINE * length;
+            let least = MIN_COSINE * length;
             let emitted = emitted.max(least.max(self.faces_all[point] * length));
             *factor = received.max(least) * emitted / (squared * squared).max(f32::MIN_POSITIVE);
         }
@@ -284,13 +291,13 @@ impl<const BANDS: usize> EmitterModel<BANDS> {
         })
     }
 
-    /// How it changes around a point, by differences over a length `step` along two tangents.
+    /// The change around a point, by finite differences with a `step` along two tangents.
     pub(crate) fn change(&self, position: DVec3, [x, y, normal]: [DVec3; 3], step: f64) -> [Change; BANDS] {
         let at = |along: f64, across: f64| self.irradiance(position + x * (along * step) + y * (across * step), normal);
-        let [middle, right, left, up, down, aslant] =
+        let [center, right, left, up, down, aslant] =
             [(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0)].map(|(x, y)| at(x, y));
         std::array::from_fn(|band| {
-            let (here, squared) = (middle[band], step * step);
+            let (here, squared) = (center[band], step * step);
             Change {
                 slope: [(right[band] - left[band]) / (2.0 * step), (up[band] - down[band]) / (2.0 * step)],
                 curvature: [
@@ -308,24 +315,25 @@ mod tests {
     use super::*;
     use crate::{GatheredRadiance, Hemisphere, Limits};
 
-    const LIMITS: Limits = Limits { accuracy: 0.2, least: 1e-3, most: 10.0, explained: 1.0 };
+    const LIMITS: Limits = Limits { accuracy: 0.2, min_reach: 1e-3, max_reach: 10.0, explained: 1.0 };
 
-    /// A record at a point of the plane z = 0 below a small lamp at height 2 that faces down.
+    /// A record at a point of the plane z = 0 below a small lamp at height 2 that emits downwards.
     fn below_lamp(position: DVec3) -> (Record<1>, f64) {
         let lamp = DVec3::new(0.0, 0.0, 2.0);
-        let way = lamp - position;
-        let distance = way.length();
-        let cosine = way.z / distance;
+        let offset = lamp - position;
+        let distance = offset.length();
+        let cosine = offset.z / distance;
         let irradiance = cosine * cosine / (distance * distance);
         let hemisphere = Hemisphere::with_divisions(12);
         let seen = vec![GatheredRadiance { radiance: [0.0], distance }; hemisphere.len()];
-        let hit = GatherHit { direction: way / distance, distance, normal: Some(-DVec3::Z), irradiance: [irradiance] };
+        let hit =
+            GatherHit { direction: offset / distance, distance, normal: Some(-DVec3::Z), irradiance: [irradiance] };
         let record = Record::new(position, DVec3::Z, &hemisphere, &seen, &LIMITS).with_hits(&[hit], 0.5);
         (record, irradiance)
     }
 
     #[test]
-    fn emitters_change_as_the_inverse_square_law_says() {
+    fn emitters_follow_the_inverse_square_law() {
         let (record, here) = below_lamp(DVec3::ZERO);
         let model = EmitterModel::new(DVec3::ZERO, [(&record, 1.0)].into_iter(), 0.05);
         for x in [0.0, 0.3, 0.7] {
@@ -341,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn chosen_hits_keep_the_irradiance_of_all() {
+    fn selected_hits_keep_the_irradiance_of_all() {
         let hit = |index: i32| {
             let direction = DVec3::new(f64::from(index) - 50.0, 10.0, 40.0).normalize();
             GatherHit { direction, distance: 3.0, normal: None, irradiance: [f64::from(index % 7), 1.0, 0.0] }
@@ -359,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn sky_through_a_hole_is_in_the_plane_of_the_wall() {
+    fn a_portal_lies_in_the_plane_of_the_wall() {
         let toward = |x: f64, z: f64| DVec3::new(x, 2.0, z).normalize();
         let wall = |x: f64, z: f64| {
             let direction = toward(x, z);
@@ -375,8 +383,8 @@ mod tests {
         hits.push(sky(0.1, 0.5));
         let through = hits[9].through_portal(&hits).expect("a wall is beside the hole");
         assert!((through.distance * through.direction.y - 2.0).abs() < 1e-9 && through.normal == Some(-DVec3::Y));
-        assert!(hits[0].through_portal(&hits).is_none(), "a wall is no opening");
-        // Most of what is seen is sky: it is at infinity.
+        assert!(hits[0].through_portal(&hits).is_none(), "a wall is not a portal");
+        // Mostly sky: it is at infinity.
         let open: Vec<_> = hits[..2].iter().copied().chain((0..9).map(|x| sky(0.1 * f64::from(x), 1.0))).collect();
         assert!(Emitters::new(DVec3::ZERO, &open, 0.5).points.iter().all(|point| point.is_distant));
         assert!(Emitters::new(DVec3::ZERO, &hits, 0.5).points.iter().all(|point| !point.is_distant));

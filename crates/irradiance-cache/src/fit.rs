@@ -1,10 +1,12 @@
 //! The irradiance around a record, from its own rays and those of its neighbours.
 //!
-//! Neighbours looked into almost the same surroundings, so a plane through what all of them found is better known than any of them alone: with
-//! ten neighbours a tenth of the rays is enough. The plane is fitted by weighted least squares (local linear regression: Fan and
-//! Gijbels, Local Polynomial Modelling and Its Applications, 1996), the mean of the gradients that the rays themselves tell weighing in
-//! where neighbours are few. Where the neighbours disagree by more than their noise, the irradiance bends: then the fit is taken over
-//! a smaller neighbourhood, and the record is trusted less far.
+//! Neighbours see almost the same surroundings, so a plane fitted to all of them is more accurate
+//! than any of them alone: with ten neighbours a tenth of the rays suffices. The plane is fitted by
+//! weighted least squares (local linear regression: Fan and Gijbels, Local Polynomial Modelling and
+//! Its Applications, 1996). Where neighbours are few, the mean of the gradients from their rays
+//! acts as a prior. Where the neighbours differ from the plane by more than their noise, the
+//! irradiance is not linear: then the fit uses a smaller neighbourhood, and the record gets a
+//! smaller reach.
 
 use crate::emitter::EmitterModel;
 use crate::record::{Limits, Record, mean};
@@ -15,44 +17,45 @@ use glam::{DMat3, DVec3};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit<const BANDS: usize> {
     irradiance: [f64; BANDS],
-    /// Change per radian; its direction is the axis of the turn.
+    /// Change per radian; its direction is the axis of rotation.
     rotation: [DVec3; BANDS],
-    /// Change per length.
+    /// Change per unit length.
     translation: [DVec3; BANDS],
     /// Second derivatives along the tangents x and y of the record's frame: xx, yy, xy.
     curvature: [[f64; 3]; BANDS],
-    /// How many rays it rests on.
+    /// Number of rays in the fit.
     rays: f64,
     /// Of the irradiance averaged over the bands.
     variance: f64,
-    /// All irradiance averaged over the bands, also what comes otherwise: where it is least counts most.
+    /// Total irradiance averaged over the bands, including the irradiance that is not gathered. The
+    /// minimum in the neighbourhood counts most.
     brightness: f64,
-    /// The scale up to which the neighbours agree.
+    /// The scale on which the neighbours agree.
     pub(crate) scale: f64,
-    /// The share of the irradiance by which the neighbours miss the plane beyond their noise, where they do not agree.
+    /// Relative residual of the neighbours beyond their noise, where they do not agree.
     pub(crate) interpolation_error: f64,
 }
 
-/// How well a plane goes with the neighbours.
+/// How well a plane fits the neighbours.
 #[derive(Clone, Copy, Debug, Default)]
 struct FitResidual {
-    /// By how many times the squared residuals exceed what the noise of the rays and a tolerance explain.
+    /// Ratio by which the squared residuals exceed the variance of the rays plus a tolerance.
     excess: f64,
-    /// What noise leaves unexplained, as a share of the irradiance.
+    /// Residual beyond noise, relative to the irradiance.
     unexplained: f64,
 }
 
-/// A neighbour of a record as its fit sees it.
+/// A neighbour of a record in its fit.
 #[derive(Clone)]
 struct Neighbour<'r, const BANDS: usize> {
     record: &'r Record<BANDS>,
-    /// Its irradiance without what the trend changes on the way to it.
-    moved: [f64; BANDS],
+    /// Its irradiance minus the change predicted by the trend.
+    detrended: [f64; BANDS],
     /// In the tangent plane.
     offset: DVec3,
-    /// Zero at the record itself, one at the border of the widest neighbourhood.
+    /// 0 at the record itself, 1 at the border of the widest neighbourhood.
     distance: f64,
-    /// How well the surfaces agree, 0…1.
+    /// Agreement of the surfaces' normals and positions, 0…1.
     agreement: f64,
 }
 
@@ -69,7 +72,7 @@ store_fields!(
 );
 
 impl<const BANDS: usize> Fit<BANDS> {
-    /// Whether a fit that was saved is one that could have been made: finite.
+    /// Whether a restored fit is finite and thus possible.
     pub(crate) fn is_usable(&self) -> bool {
         let numbers = [self.rays, self.variance, self.brightness, self.scale, self.interpolation_error];
         self.irradiance.iter().chain(&numbers).all(|number| number.is_finite() && *number >= 0.0)
@@ -86,13 +89,13 @@ impl<const BANDS: usize> Fit<BANDS> {
             curvature: [[0.0; 3]; BANDS],
             rays: record.rays,
             variance: record.variance,
-            brightness: mean(&record.irradiance) + record.otherwise,
+            brightness: mean(&record.irradiance) + record.ungathered,
             scale: record.scale,
             interpolation_error: 0.0,
         }
     }
 
-    /// From the record and those around it, among which it is itself.
+    /// From the record and those around it, which include the record itself.
     pub(crate) fn new<'r>(
         record: &Record<BANDS>,
         around: impl Iterator<Item = &'r Record<BANDS>>,
@@ -102,16 +105,16 @@ impl<const BANDS: usize> Fit<BANDS> {
         let mut neighbours: Vec<Neighbour<'r, BANDS>> = around
             .filter_map(|other| {
                 let offset = other.position - record.position;
-                let forth = record.misplacement(other.position, other.normal, radius, limits.accuracy);
-                let back = other.misplacement(record.position, record.normal, radius, limits.accuracy);
+                let forward = record.relative_error(other.position, other.normal, radius, limits.accuracy);
+                let backward = other.relative_error(record.position, record.normal, radius, limits.accuracy);
                 let distance = offset.length() / radius;
-                let misplacement = forth.max(back);
-                (misplacement < 1.0).then(|| Neighbour {
+                let relative_error = forward.max(backward);
+                (relative_error < 1.0).then(|| Neighbour {
                     record: other,
-                    moved: other.irradiance,
+                    detrended: other.irradiance,
                     offset: offset - record.normal * offset.dot(record.normal),
                     distance,
-                    agreement: 1.0 - misplacement.powi(2),
+                    agreement: 1.0 - relative_error.powi(2),
                 })
             })
             .collect();
@@ -119,30 +122,31 @@ impl<const BANDS: usize> Fit<BANDS> {
         let total: f64 = neighbours.iter().map(weight).sum();
         let records = neighbours.iter().map(|other| (other.record, weight(other) / total));
         let model = EmitterModel::new(record.position, records, radius);
-        // In creases emitters are so near that the model says too much: then the records agree better without it.
-        let mut bent = neighbours.clone();
-        let with_model = Trend::new(record, &mut bent, radius, &model);
+        // In corners emitters are so near that the model overestimates: then the records agree
+        // better without it.
+        let mut modelled = neighbours.clone();
+        let with_model = Trend::new(record, &mut modelled, radius, &model);
         let without = Trend::new(record, &mut neighbours, radius, &EmitterModel::none(record.position, radius));
-        let bent_fit = Fit::over(record, (&bent, &with_model), 1.0, limits);
+        let modelled_fit = Fit::over(record, (&modelled, &with_model), 1.0, limits);
         let plain_fit = Fit::over(record, (&neighbours, &without), 1.0, limits);
-        let (trend, mut tried) = if bent_fit.1.excess <= MODEL_FAILS * plain_fit.1.excess {
-            neighbours = bent;
-            (with_model, bent_fit)
+        let (trend, mut tried) = if modelled_fit.1.excess <= MAX_MODEL_EXCESS * plain_fit.1.excess {
+            neighbours = modelled;
+            (with_model, modelled_fit)
         } else {
             (without, plain_fit)
         };
         let (mut share, mut interpolation_error) = (1.0, 0.0);
         loop {
             let (mut fit, fit_residual) = tried;
-            let allowed = 1.0 + RESIDUAL_BY_CHANCE / (neighbours.len() as f64).sqrt();
-            let (agree, can_judge) = (fit_residual.excess <= allowed, neighbours.len() >= FEWEST_TO_JUDGE);
+            let allowed = 1.0 + SIGNIFICANT_RESIDUAL / (neighbours.len() as f64).sqrt();
+            let (agree, can_judge) = (fit_residual.excess <= allowed, neighbours.len() >= MIN_NEIGHBOURS);
             if can_judge {
-                // Too few to judge bend as the more of whom they are.
+                // With too few neighbours to assess the fit, the parent neighbourhood decides.
                 interpolation_error = if agree { 0.0 } else { fit_residual.unexplained };
             }
-            if agree || !can_judge || share <= LEAST_SHARE {
+            if agree || !can_judge || share <= MIN_RADIUS {
                 (fit.scale, fit.interpolation_error) = (share * record.scale, interpolation_error);
-                fit.hold_to(record, &neighbours);
+                fit.limit_to_own_rays(record, &neighbours);
                 return fit;
             }
             share *= 0.5f64.sqrt();
@@ -151,7 +155,7 @@ impl<const BANDS: usize> Fit<BANDS> {
         }
     }
 
-    /// The fit over a ball of this share of the widest radius, and how well it goes with the neighbours.
+    /// The fit over a ball of this fraction of the widest radius, and its residual.
     fn over(
         record: &Record<BANDS>,
         (neighbours, trend): (&[Neighbour<'_, BANDS>], &Trend<BANDS>),
@@ -171,28 +175,29 @@ impl<const BANDS: usize> Fit<BANDS> {
         let noise = |(weight, other): (&f64, &Neighbour<'_, BANDS>)| weight * weight * other.record.variance;
         fit.variance = weights.iter().zip(neighbours).map(noise).sum::<f64>() / (total * total);
         let [x, y, _] = Record::<BANDS>::frame(record.normal);
-        let place = |neighbour: &Neighbour<'_, BANDS>| {
+        let row_of = |neighbour: &Neighbour<'_, BANDS>| {
             DVec3::new(1.0, neighbour.offset.dot(x) / radius, neighbour.offset.dot(y) / radius)
         };
-        // Noise makes slopes: against a prior of a slope that changes the irradiance by itself within the scale, as many rays as noise needs weigh.
+        // Noise causes slopes. The prior is a slope that changes the irradiance by itself within
+        // the scale, with the weight that the noise needs, in rays.
         let of_a_ray =
             weights.iter().zip(neighbours).map(|(weight, other)| weight * other.record.variance * other.record.rays);
         let typical = weights.iter().zip(neighbours).map(|(weight, other)| weight * mean(&other.record.irradiance));
         let likely_change = typical.sum::<f64>() / total * radius / record.scale;
         let flatness =
             if likely_change > 0.0 { of_a_ray.sum::<f64>() / (total * likely_change * likely_change) } else { 0.0 };
-        let ridge = PRIOR * total + flatness;
+        let ridge = PRIOR_WEIGHT * total + flatness;
         let mut normal_matrix = DMat3::from_diagonal(DVec3::new(0.0, ridge, ridge));
         for (weight, neighbour) in weights.iter().zip(neighbours) {
-            let place = place(neighbour);
-            normal_matrix += DMat3::from_cols(place * place.x, place * place.y, place * place.z) * *weight;
+            let row = row_of(neighbour);
+            normal_matrix += DMat3::from_cols(row * row.x, row * row.y, row * row.z) * *weight;
         }
         let solve = normal_matrix.inverse();
         for band in 0..BANDS {
             let prior = trend.gradient[band] - trend.slope[band];
-            let mut right = DVec3::new(0.0, prior.dot(x), prior.dot(y)) * (radius * PRIOR * total);
+            let mut right = DVec3::new(0.0, prior.dot(x), prior.dot(y)) * (radius * PRIOR_WEIGHT * total);
             for (weight, neighbour) in weights.iter().zip(neighbours) {
-                right += place(neighbour) * (*weight * neighbour.moved[band]);
+                right += row_of(neighbour) * (*weight * neighbour.detrended[band]);
             }
             let plane = solve * right;
             fit.irradiance[band] = plane.x.max(0.0);
@@ -200,17 +205,19 @@ impl<const BANDS: usize> Fit<BANDS> {
         }
         (fit.curvature, fit.rotation) = (trend.curvature, trend.rotation);
         let darkness = |(weight, other): (&f64, &Neighbour<'_, BANDS>)| {
-            weight / (fit.strength() + other.record.otherwise).max(f64::MIN_POSITIVE)
+            weight / (fit.strength() + other.record.ungathered).max(f64::MIN_POSITIVE)
         };
         fit.brightness = total / weights.iter().zip(neighbours).map(darkness).sum::<f64>();
         let fit_residual = fit.fit_residual((neighbours, trend), &weights, limits.explained);
         (fit, fit_residual)
     }
 
-    /// Keeps it within what noise explains of what the record's own rays tell: where irradiance changes faster than records are
-    /// dense, a plane through the neighbours misses it by far more.
-    fn hold_to(&mut self, record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>]) {
-        // Rare bright rays may have met the neighbours only: then theirs say how much noise there is, as a share of the fit.
+    /// Limits the fit to what noise allows around the mean of the record's own rays: where
+    /// irradiance varies faster than the spacing of records, a plane through the neighbours is much
+    /// farther off.
+    fn limit_to_own_rays(&mut self, record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>]) {
+        // Rare bright rays may have been found by neighbours only: then their variance is used,
+        // relative to the fit.
         let (own, fitted) = (mean(&record.irradiance), self.strength());
         let share = |other: &Neighbour<'_, BANDS>| {
             other.record.variance / mean(&other.record.irradiance).powi(2).max(f64::MIN_POSITIVE)
@@ -219,7 +226,7 @@ impl<const BANDS: usize> Fit<BANDS> {
         let of_a_ray = neighbours.iter().map(|other| share(other) * other.record.rays.powi(2)).sum::<f64>();
         let variance = record.variance.max(fitted * fitted * of_a_ray / (rays * record.rays).max(f64::MIN_POSITIVE));
         let apart = (own - fitted).abs();
-        let explained = HELD * variance.sqrt();
+        let explained = MAX_DEVIATION * variance.sqrt();
         if apart > explained {
             let share = 1.0 - explained / apart;
             for (band, own) in self.irradiance.iter_mut().zip(record.irradiance) {
@@ -238,7 +245,7 @@ impl<const BANDS: usize> Fit<BANDS> {
         for (weight, neighbour) in weights.iter().zip(neighbours) {
             let residual = |band: usize| {
                 let slope = self.translation[band] - trend.slope[band];
-                neighbour.moved[band] - self.irradiance[band] - neighbour.offset.dot(slope)
+                neighbour.detrended[band] - self.irradiance[band] - neighbour.offset.dot(slope)
             };
             let residual = (0..BANDS).map(residual).sum::<f64>() / BANDS as f64;
             found += weight * residual * residual;
@@ -250,19 +257,20 @@ impl<const BANDS: usize> Fit<BANDS> {
         FitResidual { excess: if expected > 0.0 { found / expected } else { 0.0 }, unexplained }
     }
 
-    /// How many rays it rests on.
+    /// Number of rays in the fit.
     #[must_use]
     pub fn rays(&self) -> f64 {
         self.rays
     }
 
-    /// The standard error that its rays leave in the irradiance averaged over the bands.
+    /// Standard error of the irradiance averaged over the bands, due to the rays.
     #[must_use]
     pub fn standard_error(&self) -> f64 {
         self.variance.sqrt()
     }
 
-    /// The irradiance averaged over the bands and that which comes otherwise: their harmonic mean around the record, since what is in shadow is spoilt first.
+    /// The irradiance averaged over the bands, including that which is not gathered: its harmonic
+    /// mean around the record, since errors are most visible in shadow.
     #[must_use]
     pub fn brightness(&self) -> f64 {
         self.brightness
@@ -273,41 +281,42 @@ impl<const BANDS: usize> Fit<BANDS> {
         mean(&self.irradiance)
     }
 
-    /// The irradiance moved and turned to a point near its record.
+    /// The irradiance extrapolated to a point and normal near its record.
     pub(crate) fn at(&self, record: &Record<BANDS>, position: DVec3, normal: DVec3) -> [f64; BANDS] {
         let offset = position - record.position;
-        let turn = record.normal.cross(normal);
+        let rotation = record.normal.cross(normal);
         let [x, y, _] = Record::<BANDS>::frame(record.normal).map(|axis| axis.dot(offset));
         std::array::from_fn(|band| {
             let [xx, yy, xy] = self.curvature[band];
             let interpolation_error = 0.5 * (xx * x * x + yy * y * y) + xy * x * y;
-            let change = turn.dot(self.rotation[band]) + offset.dot(self.translation[band]) + interpolation_error;
+            let change = rotation.dot(self.rotation[band]) + offset.dot(self.translation[band]) + interpolation_error;
             (self.irradiance[band] + change).max(0.0)
         })
     }
 }
 
 impl<const BANDS: usize> Neighbour<'_, BANDS> {
-    /// In proportion to the rays; falls to zero at the border of the neighbourhood.
+    /// In proportion to the number of rays; falls to zero at the border of the neighbourhood.
     fn weight(&self, share: f64) -> f64 {
         let distance = self.distance / share;
         if distance >= 1.0 { 0.0 } else { self.record.rays * self.agreement * (1.0 - distance * distance) }
     }
 }
 
-/// How the irradiance changes around a record as far as the rays themselves say, those of all neighbours together.
+/// The variation of the irradiance around a record, from the rays of all neighbours.
 #[derive(Debug)]
 struct Trend<const BANDS: usize> {
-    /// Change per radian, and per length, by what neighbouring rays of a record saw (Ward and Heckbert 1992).
+    /// Change per radian, and per unit length, from neighbouring rays of a record (Ward and
+    /// Heckbert 1992).
     rotation: [DVec3; BANDS],
     gradient: [DVec3; BANDS],
-    /// Change per length, and its second derivatives (xx, yy, xy), by where the light comes from.
+    /// Change per unit length, and its second derivatives (xx, yy, xy), from the emitter model.
     slope: [DVec3; BANDS],
     curvature: [[f64; 3]; BANDS],
 }
 
 impl<const BANDS: usize> Trend<BANDS> {
-    /// From the neighbours of a record, which then know what it takes from their irradiance.
+    /// From the neighbours of a record; subtracts the trend from their irradiance.
     fn new(
         record: &Record<BANDS>,
         neighbours: &mut [Neighbour<'_, BANDS>],
@@ -321,7 +330,7 @@ impl<const BANDS: usize> Trend<BANDS> {
         };
         let frame = Record::<BANDS>::frame(record.normal);
         let [x, y, normal] = frame;
-        let changes = model.change(record.position, frame, DIFFERENCE * radius);
+        let changes = model.change(record.position, frame, DIFFERENCE_STEP * radius);
         let trend = Trend {
             rotation: std::array::from_fn(|band| average(&|other| other.gradients.rotation[band])),
             gradient: std::array::from_fn(|band| average(&|other| other.gradients.translation[band])),
@@ -330,47 +339,49 @@ impl<const BANDS: usize> Trend<BANDS> {
         };
         let here = model.irradiance(record.position, normal);
         for neighbour in neighbours {
-            let turn = neighbour.record.normal.cross(record.normal);
+            let rotation = neighbour.record.normal.cross(record.normal);
             let there = model.irradiance(neighbour.record.position, normal);
             for band in 0..BANDS {
-                neighbour.moved[band] += turn.dot(trend.rotation[band]) - (there[band] - here[band]);
+                neighbour.detrended[band] += rotation.dot(trend.rotation[band]) - (there[band] - here[band]);
             }
         }
         trend
     }
 }
 
-/// The radius of the neighbourhood of a fit, in reaches of its record.
+/// The radius of a fit's neighbourhood, relative to the reach of its record.
 pub(crate) fn neighbourhood(limits: &Limits) -> f64 {
-    (WIDEST / limits.accuracy).clamp(NARROWEST_IN_REACHES, WIDEST_IN_REACHES)
+    (MAX_RADIUS_TO_SCALE / limits.accuracy).clamp(MIN_REACHES, MAX_REACHES)
 }
 
-/// No neighbourhood is wider than this share of the scale, however far records reach: irradiance bends.
-const WIDEST: f64 = 0.4;
-const NARROWEST_IN_REACHES: f64 = 1.5;
-const WIDEST_IN_REACHES: f64 = 3.5;
+/// Maximum radius of a neighbourhood relative to the scale, whatever the reach of records.
+const MAX_RADIUS_TO_SCALE: f64 = 0.4;
+const MIN_REACHES: f64 = 1.5;
+const MAX_REACHES: f64 = 3.5;
 
-/// The weight of the gradient that the rays themselves tell, beside that of the neighbours.
-const PRIOR: f64 = 0.02;
+/// The weight of the gradients from rays, relative to that of the neighbours.
+const PRIOR_WEIGHT: f64 = 0.02;
 
-/// The emitter model is used unless the neighbours differ by this many times as much, in squares, with it as without.
-const MODEL_FAILS: f64 = 1.2;
+/// The emitter model is used unless it increases the squared residuals by this factor.
+const MAX_MODEL_EXCESS: f64 = 1.2;
 
-/// Slopes and curvatures are told by differences over this share of the radius of the neighbourhood.
-const DIFFERENCE: f64 = 0.25;
+/// Step of the finite differences for slopes and curvatures, relative to the radius of the
+/// neighbourhood.
+const DIFFERENCE_STEP: f64 = 0.25;
 
-/// Squared residuals that exceed the noise by more than this over the square root of the neighbours' number are no noise any more: over four
-/// standard deviations of its mean, since few bright rays make most of it.
-const RESIDUAL_BY_CHANCE: f64 = 6.0;
+/// A squared residual that exceeds the noise by more than this over the square root of the number
+/// of neighbours is significant. It is over four standard deviations of the mean, since a few
+/// bright rays dominate it.
+const SIGNIFICANT_RESIDUAL: f64 = 6.0;
 
-/// A plane may miss the irradiance by this share.
+/// Allowed relative residual of a plane.
 const TOLERANCE: f64 = 0.01;
 
-/// Standard errors by which a record's own rays may differ from the fit.
-const HELD: f64 = 3.0;
+/// Number of standard errors by which the fit may differ from a record's own rays.
+const MAX_DEVIATION: f64 = 3.0;
 
-/// Fewer neighbours always agree with some plane.
-const FEWEST_TO_JUDGE: usize = 4;
+/// Fewer neighbours agree with some plane in any case.
+const MIN_NEIGHBOURS: usize = 4;
 
-/// The neighbourhood is not narrowed below this share.
-const LEAST_SHARE: f64 = 0.3;
+/// Minimum relative radius of a neighbourhood.
+const MIN_RADIUS: f64 = 0.3;

@@ -1,13 +1,14 @@
-//! What is near a point.
+//! A spatial index of balls.
 
 use glam::DVec3;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// Numbered balls, and where to find those that a point lies in.
+/// Numbered balls, found by the points that they contain.
 ///
-/// Space is divided into cubes of several sizes, halved from one to the next. A ball stands in all cubes that it touches, of the size that is at least
-/// its radius, so that there are at most 27; a point looks into one cube of each size, and most balls there are met.
+/// Space is divided into cubes of several sizes, each half the previous one. A ball is stored in
+/// all cubes that it overlaps, of the smallest size that is at least its radius, so there are at
+/// most 27. A query visits one cube of each size, and most balls there contain the point.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     levels: Vec<Level>,
@@ -27,13 +28,13 @@ struct Ball {
 }
 
 impl Grid {
-    /// For balls of these radii; smaller and larger ones cost time only.
-    pub(crate) fn new(least: f64, most: f64) -> Grid {
+    /// For balls of these radii; others cost time only.
+    pub(crate) fn new(min_reach: f64, max_reach: f64) -> Grid {
         let mut levels = Vec::new();
-        let mut side = most;
+        let mut side = max_reach;
         while levels.len() < MAX_LEVELS {
             levels.push(Level { side, cubes: HashMap::default() });
-            if 0.5 * side < least {
+            if 0.5 * side < min_reach {
                 break;
             }
             side *= 0.5;
@@ -56,7 +57,7 @@ impl Grid {
         }
     }
 
-    /// The numbers of all balls that the point lies in, in an order that depends only on the order in which they were inserted.
+    /// Visits all balls that contain the point. Their order depends only on the order of insertion.
     pub(crate) fn visit(&self, point: DVec3, mut visit: impl FnMut(u32)) {
         for level in self.levels.iter().filter(|level| !level.cubes.is_empty()) {
             for ball in level.cubes.get(&cube(point, level.side)).into_iter().flatten() {
@@ -67,18 +68,18 @@ impl Grid {
         }
     }
 
-    /// The same without balls.
+    /// The same grid without balls.
     pub(crate) fn cleared(&self) -> Grid {
         let empty = |level: &Level| Level { side: level.side, cubes: HashMap::default() };
         Grid { levels: self.levels.iter().map(empty).collect() }
     }
 }
 
-/// Sizes of cubes; the smallest one may hold balls that would fit a smaller one.
+/// Maximum number of cube sizes; the smallest cubes may hold balls that would fit a smaller size.
 const MAX_LEVELS: usize = 24;
 
 fn cube(point: DVec3, side: f64) -> [i32; 3] {
-    // Casting saturates, so a far point shares a cube with others, which costs time only.
+    // Casting saturates, so a distant point shares a cube with others, which costs time only.
     (point / side).floor().to_array().map(|coordinate| coordinate as i32)
 }
 

@@ -1,27 +1,27 @@
-//! In which directions to look from a point.
+//! Stratification of the hemisphere over a point.
 
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A hemisphere divided into cells that are equal in projected solid angle: rings of equal width in `sin²θ`, each cut into
-/// as many azimuths.
+/// A hemisphere divided into cells of equal projected solid angle: rings of equal width in `sin²θ`,
+/// each divided into the same number of azimuths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hemisphere {
     pub(crate) rings: usize,
     pub(crate) azimuths: usize,
 }
 
-/// What was seen in one direction.
+/// The result of a gather ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GatheredRadiance<const BANDS: usize> {
-    /// Radiance that comes from there.
+    /// Incident radiance.
     pub radiance: [f64; BANDS],
-    /// How far away it is; infinite for none.
+    /// Distance to the hit; infinite for none.
     pub distance: f64,
 }
 
 impl Hemisphere {
-    /// About `count` cells, about as wide as they are high (`azimuths ≈ π · rings`); at least twelve.
+    /// About `count` cells, approximately square (`azimuths ≈ π · rings`); at least twelve.
     #[must_use]
     pub fn with_divisions(count: usize) -> Hemisphere {
         let rings = ((count as f64 / PI).sqrt().round() as usize).max(2);
@@ -29,15 +29,15 @@ impl Hemisphere {
         Hemisphere { rings, azimuths: azimuths.max(6) }
     }
 
-    /// How many cells there are.
+    /// Number of cells.
     #[must_use]
     #[expect(clippy::len_without_is_empty, reason = "there are always cells")]
     pub fn len(&self) -> usize {
         self.rings * self.azimuths
     }
 
-    /// The unit direction in a cell at `within` (both coordinates 0…1), +z on the normal; cells of one ring follow each other.
-    /// Uniform `within` make directions of density `cos θ/π`.
+    /// The unit direction at `within` (both coordinates 0…1) of a cell, +z along the normal; cells
+    /// of one ring are consecutive. Uniform `within` give the pdf `cos θ/π`.
     #[must_use]
     pub fn direction(&self, cell: usize, within: [f64; 2]) -> DVec3 {
         let (ring, azimuth) = (cell / self.azimuths, cell % self.azimuths);
@@ -48,7 +48,7 @@ impl Hemisphere {
         DVec3::new(sine * cos, sine * sin, (1.0 - sine_squared).max(0.0).sqrt())
     }
 
-    /// The cell in which a unit direction lies, +z on the normal.
+    /// The cell that contains a unit direction, +z along the normal.
     #[must_use]
     pub fn cell(&self, direction: DVec3) -> usize {
         let sine_squared = 1.0 - direction.z * direction.z;
@@ -57,7 +57,8 @@ impl Hemisphere {
         within(sine_squared, self.rings) * self.azimuths + within(turn, self.azimuths)
     }
 
-    /// Spreads what lies in a unit direction, +z on the normal, over its cell and those beside it: the shares, whose sum is one.
+    /// Distributes a unit direction, +z along the normal, over its cell and adjacent ones, with
+    /// weights that sum to 1.
     pub fn splat(&self, direction: DVec3, mut add: impl FnMut(usize, f64)) {
         let cell = self.cell(direction);
         let (ring, azimuth) = (cell / self.azimuths, cell % self.azimuths);
@@ -69,7 +70,7 @@ impl Hemisphere {
         }
     }
 
-    /// Sine of the angle from the normal to the inner edge of a ring.
+    /// Sine of the angle between the normal and the inner edge of a ring.
     pub(crate) fn edge_sine(&self, ring: usize) -> f64 {
         (ring as f64 / self.rings as f64).sqrt()
     }
@@ -80,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_are_about_square_and_about_as_many_as_asked() {
+    fn cells_are_nearly_square_and_as_many_as_requested() {
         for count in [12, 64, 256, 1024, 1536, 4096] {
             let hemisphere = Hemisphere::with_divisions(count);
             let ratio = hemisphere.len() as f64 / count as f64;
@@ -91,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_direction_lies_in_the_cell_that_it_comes_from() {
+    fn a_direction_lies_in_its_cell() {
         let hemisphere = Hemisphere::with_divisions(200);
         for cell in 0..hemisphere.len() {
             for within in [[0.01, 0.01], [0.5, 0.5], [0.99, 0.01], [0.3, 0.99]] {
@@ -101,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_spread_stays_whole_and_near() {
+    fn splatting_conserves_weight_and_stays_near() {
         let hemisphere = Hemisphere::with_divisions(200);
         for cell in 0..hemisphere.len() {
             let direction = hemisphere.direction(cell, [0.5, 0.5]);

@@ -1,14 +1,16 @@
-//! Irradiance caching: the indirect irradiance of a few points, from which that of all others is interpolated.
+//! Irradiance caching: interpolates indirect irradiance between a few points where it was computed.
 //!
-//! A [`Hemisphere`] says in which directions to look from a point; what is seen there makes a [`Record`]: the irradiance, how it changes
-//! when the point moves or turns, and how far that may be trusted. A [`Cache`] keeps records by place, makes a [`Fit`] of each one's
-//! neighbourhood and interpolates between those.
+//! A [`Hemisphere`] gives the directions of gather rays. Their results make a [`Record`]: the
+//! irradiance, its gradients, and the distance up to which it is valid. A [`Cache`] stores records
+//! by position, makes a [`Fit`] of each one's neighbourhood and interpolates between these.
 //!
-//! Ward, Rubinstein, Clear: A Ray Tracing Solution for Diffuse Interreflection, SIGGRAPH 1988. Ward, Heckbert: Irradiance
-//! Gradients, EGWR 1992. Křivánek, Bouatouch, Pattanaik, Žára: Making Radiance and Irradiance Caching Practical, EGSR 2006.
+//! Ward, Rubinstein, Clear: A Ray Tracing Solution for Diffuse Interreflection, SIGGRAPH 1988.
+//! Ward, Heckbert: Irradiance Gradients, EGWR 1992. Křivánek, Bouatouch, Pattanaik, Žára: Making
+//! Radiance and Irradiance Caching Practical, EGSR 2006.
 //!
-//! Guarantees: no state but the records, so equal records in equal order give equal answers. Knows neither scenes nor rays: lengths are in whatever
-//! unit the caller uses, irradiance in that of radiance times steradian.
+//! Guarantees: no state except the records, so equal records in equal order give equal results.
+//! Knows neither scenes nor rays: lengths are in the caller's unit, irradiance in that of radiance
+//! times steradian.
 //!
 //! ```
 //! use glam::DVec3;
@@ -16,7 +18,7 @@
 //! // A point in the middle of a large white box.
 //! let hemisphere = Hemisphere::with_divisions(256);
 //! let seen = vec![GatheredRadiance { radiance: [2.0], distance: 5.0 }; hemisphere.len()];
-//! let limits = Limits { accuracy: 0.1, least: 0.1, most: 100.0, explained: 1.0 };
+//! let limits = Limits { accuracy: 0.1, min_reach: 0.1, max_reach: 100.0, explained: 1.0 };
 //! let record = Record::new(DVec3::ZERO, DVec3::Z, &hemisphere, &seen, &limits);
 //! let mut cache = Cache::new(limits);
 //! cache.insert(record, 0);

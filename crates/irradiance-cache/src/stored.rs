@@ -1,37 +1,37 @@
-//! Numbers, records and fits as bytes, so that a cache can be saved.
+//! Serialisation of numbers, records and fits.
 //!
-//! Numbers are little-endian, one after the other and nothing between them. What is read may come
-//! from anybody: reading ends with `None` where the bytes end, and no value is used before
-//! `Record::is_usable` and `Fit::is_usable` have seen it.
+//! Numbers are little-endian and not padded. Input is untrusted: reading returns `None` at the end
+//! of the bytes, and no value is used before `Record::is_usable` and `Fit::is_usable` have checked
+//! it.
 
 use glam::DVec3;
 
-/// Bytes that are read from their beginning.
+/// Bytes that are read from the front.
 #[derive(Clone, Copy, Debug)]
 pub struct StoredBytes<'b> {
     rest: &'b [u8],
 }
 
 impl<'b> StoredBytes<'b> {
-    /// All of them.
+    /// From all bytes.
     #[must_use]
     pub fn new(bytes: &'b [u8]) -> Self {
         StoredBytes { rest: bytes }
     }
 
-    /// How many are left.
+    /// Number of bytes left.
     #[must_use]
     pub fn len(&self) -> usize {
         self.rest.len()
     }
 
-    /// Whether none are left.
+    /// Whether no bytes are left.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rest.is_empty()
     }
 
-    /// The next so many.
+    /// The next `count` bytes.
     pub fn take(&mut self, count: usize) -> Option<&'b [u8]> {
         let (taken, rest) = self.rest.split_at_checked(count)?;
         self.rest = rest;
@@ -43,12 +43,12 @@ impl<'b> StoredBytes<'b> {
     }
 }
 
-/// What can be written to bytes and read again, bit for bit.
+/// Values that are written to bytes and restored bit for bit.
 pub trait Stored: Sized {
-    /// Adds it to the end of some bytes.
+    /// Appends the value to some bytes.
     fn store(&self, bytes: &mut Vec<u8>);
 
-    /// Reads it from the front; `None` where there are too few bytes.
+    /// Reads a value from the front; `None` if there are too few bytes.
     fn restore(bytes: &mut StoredBytes<'_>) -> Option<Self>;
 }
 
@@ -98,7 +98,7 @@ impl<T: Stored, const COUNT: usize> Stored for [T; COUNT] {
     }
 }
 
-/// Makes a struct of bands [`Stored`], field after field.
+/// Implements [`Stored`] for a struct of bands, field by field.
 macro_rules! store_fields {
     ($kind:ident: $($field:ident),*) => {
         impl<const BANDS: usize> $crate::stored::Stored for $kind<BANDS> {
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_come_back_bit_for_bit_and_not_from_too_few_bytes() {
+    fn numbers_are_restored_bit_for_bit() {
         let value = [[0.1, -0.0, f64::MIN_POSITIVE], [1e300, 2.0, 3.0]];
         let mut bytes = Vec::new();
         value.store(&mut bytes);

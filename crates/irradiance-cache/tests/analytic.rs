@@ -1,13 +1,13 @@
-//! Records against scenes whose irradiance is known.
+//! Records in scenes with known irradiance.
 
 use glam::DVec3;
 use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record, STRATA, StoredBytes};
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::PI;
 
-const LIMITS: Limits = Limits { accuracy: 0.2, least: 1e-3, most: 10.0, explained: 1.0 };
+const LIMITS: Limits = Limits { accuracy: 0.2, min_reach: 1e-3, max_reach: 10.0, explained: 1.0 };
 
-/// A record of a world in which a ray meets radiance and distance.
+/// A record of a function that gives radiance and distance of a ray.
 fn record(at: DVec3, normal: DVec3, divisions: usize, world: impl Fn(DVec3, DVec3) -> (f64, f64)) -> Record<1> {
     let hemisphere = Hemisphere::with_divisions(divisions);
     let [x, y, z] = Record::<1>::frame(normal);
@@ -22,15 +22,16 @@ fn record(at: DVec3, normal: DVec3, divisions: usize, world: impl Fn(DVec3, DVec
     Record::new(at, normal, &hemisphere, &seen, &LIMITS)
 }
 
-/// A glowing disk of radius 1 above the origin at height 1, seen from a point on the plane z = 0 on its axis or off it.
+/// A glowing disk of radius 1 above the origin at height 1, seen from any point of the plane z = 0.
 fn disk(at: DVec3, direction: DVec3) -> (f64, f64) {
     let distance = (1.0 - at.z) / direction.z;
     let hit = at + direction * distance;
     if direction.z > 0.0 && hit.x.hypot(hit.y) < 1.0 { (1.0, distance) } else { (0.0, 100.0) }
 }
 
-/// Irradiance of a horizontal point at distance `a` from the axis of that disk: π times the view factor from a small plane to a parallel
-/// disk (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-13).
+/// Irradiance of a horizontal point at distance `a` from the axis of that disk: π times the view
+/// factor from a small plane to a parallel disk (Howell, A Catalog of Radiation Heat Transfer
+/// Configuration Factors, B-13).
 fn disk_irradiance(a: f64) -> f64 {
     let z = 1.0 + 1.0 + a * a;
     0.5 * PI * (1.0 - (1.0 + a * a - 1.0) / (z * z - 4.0 * a * a).sqrt())
@@ -45,24 +46,24 @@ fn at(record: Record<1>, position: DVec3, normal: DVec3) -> f64 {
 #[test]
 fn irradiance_of_a_disk() {
     for a in [0.0, 0.3, 0.9] {
-        let place = DVec3::new(a, 0.0, 0.0);
-        let found = at(record(place, DVec3::Z, 20_000, disk), place, DVec3::Z);
+        let position = DVec3::new(a, 0.0, 0.0);
+        let found = at(record(position, DVec3::Z, 20_000, disk), position, DVec3::Z);
         assert!((found / disk_irradiance(a) - 1.0).abs() < 5e-3, "{found} against {}", disk_irradiance(a));
     }
 }
 
 #[test]
 fn a_small_move_follows_the_gradient() {
-    let place = DVec3::new(0.5, 0.2, 0.0);
-    let record = record(place, DVec3::Z, 20_000, disk);
+    let position = DVec3::new(0.5, 0.2, 0.0);
+    let record = record(position, DVec3::Z, 20_000, disk);
     for step in [DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.0, 0.03, 0.0), DVec3::new(-0.02, 0.01, 0.0)] {
-        let found = at(record, place + step, DVec3::Z) - at(record, place, DVec3::Z);
-        let right = disk_irradiance((place + step).length()) - disk_irradiance(place.length());
+        let found = at(record, position + step, DVec3::Z) - at(record, position, DVec3::Z);
+        let right = disk_irradiance((position + step).length()) - disk_irradiance(position.length());
         assert!((found - right).abs() < 0.1 * right.abs() + 2e-4, "{step}: {found} against {right}");
     }
 }
 
-/// A world that is bright to one side: the irradiance follows the turned normal.
+/// Brighter to one side: the irradiance varies with the normal.
 #[test]
 fn a_small_turn_follows_the_gradient() {
     let sky = |_: DVec3, direction: DVec3| (1.0 + 0.5 * direction.x, 50.0);
@@ -84,7 +85,7 @@ fn a_record_does_not_reach_round_an_edge() {
 }
 
 #[test]
-fn irradiance_is_fine_where_records_reach_less_far() {
+fn fine_irradiance_uses_records_of_small_reach() {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 1.0)), 0);
     let within = |reach: f64| cache.fine_irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z, DVec3::Z, reach);
@@ -95,21 +96,21 @@ fn irradiance_is_fine_where_records_reach_less_far() {
 }
 
 #[test]
-fn records_that_were_sorted_in_give_the_same() {
+fn rebuilding_the_index_changes_no_value() {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 10.0)), 0);
     cache.insert(record(DVec3::new(-0.1, 0.0, 0.0), DVec3::Z, 256, |_, _| (2.0, 0.1)), 0);
     let mut sorted = cache.clone();
-    sorted.sort_in();
+    sorted.rebuild_index();
     for x in -20..40 {
-        let place = DVec3::new(0.01 * f64::from(x), 0.0, 0.0);
-        let of = |cache: &Cache<1>| cache.irradiance(place, DVec3::Z, DVec3::Z);
-        assert_eq!(of(&cache), of(&sorted), "at {place}");
+        let position = DVec3::new(0.01 * f64::from(x), 0.0, 0.0);
+        let of = |cache: &Cache<1>| cache.irradiance(position, DVec3::Z, DVec3::Z);
+        assert_eq!(of(&cache), of(&sorted), "at {position}");
     }
 }
 
 #[test]
-fn a_near_neighbour_shortens_the_reach() {
+fn a_near_neighbour_limits_the_reach() {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 10.0)), 0);
     let far = DVec3::new(0.5, 0.0, 0.0);
@@ -128,65 +129,69 @@ fn field_within(limits: Limits, divisions: usize, world: impl Fn(DVec3, DVec3) -
     let mut strata = [0; STRATA];
     for row in -5..=5 {
         for column in -5..=5 {
-            let place = DVec3::new(0.1 * f64::from(column), 0.1 * f64::from(row), 0.0);
-            // Another place of the same numbers in each hemisphere.
+            let position = DVec3::new(0.1 * f64::from(column), 0.1 * f64::from(row), 0.0);
+            // A different function of the same numbers in each hemisphere.
             let turned = |at: DVec3, direction: DVec3| {
                 let angle = 2.4 * f64::from(11 * row + column);
                 let (sin, cos) = angle.sin_cos();
                 let DVec3 { x, y, z } = direction;
                 world(at, DVec3::new(cos * x - sin * y, sin * x + cos * y, z))
             };
-            let look = cache.next_gather(place, DVec3::Z);
-            strata[look % STRATA] += 1;
-            cache.insert(record(place, DVec3::Z, divisions, turned), look);
+            let gather = cache.next_gather(position, DVec3::Z);
+            strata[gather % STRATA] += 1;
+            cache.insert(record(position, DVec3::Z, divisions, turned), gather);
         }
     }
-    // Fits reach so many neighbours that together they look through all strata, at the rim of the field too, if less evenly there.
-    assert!(strata.iter().all(|looks| 2 * STRATA * looks >= 11 * 11), "looks through each stratum: {strata:?}");
+    // Neighbourhoods are wide enough to sample all strata, even at the rim of the field, though
+    // less evenly.
+    assert!(strata.iter().all(|gathers| 2 * STRATA * gathers >= 11 * 11), "gathers through each stratum: {strata:?}");
     let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index))).collect();
     fits.into_iter().for_each(|(index, fit)| cache.adopt(index, fit));
-    cache.shorten_reaches();
+    cache.reduce_reaches();
     assert!(cache.stale().is_empty());
     cache
 }
 
 #[test]
-fn neighbours_lend_each_other_their_rays() {
-    // Bright and dark in patches that are finer than the cells: noise around an irradiance of π.
+fn neighbouring_records_share_rays() {
+    // Bright and dark patches finer than the cells: noise around an irradiance of π.
     let patches = |_: DVec3, direction: DVec3| (1.0 + (400.0 * direction.x).sin() * (500.0 * direction.y).sin(), 1.0);
     let cache = field(48, patches);
     let (mut alone, mut together) = (0.0, 0.0);
     for index in 0..cache.len() {
         let (record, fit) = cache.fitted(index);
         assert!(fit.rays() > 3.0 * record.rays(), "{} of {}", fit.rays(), record.rays());
-        let place = DVec3::new(0.1 * (index % 11) as f64 - 0.5, 0.1 * (index / 11) as f64 - 0.5, 0.0);
+        let position = DVec3::new(0.1 * (index % 11) as f64 - 0.5, 0.1 * (index / 11) as f64 - 0.5, 0.0);
         alone += (record.irradiance_on(DVec3::Z)[0] - PI).powi(2);
-        together += (cache.irradiance(place, DVec3::Z, DVec3::Z).expect("a record is here")[0] - PI).powi(2);
+        together += (cache.irradiance(position, DVec3::Z, DVec3::Z).expect("a record is here")[0] - PI).powi(2);
     }
     assert!(together < 0.4 * alone, "squared error {together} together, {alone} alone");
 }
 
 #[test]
-fn what_is_in_shadow_counts_most() {
-    // An irradiance of π, and half of the plane gets three times as much from a lamp.
+fn shadows_determine_the_brightness() {
+    // An irradiance of π, of which a lamp gives half of the plane three times as much.
     let even = |_: DVec3, _: DVec3| (1.0, 1.0);
     let mut cache = Cache::new(LIMITS);
     for column in -5..=5 {
-        let place = DVec3::new(0.1 * f64::from(column), 0.0, 0.0);
+        let position = DVec3::new(0.1 * f64::from(column), 0.0, 0.0);
         let from_lamp = if column > 0 { 3.0 * PI } else { 0.0 };
-        cache.insert(record(place, DVec3::Z, 48, even).beside(from_lamp), cache.next_gather(place, DVec3::Z));
+        cache.insert(
+            record(position, DVec3::Z, 48, even).with_ungathered(from_lamp),
+            cache.next_gather(position, DVec3::Z),
+        );
     }
     let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index))).collect();
     fits.into_iter().for_each(|(index, fit)| cache.adopt(index, fit));
     let brightness = |index: usize| cache.fitted(index).1.brightness() / PI;
     assert!((brightness(0) - 1.0).abs() < 1e-6, "in the shadow {}", brightness(0));
     assert!((brightness(10) - 4.0).abs() < 1e-6, "in the light {}", brightness(10));
-    // Half of each: 2 / (1 + 1/4) is the harmonic mean, 2.5 the other one.
+    // With half of each, the harmonic mean is 2 / (1 + 1/4), the arithmetic mean 2.5.
     assert!((1.2..2.0).contains(&brightness(5)), "on the border {}", brightness(5));
 }
 
 #[test]
-fn records_are_trusted_less_far_where_the_irradiance_jumps() {
+fn the_reach_is_smaller_where_the_irradiance_jumps() {
     let step = |at: DVec3, _: DVec3| (if at.x < 0.05 { 1.0 } else { 2.0 }, 1.0);
     let cache = field(48, step);
     let between = |x: f64| cache.irradiance(DVec3::new(x, 0.05, 0.0), DVec3::Z, DVec3::Z);
@@ -200,8 +205,9 @@ fn records_are_trusted_less_far_where_the_irradiance_jumps() {
 }
 
 #[test]
-fn small_bends_are_found_where_less_of_the_noise_explains_them() {
-    // What comes from above changes with the direction, which rays take for noise, and is the same for all places but for a step of a quarter.
+fn weak_nonlinearity_is_found_with_less_explained_noise() {
+    // The light from above varies with direction, which looks like noise to the rays. It is equal
+    // at all positions except for a step of a quarter.
     let small_step = |at: DVec3, direction: DVec3| {
         let step = if at.x < 0.05 { 1.0 } else { 1.25 };
         (step * (1.0 + 0.9 * (9.0 * direction.z).sin()), 1.0)
@@ -215,27 +221,28 @@ fn small_bends_are_found_where_less_of_the_noise_explains_them() {
 }
 
 #[test]
-fn what_bends_too_much_is_not_trusted() {
+fn large_interpolation_errors_are_rejected() {
     let step = |at: DVec3, _: DVec3| (if at.x < 0.05 { 1.0 } else { 10.0 }, 1.0);
     let cache = field(48, step);
-    let [beside, far] = [0.0, -0.4].map(|x| DVec3::new(x, 0.0, 0.0));
+    let [with_ungathered, far] = [0.0, -0.4].map(|x| DVec3::new(x, 0.0, 0.0));
     assert!(
-        cache.irradiance(beside, DVec3::Z, DVec3::Z).is_some() && cache.irradiance(far, DVec3::Z, DVec3::Z).is_some()
+        cache.irradiance(with_ungathered, DVec3::Z, DVec3::Z).is_some()
+            && cache.irradiance(far, DVec3::Z, DVec3::Z).is_some()
     );
-    let trusted = |place: DVec3| cache.trusted_irradiance(place, DVec3::Z, DVec3::Z, 0.2);
-    assert_eq!(trusted(beside), None);
+    let trusted = |position: DVec3| cache.trusted_irradiance(position, DVec3::Z, DVec3::Z, 0.2);
+    assert_eq!(trusted(with_ungathered), None);
     assert_eq!(trusted(far), cache.irradiance(far, DVec3::Z, DVec3::Z));
     let in_gap = DVec3::new(0.05, 0.05, 0.0);
-    let anyhow = cache.trusted_irradiance(in_gap, DVec3::Z, DVec3::Z, f64::INFINITY);
-    assert!(cache.irradiance(in_gap, DVec3::Z, DVec3::Z).is_none() && anyhow.is_some() && trusted(in_gap).is_none());
+    let unlimited = cache.trusted_irradiance(in_gap, DVec3::Z, DVec3::Z, f64::INFINITY);
+    assert!(cache.irradiance(in_gap, DVec3::Z, DVec3::Z).is_none() && unlimited.is_some() && trusted(in_gap).is_none());
 }
 
 #[test]
-fn shares_say_which_records_give_the_irradiance() {
+fn shares_are_the_weights_of_the_records() {
     let cache = field(48, |at, _| (1.0 + at.x, 1.0));
-    let place = DVec3::new(0.13, 0.02, 0.0);
+    let position = DVec3::new(0.13, 0.02, 0.0);
     let mut shares = vec![(7, 0.25)];
-    cache.shares(place, DVec3::Z, &mut shares);
+    cache.shares(position, DVec3::Z, &mut shares);
     assert_eq!(shares[0], (7, 0.25), "what was there stays");
     let total: f64 = shares[1..].iter().map(|(_, share)| share).sum();
     assert!((total - 1.0).abs() < 1e-12 && shares.len() > 1);
@@ -244,9 +251,9 @@ fn shares_say_which_records_give_the_irradiance() {
     assert_eq!(shares.len(), before, "nothing reaches there");
 }
 
-/// Most places meet none of the few bright rays by themselves: what neighbours met is theirs as well.
+/// Most records have none of the few bright rays: those of the neighbours count as well.
 #[test]
-fn rare_bright_rays_leave_the_mean_as_it_is() {
+fn rare_bright_rays_do_not_bias_the_mean() {
     let (mut sum, mut own, mut count) = (0.0, 0.0, 0.0);
     for turn in 0..20 {
         let sparks = |at: DVec3, direction: DVec3| {
@@ -256,9 +263,9 @@ fn rare_bright_rays_leave_the_mean_as_it_is() {
         };
         let cache = field(48, sparks);
         for index in 0..cache.len() {
-            let place = DVec3::new(0.1 * (index % 11) as f64 - 0.5, 0.1 * (index / 11) as f64 - 0.5, 0.0);
+            let position = DVec3::new(0.1 * (index % 11) as f64 - 0.5, 0.1 * (index / 11) as f64 - 0.5, 0.0);
             own += cache.fitted(index).0.irradiance_on(DVec3::Z)[0] / PI;
-            let shared = cache.trusted_irradiance(place, DVec3::Z, DVec3::Z, f64::INFINITY);
+            let shared = cache.trusted_irradiance(position, DVec3::Z, DVec3::Z, f64::INFINITY);
             sum += shared.expect("a record is here")[0] / PI;
             count += 1.0;
         }
@@ -266,10 +273,10 @@ fn rare_bright_rays_leave_the_mean_as_it_is() {
     assert!((sum / own - 1.0).abs() < 0.05, "the mean is {} where places found {}", sum / count, own / count);
 }
 
-/// Irradiance at many places of the plane.
+/// Irradiance at many points of the plane.
 fn everywhere(cache: &Cache<1>) -> Vec<Option<[f64; 1]>> {
-    let place = |index: i32| DVec3::new(0.017 * f64::from(index % 64 - 32), 0.019 * f64::from(index / 64 - 32), 0.0);
-    (0..4096).map(|index| cache.irradiance(place(index), DVec3::Z, DVec3::Z)).collect()
+    let position = |index: i32| DVec3::new(0.017 * f64::from(index % 64 - 32), 0.019 * f64::from(index / 64 - 32), 0.0);
+    (0..4096).map(|index| cache.irradiance(position(index), DVec3::Z, DVec3::Z)).collect()
 }
 
 #[test]
@@ -287,7 +294,7 @@ fn a_saved_cache_gives_the_same_bits() {
 }
 
 #[test]
-fn a_cache_for_other_limits_is_fitted_anew() {
+fn a_cache_with_other_limits_is_stale() {
     let cache = field(48, disk);
     let mut bytes = Vec::new();
     cache.save(&mut bytes);
@@ -302,12 +309,12 @@ fn a_cache_for_other_limits_is_fitted_anew() {
 }
 
 #[test]
-fn bytes_that_no_cache_was_saved_to_are_refused() {
+fn damaged_bytes_are_refused() {
     let mut bytes = Vec::new();
     field(48, disk).save(&mut bytes);
     let restored = |bytes: &[u8]| Cache::<1>::restored(&mut StoredBytes::new(bytes), LIMITS);
     assert!((0..bytes.len()).step_by(97).all(|length| restored(&bytes[..length]).is_none()));
-    // Numbers that are none, a reach without end, a count without end.
+    // NaN, an infinite reach, a huge count.
     let first_record = 4 * 8 + 8;
     for (offset, number) in [(first_record, f64::NAN), (first_record + 3 * 8, 2.0), (0, 0.0), (16, f64::INFINITY)] {
         let mut changed = bytes.clone();
@@ -319,13 +326,13 @@ fn bytes_that_no_cache_was_saved_to_are_refused() {
 }
 
 #[test]
-fn what_another_cache_knows_is_taken_over_where_nothing_is() {
+fn merging_adds_records_where_none_reach() {
     let far = |x: f64| record(DVec3::new(x, 0.0, 0.0), DVec3::Z, 256, |_, _| (1.0, 1.0));
     let [mut one, mut two] = [Cache::new(LIMITS), Cache::new(LIMITS)];
     one.insert(far(0.0), 0);
     two.insert(far(0.01), 0);
     two.insert(far(5.0), 0);
-    assert_eq!(one.take_over(&two, 0), 1);
+    assert_eq!(one.merge(&two, 0), 1);
     let knows = |x: f64| one.irradiance(DVec3::new(x, 0.0, 0.0), DVec3::Z, DVec3::Z).is_some();
     assert!(one.len() == 2 && knows(0.0) && knows(5.0));
 }

@@ -177,8 +177,12 @@ struct Level<const BANDS: usize> {
 impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     fn new(plan: &RenderPlan) -> Self {
         let (limits, noise) = (gathering_limits(plan), plan.options.gathering.noise);
-        let coarse =
-            Limits { accuracy: limits.accuracy * COARSER, least: limits.least * COARSER, explained: 1.0, ..limits };
+        let coarse = Limits {
+            accuracy: limits.accuracy * COARSER,
+            min_reach: limits.min_reach * COARSER,
+            explained: 1.0,
+            ..limits
+        };
         GatheredIrradiance {
             seen: Level::new(plan, limits, noise, 0),
             beyond: Level::new(plan, coarse, NOISIER * noise, FIRST_LOOK_BEYOND),
@@ -280,7 +284,7 @@ impl<const BANDS: usize> Level<BANDS> {
 
     /// Adds the records of another level that nobody knew but that one. What it has spent counts here.
     fn take_over(&mut self, other: Level<BANDS>) {
-        self.cache.take_over(&other.cache, other.saved);
+        self.cache.merge(&other.cache, other.saved);
         self.settle();
         self.taken_over = self.cache.len();
         self.looks = self.looks.max(other.looks);
@@ -314,7 +318,7 @@ impl<const BANDS: usize> Level<BANDS> {
                 return;
             }
             if round > 0 {
-                self.cache.shorten_reaches();
+                self.cache.reduce_reaches();
             }
             let known = self.cache.len();
             self.fill((plan, stops), (caches, bright), (count, spread), &cache_query);
@@ -339,7 +343,7 @@ impl<const BANDS: usize> Level<BANDS> {
             }
             self.settle();
         }
-        self.cache.sort_in();
+        self.cache.rebuild_index();
     }
 
     /// Looks around where surveyed rays want irradiance that is not there.
@@ -472,7 +476,7 @@ impl<const BANDS: usize> Level<BANDS> {
                     let (record, around) = tracer.gather_at(place, &look, limits);
                     // What is seen in each cell is in the record: of a million looks it would fill the memory.
                     let HemisphereSamples { bright, rays, .. } = around;
-                    Some((record.beside(tracer.direct_irradiance(place, number)), bright, rays))
+                    Some((record.with_ungathered(tracer.direct_irradiance(place, number)), bright, rays))
                 },
             )
             .while_some()

@@ -25,12 +25,12 @@ pub(crate) fn max_interpolation_error(plan: &RenderPlan) -> f64 {
 pub(crate) fn gathering_limits(plan: &RenderPlan) -> Limits {
     let gathering = &plan.options.gathering;
     let size = 2.0 * plan.bounding_sphere().1.max(f64::MIN_POSITIVE) / 3f64.sqrt();
-    let most = 0.5 * size;
+    let max_reach = 0.5 * size;
     let accuracy = if gathering.accuracy > 0.0 { gathering.accuracy } else { 1.0 };
     let accuracy = if plan.has_caustics { accuracy.min(ACCURACY_FOR_CAUSTICS) } else { accuracy };
     let resolved = size * accuracy / f64::from(gathering.resolution.max(1));
-    let least = if gathering.resolution > 0 && resolved < most { resolved } else { most / 64.0 };
+    let min_reach = if gathering.resolution > 0 && resolved < max_reach { resolved } else { max_reach / 64.0 };
     let explained = (gathering.noise / COARSE_NOISE).powi(2).clamp(LEAST_EXPLAINED, 1.0);
     let explained = if plan.has_caustics { explained } else { 1.0 };
-    Limits { accuracy, least, most, explained }
+    Limits { accuracy, min_reach, max_reach, explained }
 }

@@ -99,11 +99,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     ) -> (Record<BANDS>, HemisphereSamples<BANDS>) {
         let fineness = (self.plan.options.gathering.noise / FINE_NOISE).clamp(0.5, 1.0);
         let widths = if self.plan.has_caustics { LEAST_WIDTHS_IN_CAUSTICS } else { LEAST_WIDTHS * fineness };
-        let limits = Limits { least: limits.least.max(widths * place.width), ..*limits };
+        let limits = Limits { min_reach: limits.min_reach.max(widths * place.width), ..*limits };
         let around = self.sample_hemisphere(place, look);
         let record = Record::new(place.point, place.normal, look.hemisphere, &around.cells, &limits);
         let offset = (look.number as f64 * GOLDEN).fract();
-        (record.resting_on(around.rays).with_hits(&around.hits, offset), around)
+        (record.with_rays(around.rays).with_hits(&around.hits, offset), around)
     }
 
     /// The irradiance of a place from the lights that light sampling finds, averaged over the bands, by one sample.
