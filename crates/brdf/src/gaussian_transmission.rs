@@ -8,10 +8,18 @@
 //!
 //! For α_x = α_y the exponent is `(2 − 2 i·d)/α²`: a von Mises–Fisher lobe. It is reciprocal if d
 //! is the reversed outgoing direction.
+//!
+//! Near grazing, f transmits more light than it receives: up to ten times as much for α = 1. It is
+//! therefore divided by the larger of [`grazing_gain`] at θ_i and at θ_o, which keeps it reciprocal.
+//! With c = cos θ_o and C the positive part of the incident cosine of a sample of the normalised
+//! lobe, the directional albedo of f is τ·E(√(C/c)) ≤ τ·√(P(C > 0)·E(C)/c), by the Cauchy–Schwarz
+//! inequality. In the plane of incidence the lobe is Gaussian, with standard deviation α/√2.
+//! Anisotropic lobes keep the albedo of Radiance's formula below grazing, which is more or less than
+//! τ by azimuth.
 
 use crate::{Brdf, BrdfSample, Density, Lobes};
 use glam::DVec3;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, PI, TAU};
 
 /// A Gaussian lobe of transmission through a thin sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +35,9 @@ const LEAST_COSINE: f64 = 0.001;
 
 /// Lower limit of the foreshortening cosine in azimuth sampling, which bounds the weights.
 const LEAST_FORESHORTENING: f64 = 0.1;
+
+/// Ratio of the cosine to the standard deviation of a lobe from which [`grazing_gain`] is one.
+const LARGEST_GAINING_RATIO: f64 = 0.5;
 
 /// Fraction of the samples of an anisotropic lobe that come from an isotropic lobe of the larger
 /// width. Far off the axis, at grazing angles, azimuth sampling alone fits the lobe badly.
@@ -50,7 +61,9 @@ impl<const BANDS: usize> GaussianTransmission<BANDS> {
         let widths =
             if in_plane > f64::MIN_POSITIVE { ((off.x / x).powi(2) + (off.y / y).powi(2)) / in_plane } else { 0.0 };
         let value = (-off.length_squared() * widths).exp() / (PI * x * y);
-        (value * (-incident.z / cosine.max(LEAST_COSINE)).sqrt(), self.density(axis, incident))
+        let least = cosine.min(-incident.z).max(LEAST_COSINE);
+        let gain = grazing_gain(least / (x.max(y) * FRAC_1_SQRT_2));
+        (value * (-incident.z / cosine.max(LEAST_COSINE)).sqrt() / gain, self.density(axis, incident))
     }
 
     /// Samples an incident direction. It may lie on the wrong side, where the lobe is zero.
@@ -113,6 +126,22 @@ impl<const BANDS: usize> GaussianTransmission<BANDS> {
         let squared = incident.distance_squared(axis);
         2.0 * azimuth * width * (-width * squared).exp() / -(-4.0 * width).exp_m1()
     }
+}
+
+/// Upper bound of the gain of a lobe at grazing incidence, at least one.
+///
+/// `ratio` is z = c/σ, the cosine over the lobe's standard deviation in radians, above zero. The
+/// bound is √(P·E/z). P ≈ ½(1 + z/√(z² + π/2)) approximates the probability that a standard normal
+/// variable shifted by z is positive, and E = ½(z + √(z² + 2/π)) bounds the mean of its positive
+/// part. Both are exact at z = 0.
+fn grazing_gain(ratio: f64) -> f64 {
+    if ratio >= LARGEST_GAINING_RATIO {
+        return 1.0;
+    }
+    let square = ratio * ratio;
+    let transmitted = 0.5 * (1.0 + ratio / (square + 0.5 * PI).sqrt());
+    let mean_cosine = 0.5 * (ratio + (square + FRAC_2_PI).sqrt());
+    (transmitted * mean_cosine / ratio).sqrt().max(1.0)
 }
 
 /// Mapping between azimuths about the axis and azimuths in the plane of the surface.
@@ -178,6 +207,54 @@ impl<const BANDS: usize> Brdf for GaussianTransmission<BANDS> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    /// The mean weight of samples on a grid: the directional albedo for τ = 1.
+    fn albedo(roughness: [f64; 2], degrees: f64, azimuth: f64) -> f64 {
+        let lobe = GaussianTransmission { transmittance: [1.0], roughness };
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let outgoing = DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos);
+        let side: u32 = 128;
+        let mut sum = 0.0;
+        for at in 0..side * side {
+            let [u, v] = [at / side, at % side].map(|at| (f64::from(at) + 0.5) / f64::from(side));
+            let mut weight = [0.0];
+            sum += lobe.sample(outgoing, [u, v, 0.5], &mut weight).map_or(0.0, |_| weight[0]);
+        }
+        sum / f64::from(side * side)
+    }
+
+    #[test]
+    fn no_isotropic_roughness_gains_energy_at_any_angle() {
+        for roughness in [0.001, 0.05, 0.2, 0.5, 1.0] {
+            for degrees in [0.0, 45.0, 80.0, 85.0, 88.0, 89.0, 89.9, 89.9999] {
+                let found = albedo([roughness; 2], degrees, 0.8);
+                assert!(found <= 1.002, "roughness {roughness} at {degrees}°: {found}");
+            }
+        }
+    }
+
+    /// The anisotropic formula itself has this albedo for narrow lobes, more or less than one by
+    /// azimuth: c α_x + α_y over c α_y + α_x, where x points along the plane of incidence.
+    #[test]
+    fn anisotropic_lobes_have_the_albedo_of_the_formula() {
+        for (roughness, azimuth) in [([0.01, 0.03], 0.0), ([0.03, 0.01], 0.0), ([0.01, 0.03], FRAC_PI_2)] {
+            let [along, across] = if azimuth == 0.0 { roughness } else { [roughness[1], roughness[0]] };
+            for degrees in [0.0_f64, 30.0, 60.0] {
+                let c = degrees.to_radians().cos();
+                let expected = (c * along + across) / (c * across + along);
+                let found = albedo(roughness, degrees, azimuth);
+                assert!((found / expected - 1.0).abs() < 0.01, "{roughness:?} at {degrees}°: {found}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_bound_changes_only_grazing_directions() {
+        assert!((albedo([0.2; 2], 60.0, 0.0) - 0.981).abs() < 0.003, "the value of the unbounded formula");
+        assert_eq!(grazing_gain(LARGEST_GAINING_RATIO), 1.0);
+        assert!((grazing_gain(LARGEST_GAINING_RATIO * (1.0 - 1e-9)) - 1.0).abs() < 1e-9, "continuous");
+    }
 
     #[test]
     fn transmission_is_the_same_from_both_sides() {
