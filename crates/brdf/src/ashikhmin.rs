@@ -8,7 +8,8 @@
 //! Radiance scales ρ_s by Schlick's formula in the outgoing angle alone. The caller applies that
 //! factor; without it the model is reciprocal.
 
-use crate::{Brdf, BrdfSample, Density, Lobes};
+use crate::lobe::Lobe;
+use crate::{Brdf, BrdfSample, Lobes};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -42,19 +43,23 @@ impl<const BANDS: usize> AshikhminShirley<BANDS> {
     }
 }
 
+impl<const BANDS: usize> Lobe<BANDS> for AshikhminShirley<BANDS> {
+    fn scale(&self) -> &[f64; BANDS] {
+        &self.specularity
+    }
+
+    fn shape(&self, outgoing: DVec3, incident: DVec3) -> (f64, f64) {
+        AshikhminShirley::shape(self, outgoing, incident)
+    }
+}
+
 impl<const BANDS: usize> Brdf for AshikhminShirley<BANDS> {
     fn lobes(&self) -> Lobes {
         Lobes { glossy: true, ..Lobes::default() }
     }
 
     fn eval_pdf(&self, outgoing: DVec3, incident: &[DVec3], values: &mut [f64], pdfs: &mut [f64]) {
-        for ((direction, value), pdf) in incident.iter().zip(values.chunks_exact_mut(BANDS)).zip(pdfs) {
-            let (shape, density) = self.shape(outgoing, *direction);
-            *pdf = density;
-            for (value, specularity) in value.iter_mut().zip(self.specularity) {
-                *value = specularity * shape;
-            }
-        }
+        self.eval_lobe(outgoing, incident, values, pdfs);
     }
 
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample> {
@@ -70,13 +75,6 @@ impl<const BANDS: usize> Brdf for AshikhminShirley<BANDS> {
         let off = off_squared.sqrt();
         let half = DVec3::new(x * off, y * off, (1.0 - off_squared).sqrt());
         let incident = half * (2.0 * half.dot(outgoing)) - outgoing;
-        let (shape, density) = self.shape(outgoing, incident);
-        if density <= 0.0 {
-            return None;
-        }
-        for (weight, specularity) in weights.iter_mut().zip(self.specularity) {
-            *weight = specularity * shape * incident.z / density;
-        }
-        Some(BrdfSample { incident, density: Density::Continuous(density) })
+        self.weigh(outgoing, incident, weights)
     }
 }

@@ -23,6 +23,7 @@ mod ashikhmin;
 pub mod check;
 mod gaussian_transmission;
 mod lambert;
+mod lobe;
 mod ward;
 mod ward_anisotropic;
 

@@ -9,7 +9,8 @@
 //! In the unit half vector `ĥ` that is `ρ_s/(π α²) · exp(−tan²δ/α²) / (|h|² cos⁴δ)` with
 //! `|h| = 2 ĥ·o`.
 
-use crate::{Brdf, BrdfSample, Density, Lobes};
+use crate::lobe::Lobe;
+use crate::{Brdf, BrdfSample, Lobes};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -47,19 +48,23 @@ impl<const BANDS: usize> WardIsotropic<BANDS> {
     }
 }
 
+impl<const BANDS: usize> Lobe<BANDS> for WardIsotropic<BANDS> {
+    fn scale(&self) -> &[f64; BANDS] {
+        &self.specularity
+    }
+
+    fn shape(&self, outgoing: DVec3, incident: DVec3) -> (f64, f64) {
+        WardIsotropic::shape(self, outgoing, incident)
+    }
+}
+
 impl<const BANDS: usize> Brdf for WardIsotropic<BANDS> {
     fn lobes(&self) -> Lobes {
         Lobes { glossy: true, ..Lobes::default() }
     }
 
     fn eval_pdf(&self, outgoing: DVec3, incident: &[DVec3], values: &mut [f64], pdfs: &mut [f64]) {
-        for ((direction, value), pdf) in incident.iter().zip(values.chunks_exact_mut(BANDS)).zip(pdfs) {
-            let (shape, density) = self.shape(outgoing, *direction);
-            *pdf = density;
-            for (value, specularity) in value.iter_mut().zip(self.specularity) {
-                *value = specularity * shape;
-            }
-        }
+        self.eval_lobe(outgoing, incident, values, pdfs);
     }
 
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample> {
@@ -67,13 +72,6 @@ impl<const BANDS: usize> Brdf for WardIsotropic<BANDS> {
         let (sin_azimuth, cos_azimuth) = (TAU * u[1]).sin_cos();
         let half = DVec3::new(tan * cos_azimuth, tan * sin_azimuth, 1.0).normalize();
         let incident = half * (2.0 * half.dot(outgoing)) - outgoing;
-        let (shape, density) = self.shape(outgoing, incident);
-        if density <= 0.0 {
-            return None;
-        }
-        for (weight, specularity) in weights.iter_mut().zip(self.specularity) {
-            *weight = specularity * shape * incident.z / density;
-        }
-        Some(BrdfSample { incident, density: Density::Continuous(density) })
+        self.weigh(outgoing, incident, weights)
     }
 }

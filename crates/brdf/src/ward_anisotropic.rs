@@ -6,7 +6,8 @@
 //! `f = ρ_s/(π α_x α_y) · exp(−(h_x²/α_x² + h_y²/α_y²)/h_z²) · |h|²/h_z⁴`, with the half vector h =
 //! i + o not normalised.
 
-use crate::{Brdf, BrdfSample, Density, Lobes};
+use crate::lobe::Lobe;
+use crate::{Brdf, BrdfSample, Lobes};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -43,19 +44,23 @@ impl<const BANDS: usize> WardAnisotropic<BANDS> {
     }
 }
 
+impl<const BANDS: usize> Lobe<BANDS> for WardAnisotropic<BANDS> {
+    fn scale(&self) -> &[f64; BANDS] {
+        &self.specularity
+    }
+
+    fn shape(&self, outgoing: DVec3, incident: DVec3) -> (f64, f64) {
+        WardAnisotropic::shape(self, outgoing, incident)
+    }
+}
+
 impl<const BANDS: usize> Brdf for WardAnisotropic<BANDS> {
     fn lobes(&self) -> Lobes {
         Lobes { glossy: true, ..Lobes::default() }
     }
 
     fn eval_pdf(&self, outgoing: DVec3, incident: &[DVec3], values: &mut [f64], pdfs: &mut [f64]) {
-        for ((direction, value), pdf) in incident.iter().zip(values.chunks_exact_mut(BANDS)).zip(pdfs) {
-            let (shape, density) = self.shape(outgoing, *direction);
-            *pdf = density;
-            for (value, specularity) in value.iter_mut().zip(self.specularity) {
-                *value = specularity * shape;
-            }
-        }
+        self.eval_lobe(outgoing, incident, values, pdfs);
     }
 
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample> {
@@ -64,13 +69,6 @@ impl<const BANDS: usize> Brdf for WardAnisotropic<BANDS> {
         let [x, y] = self.roughness;
         let half = DVec3::new(x * slope * cos_azimuth, y * slope * sin_azimuth, 1.0).normalize();
         let incident = half * (2.0 * half.dot(outgoing)) - outgoing;
-        let (shape, density) = self.shape(outgoing, incident);
-        if density <= 0.0 {
-            return None;
-        }
-        for (weight, specularity) in weights.iter_mut().zip(self.specularity) {
-            *weight = specularity * shape * incident.z / density;
-        }
-        Some(BrdfSample { incident, density: Density::Continuous(density) })
+        self.weigh(outgoing, incident, weights)
     }
 }

@@ -170,6 +170,18 @@ impl Material {
             _ => None,
         }
     }
+
+    /// Radiance of an emitter before patterns, W/(sr·m²); `None` for other materials.
+    #[must_use]
+    pub fn radiance_mut(&mut self) -> Option<&mut Rgb> {
+        match self {
+            Material::Light { radiance }
+            | Material::Illum { radiance, .. }
+            | Material::Glow { radiance, .. }
+            | Material::Spotlight { radiance, .. } => Some(radiance),
+            _ => None,
+        }
+    }
 }
 
 /// Alternate material of a mirror or illum, for direct view.

@@ -2,7 +2,8 @@
 
 use crate::{
     Arena, BsdfData, Cone, DataGrid, Font, FunctionCall, GridCall, Handle, Material, Mesh, MeshInstance, Mixture,
-    MixtureAmount, NameId, Names, Pattern, PictureCall, PictureData, Ring, Source, Sphere, Surface, Texture, Transform,
+    MixtureAmount, NameId, Names, Pattern, PictureCall, PictureData, Rgb, Ring, Source, Sphere, Surface, Texture,
+    Transform,
 };
 use glam::DVec3;
 use radsight_diag::Span;
@@ -25,6 +26,17 @@ pub struct Modifier {
     pub modifier: Option<ModifierHandle>,
     /// Kind of modifier.
     pub kind: ModifierKind,
+}
+
+impl Modifier {
+    /// Radiance of an emitter before patterns, W/(sr·m²); `None` for other modifiers.
+    #[must_use]
+    pub fn radiance_mut(&mut self) -> Option<&mut Rgb> {
+        match &mut self.kind {
+            ModifierKind::Material(material) => material.radiance_mut(),
+            _ => None,
+        }
+    }
 }
 
 /// Kind of a modifier.

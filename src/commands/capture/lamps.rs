@@ -5,7 +5,7 @@
 
 use crate::failure::{Failure, Outcome};
 use radsight_camera::{CameraFile, Flicker};
-use radsight_ir::{Material, Modifier, ModifierKind, Rgb, Scene};
+use radsight_ir::{Rgb, Scene};
 
 /// What flickering makes of a scene.
 #[derive(Debug, Default)]
@@ -49,25 +49,12 @@ impl FlickeringScenes {
     }
 }
 
-/// The radiance of what emits.
-fn radiance(modifier: &mut Modifier) -> Option<&mut Rgb> {
-    match &mut modifier.kind {
-        ModifierKind::Material(
-            Material::Light { radiance }
-            | Material::Illum { radiance, .. }
-            | Material::Glow { radiance, .. }
-            | Material::Spotlight { radiance, .. },
-        ) => Some(radiance),
-        _ => None,
-    }
-}
-
 fn scale(scene: &mut Scene, share: impl Fn(&str) -> f64) {
     let Scene { names, modifiers, .. } = scene;
     for modifier in modifiers.items_mut() {
         let share = share(names.get(modifier.name));
         if share != 1.0
-            && let Some(Rgb(bands)) = radiance(modifier)
+            && let Some(Rgb(bands)) = modifier.radiance_mut()
         {
             bands.iter_mut().for_each(|band| *band *= share);
         }
@@ -80,7 +67,7 @@ fn check_names(scene: &mut Scene, camera: &CameraFile) -> Outcome {
     let mut lamps: Vec<&str> = Vec::new();
     for modifier in modifiers.items_mut() {
         let name = modifier.name;
-        if radiance(modifier).is_some() && !lamps.contains(&names.get(name)) {
+        if modifier.radiance_mut().is_some() && !lamps.contains(&names.get(name)) {
             lamps.push(names.get(name));
         }
     }

@@ -2,7 +2,7 @@
 
 use super::options::{Options, Wanted};
 use crate::failure::say;
-use radsight_ir::{Material, Modifier, ModifierKind, Rgb, Scene};
+use radsight_ir::{Rgb, Scene};
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ fn change(scene: &mut Scene, names: &HashSet<&str>, wanted: Wanted, met: &mut Ha
             continue;
         }
         met.insert(name.to_owned());
-        if let (Wanted::Coefficients, Some(radiance)) = (wanted, radiance(modifier)) {
+        if let (Wanted::Coefficients, Some(radiance)) = (wanted, modifier.radiance_mut()) {
             *radiance = Rgb::WHITE;
             // Patterns are part of its radiance.
             modifier.modifier = None;
@@ -38,18 +38,5 @@ fn change(scene: &mut Scene, names: &HashSet<&str>, wanted: Wanted, met: &mut Ha
     }
     for octree in scene.octrees.items_mut() {
         change(Arc::make_mut(&mut octree.scene), names, wanted, met);
-    }
-}
-
-/// The radiance of an emitter.
-fn radiance(modifier: &mut Modifier) -> Option<&mut Rgb> {
-    match &mut modifier.kind {
-        ModifierKind::Material(
-            Material::Light { radiance }
-            | Material::Illum { radiance, .. }
-            | Material::Glow { radiance, .. }
-            | Material::Spotlight { radiance, .. },
-        ) => Some(radiance),
-        _ => None,
     }
 }
