@@ -1,6 +1,6 @@
 //! Cameras written in Python.
 
-use crate::material::{as_array, check_length};
+use crate::material::as_array;
 use crate::supervise::Raised;
 use glam::DVec3;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2};
@@ -28,7 +28,9 @@ impl PythonCamera {
         let given = self.object.bind(py).call_method1("rays", (points(film)?, points(aperture)?))?;
         let given: PyReadonlyArray2<'_, f64> = as_array(py, &given)?.extract()?;
         let given = given.as_array();
-        check_length("rays", given.nrows(), film.len())?;
+        if given.nrows() != film.len() {
+            return Err(PyValueError::new_err(format!("rays gave {} rays, expected {}", given.nrows(), film.len())));
+        }
         if ![6, 7].contains(&given.ncols()) {
             return Err(PyValueError::new_err(format!(
                 "rays gave {} columns, expected 6 (origin, direction) or 7 (and weight)",

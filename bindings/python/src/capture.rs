@@ -158,7 +158,7 @@ impl Capture {
     ) -> PyResult<CapturedImage> {
         let begun = Instant::now();
         let scene = self.lit(py, scenes)?;
-        let exposed = supervised(py, self.threads, progress, &scene.raised, |watch: &Watch| {
+        let exposed = supervised(py, scene.threads(self.threads), progress, &scene.raised, |watch: &Watch| {
             let image = self.capture.expose_with_progress(&scene.scene, watch)?;
             Ok(CapturedImage::new(image, self.capture.clone(), begun.elapsed().as_secs_f64()))
         })?;

@@ -1,6 +1,7 @@
 //! Python bindings: the library's types with NumPy arrays in and out, errors as exceptions, and the interpreter lock released while
 //! rays are traced.
 
+mod batcher;
 mod camera;
 mod capture;
 mod errors;

@@ -1,135 +1,257 @@
 //! Materials written in Python.
 
+use crate::batcher::Batcher;
 use crate::supervise::Raised;
 use glam::DVec3;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::ndarray::ArrayView1;
+use numpy::{
+    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use radsight::{BrdfSample, Density, Lobes};
-use std::f64::consts::{FRAC_1_PI, PI, TAU};
+use radsight::{BrdfSample, Density, Lobes, Material};
+use radsight_brdf::Lambert;
+use std::f64::consts::PI;
+use std::ops::Range;
 
 /// A Python object with `evaluate(outgoing, incident)`, and `pdf` and `sample` where cosine-weighted directions are not good enough.
 #[derive(Debug)]
 pub(crate) struct PythonMaterial {
+    name: String,
     object: Py<PyAny>,
     has_sample: bool,
     raised: Raised,
+    hits: Batcher<HitQuery, HitAnswer>,
+}
+
+/// What a hit asks.
+#[derive(Debug)]
+struct HitQuery {
+    outgoing: DVec3,
+    ask: Ask,
+    bands: usize,
+}
+
+#[derive(Debug)]
+enum Ask {
+    /// Values and densities of these incident directions.
+    Eval(Vec<DVec3>),
+    /// An incident direction for a point of the unit cube.
+    Sample([f64; 3]),
+}
+
+/// What a hit is told.
+#[derive(Debug)]
+struct HitAnswer {
+    /// The asked directions, or the sampled one; without it the light is absorbed.
+    incident: Vec<DVec3>,
+    /// The bands of the first direction, then those of the second.
+    values: Vec<f64>,
+    pdfs: Vec<f64>,
+}
+
+/// Pairs of directions of many hits.
+#[derive(Default)]
+struct Pairs {
+    outgoing: Vec<DVec3>,
+    incident: Vec<DVec3>,
 }
 
 impl PythonMaterial {
-    pub(crate) fn new(py: Python<'_>, object: Py<PyAny>, raised: &Raised) -> PyResult<PythonMaterial> {
-        let has = |name: &str| object.bind(py).hasattr(name);
+    pub(crate) fn new(py: Python<'_>, name: &str, object: Py<PyAny>, raised: &Raised) -> PyResult<PythonMaterial> {
+        let has = |method: &str| object.bind(py).hasattr(method);
         if !has("evaluate")? {
             let kind = object.bind(py).get_type().name()?;
-            return Err(PyValueError::new_err(format!("material {kind} has no method evaluate(outgoing, incident)")));
+            return Err(PyValueError::new_err(format!(
+                "material \"{name}\": {kind} has no method evaluate(outgoing, incident)"
+            )));
         }
         let has_sample = has("sample")?;
         if has_sample != has("pdf")? {
-            return Err(PyValueError::new_err("a material has sample and pdf, or neither"));
+            return Err(PyValueError::new_err(format!(
+                "material \"{name}\" has sample or pdf, expected both or neither"
+            )));
         }
-        Ok(PythonMaterial { object, has_sample, raised: raised.clone() })
+        let (name, raised, hits) = (name.to_owned(), raised.clone(), Batcher::default());
+        Ok(PythonMaterial { name, object, has_sample, raised, hits })
     }
 
-    /// Values for incident directions, the bands of the first, then those of the second.
-    fn evaluate(&self, py: Python<'_>, outgoing: DVec3, incident: &[DVec3], values: &mut [f64]) -> PyResult<()> {
-        let given = self.object.bind(py).call_method1("evaluate", (vector(py, outgoing), rows(py, incident)?))?;
-        let bands = values.len() / incident.len().max(1);
-        if let Ok(one_band) = as_array(py, &given)?.extract::<PyReadonlyArray1<'_, f64>>() {
-            let one_band = one_band.as_array();
-            check_length("evaluate", one_band.len(), incident.len())?;
-            values.chunks_mut(bands).zip(&one_band).for_each(|(values, value)| values.fill(*value));
-            return Ok(());
-        }
-        let all: PyReadonlyArray2<'_, f64> = as_array(py, &given)?.extract()?;
-        let all = all.as_array();
-        check_length("evaluate", all.nrows(), incident.len())?;
-        for (values, row) in values.chunks_mut(bands).zip(all.rows()) {
-            check_length("the bands of evaluate", row.len(), bands)?;
-            values.iter_mut().zip(row).for_each(|(value, given)| *value = *given);
-        }
-        Ok(())
+    /// The answer to a hit, from a batch of many.
+    fn ask(&self, query: HitQuery) -> Option<HitAnswer> {
+        self.hits.ask(query, |py, queries| {
+            self.answer_all(py, &queries).unwrap_or_else(|error| {
+                self.raised.set(error);
+                Vec::new()
+            })
+        })
     }
 
-    fn pdf(&self, py: Python<'_>, outgoing: DVec3, incident: &[DVec3], pdfs: &mut [f64]) -> PyResult<()> {
+    fn answer_all(&self, py: Python<'_>, queries: &[HitQuery]) -> PyResult<Vec<HitAnswer>> {
+        let mut sampled = self.sample_all(py, queries)?.into_iter();
+        let incident_of = |query: &HitQuery| match &query.ask {
+            Ask::Eval(incident) => incident.clone(),
+            Ask::Sample(_) => sampled.next().flatten().into_iter().collect(),
+        };
+        let incidents: Vec<Vec<DVec3>> = queries.iter().map(incident_of).collect();
+        let mut pairs = Pairs::default();
+        for (query, incident) in queries.iter().zip(&incidents) {
+            pairs.outgoing.extend(incident.iter().map(|_| query.outgoing));
+            pairs.incident.extend(incident);
+        }
+        let values = self.evaluate(py, &pairs)?;
+        let pdfs = self.pdfs(py, &pairs)?;
+        let mut first = 0;
+        let mut answers = Vec::with_capacity(queries.len());
+        for (query, incident) in queries.iter().zip(incidents) {
+            let places = first..first + incident.len();
+            first = places.end;
+            let values = values.of(places.clone(), query.bands);
+            answers.push(HitAnswer { incident, values, pdfs: pdfs[places].to_vec() });
+        }
+        Ok(answers)
+    }
+
+    /// An incident direction for each query that asks for one; `None` for absorption.
+    fn sample_all(&self, py: Python<'_>, queries: &[HitQuery]) -> PyResult<Vec<Option<DVec3>>> {
+        let points = queries.iter().filter_map(|query| match query.ask {
+            Ask::Sample(u) => Some((query.outgoing, u)),
+            Ask::Eval(_) => None,
+        });
         if !self.has_sample {
-            pdfs.iter_mut().zip(incident).for_each(|(pdf, direction)| *pdf = direction.z.max(0.0) * FRAC_1_PI);
-            return Ok(());
+            let lambert = Lambert { reflectance: [1.0] };
+            let sample = |(outgoing, u)| lambert.sample(outgoing, u, &mut [0.0]).map(|sample| sample.incident);
+            return Ok(points.map(sample).collect());
         }
-        let given = self.object.bind(py).call_method1("pdf", (vector(py, outgoing), rows(py, incident)?))?;
-        let given: PyReadonlyArray1<'_, f64> = as_array(py, &given)?.extract()?;
-        let given = given.as_array();
-        check_length("pdf", given.len(), incident.len())?;
-        pdfs.iter_mut().zip(&given).for_each(|(pdf, given)| *pdf = *given);
-        Ok(())
+        let (outgoing, u): (Vec<DVec3>, Vec<[f64; 3]>) = points.unzip();
+        if u.is_empty() {
+            return Ok(Vec::new());
+        }
+        let u = PyArray1::from_vec(py, u.concat()).reshape([outgoing.len(), 3])?;
+        let given = self.object.bind(py).call_method1("sample", (rows(py, &outgoing)?, u))?;
+        let given = self.array(py, "sample", &given, &[&[outgoing.len(), 3]])?;
+        let given: PyReadonlyArray2<'_, f64> = given.extract()?;
+        let direction = |row: ArrayView1<'_, f64>| DVec3::new(row[0], row[1], row[2]).try_normalize();
+        Ok(given.as_array().rows().into_iter().map(direction).collect())
     }
 
-    fn drawn(&self, py: Python<'_>, outgoing: DVec3, u: [f64; 3]) -> PyResult<Option<DVec3>> {
-        if !self.has_sample {
-            let (radius, angle) = (u[0].sqrt(), TAU * u[1]);
-            let z = (1.0 - u[0]).max(1e-12).sqrt();
-            return Ok(Some(DVec3::new(radius * angle.cos(), radius * angle.sin(), z)));
+    fn evaluate(&self, py: Python<'_>, pairs: &Pairs) -> PyResult<Values> {
+        let count = pairs.incident.len();
+        if count == 0 {
+            return Ok(Values { bands: 1, all: Vec::new() });
         }
-        let point = PyArray1::from_slice(py, &u);
-        let given = self.object.bind(py).call_method1("sample", (vector(py, outgoing), point))?;
-        if given.is_none() {
-            return Ok(None);
-        }
-        let given: PyReadonlyArray1<'_, f64> = as_array(py, &given)?.extract()?;
-        let given = given.as_array();
-        check_length("sample", given.len(), 3)?;
-        Ok(DVec3::new(given[0], given[1], given[2]).try_normalize())
+        let given = self.call(py, "evaluate", pairs)?;
+        let given = self.array(py, "evaluate", &given, &[&[count], &[count, 3]])?;
+        let (bands, all) = if let Ok(one_band) = given.extract::<PyReadonlyArray1<'_, f64>>() {
+            (1, one_band.as_array().to_vec())
+        } else {
+            let bands: PyReadonlyArray2<'_, f64> = given.extract()?;
+            (3, bands.as_array().iter().copied().collect())
+        };
+        self.check("evaluate", &all, bands, pairs)?;
+        // Rounding below zero is no light.
+        Ok(Values { bands, all: all.into_iter().map(|value: f64| value.max(0.0)).collect() })
     }
 
-    fn sampled(
+    fn pdfs(&self, py: Python<'_>, pairs: &Pairs) -> PyResult<Vec<f64>> {
+        let count = pairs.incident.len();
+        if !self.has_sample || count == 0 {
+            let mut pdfs = vec![0.0; count];
+            let lambert = Lambert { reflectance: [1.0] };
+            for ((outgoing, incident), pdf) in pairs.outgoing.iter().zip(&pairs.incident).zip(&mut pdfs) {
+                lambert.eval_pdf(*outgoing, &[*incident], &mut [0.0], std::slice::from_mut(pdf));
+            }
+            return Ok(pdfs);
+        }
+        let given = self.call(py, "pdf", pairs)?;
+        let given = self.array(py, "pdf", &given, &[&[count]])?;
+        let pdfs = given.extract::<PyReadonlyArray1<'_, f64>>()?.as_array().to_vec();
+        self.check("pdf", &pdfs, 1, pairs)?;
+        Ok(pdfs)
+    }
+
+    fn call<'py>(&self, py: Python<'py>, method: &str, pairs: &Pairs) -> PyResult<Bound<'py, PyAny>> {
+        self.object.bind(py).call_method1(method, (rows(py, &pairs.outgoing)?, rows(py, &pairs.incident)?))
+    }
+
+    /// What a method gave as an array of doubles, of one of these shapes.
+    fn array<'py>(
         &self,
-        py: Python<'_>,
-        outgoing: DVec3,
-        u: [f64; 3],
-        weights: &mut [f64],
-    ) -> PyResult<Option<BrdfSample>> {
-        let Some(incident) = self.drawn(py, outgoing, u)? else { return Ok(None) };
-        let mut pdf = [0.0];
-        self.pdf(py, outgoing, &[incident], &mut pdf)?;
-        self.evaluate(py, outgoing, &[incident], weights)?;
-        // Cosine-weighted directions cancel the cosine exactly.
-        let factor = if self.has_sample { incident.z.abs() / pdf[0] } else { PI };
-        weights.iter_mut().for_each(|weight| *weight *= factor);
-        let drawn = pdf[0] > 0.0 && factor.is_finite();
-        Ok(drawn.then_some(BrdfSample { incident, density: Density::Continuous(pdf[0]) }))
+        py: Python<'py>,
+        method: &str,
+        given: &Bound<'py, PyAny>,
+        shapes: &[&[usize]],
+    ) -> PyResult<Bound<'py, PyUntypedArray>> {
+        let array = as_array(py, given)?.cast_into::<PyUntypedArray>()?;
+        if shapes.contains(&array.shape()) {
+            return Ok(array);
+        }
+        let expected: Vec<String> = shapes.iter().map(|shape| shape_text(shape)).collect();
+        let found = shape_text(array.shape());
+        Err(self.wrong(&format!("{method} gave an array of shape {found}, expected {}", expected.join(" or "))))
+    }
+
+    /// Says for which directions a value is not a number.
+    fn check(&self, method: &str, values: &[f64], bands: usize, pairs: &Pairs) -> PyResult<()> {
+        let Some(place) = values.iter().position(|value| !value.is_finite()) else { return Ok(()) };
+        let text = |direction: DVec3| format!("({:.6}, {:.6}, {:.6})", direction.x, direction.y, direction.z);
+        let (outgoing, incident) = (pairs.outgoing[place / bands], pairs.incident[place / bands]);
+        Err(self.wrong(&format!(
+            "{method} gave {} for outgoing {} and incident {}, expected a finite number",
+            values[place],
+            text(outgoing),
+            text(incident)
+        )))
+    }
+
+    fn wrong(&self, message: &str) -> PyErr {
+        PyValueError::new_err(format!("material \"{}\": {message}", self.name))
     }
 }
 
-impl radsight::Material for PythonMaterial {
+/// Values of a BRDF, 1/sr, in one band or three.
+struct Values {
+    bands: usize,
+    all: Vec<f64>,
+}
+
+impl Values {
+    /// The values of some directions in as many bands as are traced: one or three.
+    fn of(&self, places: Range<usize>, bands: usize) -> Vec<f64> {
+        let given = &self.all[places.start * self.bands..places.end * self.bands];
+        if self.bands == 1 {
+            return given.iter().flat_map(|value| std::iter::repeat_n(*value, bands)).collect();
+        }
+        // A grey scene asks for one band, and all are equal.
+        given.chunks(self.bands).flat_map(|row| &row[..bands]).copied().collect()
+    }
+}
+
+impl Material for PythonMaterial {
     fn lobes(&self) -> Lobes {
         Lobes { diffuse: true, glossy: self.has_sample, ..Lobes::default() }
     }
 
     fn eval_pdf(&self, outgoing: DVec3, incident: &[DVec3], values: &mut [f64], pdfs: &mut [f64]) {
+        values.fill(0.0);
+        pdfs.fill(0.0);
         if incident.is_empty() {
             return;
         }
-        let told = Python::attach(|py| {
-            self.evaluate(py, outgoing, incident, values)?;
-            self.pdf(py, outgoing, incident, pdfs)
-        });
-        if let Err(error) = told {
-            values.fill(0.0);
-            pdfs.fill(0.0);
-            self.raised.set(error);
+        let bands = values.len() / incident.len();
+        if let Some(answer) = self.ask(HitQuery { outgoing, ask: Ask::Eval(incident.to_vec()), bands }) {
+            values.copy_from_slice(&answer.values);
+            pdfs.copy_from_slice(&answer.pdfs);
         }
     }
 
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample> {
-        let drawn = Python::attach(|py| self.sampled(py, outgoing, u, weights));
-        drawn.unwrap_or_else(|error| {
-            self.raised.set(error);
-            None
-        })
+        let answer = self.ask(HitQuery { outgoing, ask: Ask::Sample(u), bands: weights.len() })?;
+        let (&incident, &pdf) = (answer.incident.first()?, answer.pdfs.first()?);
+        // Cosine-weighted directions cancel the cosine exactly.
+        let factor = if self.has_sample { incident.z.abs() / pdf } else { PI };
+        weights.iter_mut().zip(&answer.values).for_each(|(weight, value)| *weight = value * factor);
+        (pdf > 0.0 && factor.is_finite()).then_some(BrdfSample { incident, density: Density::Continuous(pdf) })
     }
-}
-
-fn vector(py: Python<'_>, vector: DVec3) -> Bound<'_, PyArray1<f64>> {
-    PyArray1::from_slice(py, &vector.to_array())
 }
 
 fn rows<'py>(py: Python<'py>, vectors: &[DVec3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -137,14 +259,15 @@ fn rows<'py>(py: Python<'py>, vectors: &[DVec3]) -> PyResult<Bound<'py, PyArray2
     PyArray1::from_vec(py, values).reshape([vectors.len(), 3])
 }
 
+/// As Python writes a tuple.
+fn shape_text(shape: &[usize]) -> String {
+    match shape {
+        [one] => format!("({one},)"),
+        _ => format!("({})", shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
+    }
+}
+
 /// As an array of doubles, whatever it was.
 pub(crate) fn as_array<'py>(py: Python<'py>, given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     py.import("numpy")?.call_method1("asarray", (given, "float64"))
-}
-
-pub(crate) fn check_length(what: &str, found: usize, expected: usize) -> PyResult<()> {
-    match found == expected {
-        true => Ok(()),
-        false => Err(PyValueError::new_err(format!("{what} gave {found} values, expected {expected}"))),
-    }
 }

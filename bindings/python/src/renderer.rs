@@ -89,7 +89,7 @@ impl Renderer {
         if let Some(cache) = irradiance_cache {
             renderer.only_irradiance_cache(cache);
         }
-        Ok(Renderer { renderer, threads, raised: scene.raised.clone() })
+        Ok(Renderer { renderer, threads: scene.threads(threads), raised: scene.raised.clone() })
     }
 
     /// Render a view within a size; the picture has the view's own proportions.

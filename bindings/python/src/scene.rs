@@ -1,5 +1,6 @@
 //! Scenes and views.
 
+use crate::batcher;
 use crate::errors::exception;
 use crate::material::PythonMaterial;
 use crate::supervise::Raised;
@@ -85,6 +86,14 @@ impl Scene {
         files_first(&self.files, FileLoader::default())
     }
 
+    /// Threads of work on it, where so many are asked for: more where its materials are Python's, since these are asked in batches.
+    pub(crate) fn threads(&self, asked: Option<usize>) -> Option<usize> {
+        match self.materials.is_empty() {
+            true => asked,
+            false => Some(asked.unwrap_or_default().max(batcher::THREADS)),
+        }
+    }
+
     /// Its materials in Python.
     pub(crate) fn models(&self, py: Python<'_>) -> PyResult<Models> {
         models_of(py, &self.materials, &self.raised)
@@ -96,7 +105,7 @@ pub(crate) type Models = Vec<(String, PythonMaterial)>;
 
 fn models_of(py: Python<'_>, materials: &Materials, raised: &Raised) -> PyResult<Models> {
     let model = |(name, object): (&String, &Py<PyAny>)| {
-        Ok((name.clone(), PythonMaterial::new(py, object.clone_ref(py), raised)?))
+        Ok((name.clone(), PythonMaterial::new(py, name, object.clone_ref(py), raised)?))
     };
     materials.iter().map(model).collect()
 }

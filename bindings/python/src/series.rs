@@ -142,7 +142,7 @@ impl CaptureSeries {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Vec<CapturedImage>> {
         let scene = self.scene.get();
-        let threads = pictures.first().and_then(|picture| picture.get().capture.get().threads);
+        let threads = scene.threads(pictures.first().and_then(|picture| picture.get().capture.get().threads));
         let pictures: Vec<radsight::SeriesPicture> = pictures.iter().map(|picture| of_library(picture.get())).collect();
         let (models, files) = (scene.models(py)?, scene.loader());
         let exposed = supervised(py, threads, progress, &scene.raised, |watch: &Watch| {

@@ -1,6 +1,9 @@
 """Cameras and materials written in Python: the numbers of compiled ones, and what they raise."""
 
+import os
+import pathlib
 import pickle
+import subprocess
 
 import numpy as np
 import pytest
@@ -18,7 +21,7 @@ class Lambert:
     """Half of the light, evenly."""
 
     def evaluate(self, outgoing, incident):
-        lit = (incident[:, 2] > 0) & (outgoing[2] > 0)
+        lit = (incident[:, 2] > 0) & (outgoing[:, 2] > 0)
         return np.where(lit, 0.5 / np.pi, 0.0)
 
 
@@ -26,9 +29,9 @@ class Drawn(Lambert):
     """The same with directions that it draws itself, evenly over the hemisphere."""
 
     def sample(self, outgoing, u):
-        z, angle = 1 - u[0], 2 * np.pi * u[1]
-        radius = np.sqrt(max(0.0, 1 - z * z))
-        return np.array([radius * np.cos(angle), radius * np.sin(angle), z])
+        z, angle = 1 - u[:, 0], 2 * np.pi * u[:, 1]
+        radius = np.sqrt(np.maximum(0.0, 1 - z * z))
+        return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
 
     def pdf(self, outgoing, incident):
         return np.where(incident[:, 2] > 0, 0.5 / np.pi, 0.0)
@@ -55,6 +58,61 @@ def test_a_material_in_python_has_the_compiled_ones_numbers(model):
         scene = radsight.Scene.from_text(TABLE, materials=materials)
         pictures.append(radsight.Renderer(scene).trace(rays).radiance_w_per_sr_m2)
     np.testing.assert_allclose(pictures[1], pictures[0], rtol=0.02)
+
+
+def test_a_material_in_python_has_the_numbers_of_a_plugin(tmp_path):
+    program = os.environ.get("RADSIGHT_PROGRAM")
+    plugins = sorted(pathlib.Path(program or ".").parent.glob("*builtin.*"))
+    if not program or not plugins:
+        pytest.skip("RADSIGHT_PROGRAM names no program with plugins beside it")
+    (tmp_path / "table.rad").write_text(TABLE)
+    rays = np.array([[x, 0.3, 1, 0.1, 0, -1.0] for x in np.linspace(-3, 3, 200)])
+    command = [program, "rtrace", "-ffd", "-h", "-ab", "1", "-aa", "0", "-ad", "512", "--brdf", "grey=builtin:lambert(.5,.5,.5)"]
+    command += ["--plugin-path", str(plugins[0].parent), str(tmp_path / "table.rad")]
+    run = subprocess.run(command, input=rays.astype("float32").tobytes(), capture_output=True, check=True)
+    compiled = np.frombuffer(run.stdout).reshape(-1, 3)
+    scene = radsight.Scene.from_text(TABLE, materials={"grey": Lambert()})
+    options = {"ambient_bounces": 1, "ambient_accuracy": 0.0}
+    rays = rays.astype("float32").astype(float)
+    own = radsight.trace(scene, rays, **options)["radiance_w_per_sr_m2"]
+    np.testing.assert_allclose(own, compiled, rtol=1e-12)
+
+
+@pytest.mark.parametrize("model", [Lambert, Drawn])
+def test_a_batch_of_hits_has_the_bits_of_single_hits(model):
+    class Counted(model):
+        calls = rows = 0
+
+        def evaluate(self, outgoing, incident):
+            assert outgoing.shape == incident.shape
+            self.calls, self.rows = self.calls + 1, self.rows + len(incident)
+            return super().evaluate(outgoing, incident)
+
+    counted = Counted()
+    scene = radsight.Scene.from_text(TABLE, materials={"grey": counted})
+    rays = np.array([[x, 0.5, 1, 0.1, 0, -1.0] for x in np.linspace(-3, 3, 4000)])
+    options = {"ambient_bounces": 2, "ambient_accuracy": 0.0}
+    renderer = radsight.Renderer(scene, **options)
+    counted.calls = counted.rows = 0
+    together = renderer.trace(rays).radiance_w_per_sr_m2
+    assert counted.rows > 4000 and counted.calls < counted.rows / 8
+    some = slice(0, 4000, 400)
+    single = [renderer.trace(rays[place : place + 1], first=place) for place in range(4000)[some]]
+    np.testing.assert_array_equal(together[some], [traced.radiance_w_per_sr_m2[0] for traced in single])
+
+
+def test_a_coloured_material_may_be_used_where_all_is_grey():
+    class Equal(Lambert):
+        def evaluate(self, outgoing, incident):
+            return np.repeat(super().evaluate(outgoing, incident)[:, np.newaxis], 3, axis=1)
+
+    text = TABLE.replace("100 90 80", "100 100 100")
+    ray = np.array([[0, 0, 1, 0, 0, -1.0]])
+    one, three = (
+        radsight.Renderer(radsight.Scene.from_text(text, materials={"grey": model})).trace(ray).radiance_w_per_sr_m2
+        for model in (Lambert(), Equal())
+    )
+    np.testing.assert_array_equal(one, three)
 
 
 def test_a_material_in_python_is_followed_over_bounces():
@@ -88,11 +146,36 @@ def test_exceptions_of_python_code_end_the_work():
         def evaluate(self, outgoing, incident):
             return np.zeros(len(incident) + 1)
 
+    class NotANumber:
+        def evaluate(self, outgoing, incident):
+            return np.full(len(incident), np.nan)
+
+    class Number:
+        def evaluate(self, outgoing, incident):
+            return 0.5 / np.pi
+
+    class Density(Drawn):
+        def pdf(self, outgoing, incident):
+            return np.full(len(incident), np.inf)
+
+    class Direction(Drawn):
+        def sample(self, outgoing, u):
+            return u[:, :2]
+
     rays = np.array([[0, 0, 1, 0, 0, -1.0]])
-    for model, error in ((Broken(), ZeroDivisionError), (Short(), ValueError)):
+    for model, error, said in (
+        (Broken(), ZeroDivisionError, "a mistake"),
+        (Short(), ValueError, r'"grey": evaluate gave an array of shape \(\d+,\), expected \(\d+,\) or \(\d+, 3\)'),
+        (NotANumber(), ValueError, r"evaluate gave NaN for outgoing \(.*\) and incident \("),
+        (Number(), ValueError, r"evaluate gave an array of shape \(\)"),
+        (Density(), ValueError, "pdf gave inf for outgoing"),
+        (Direction(), ValueError, r"sample gave an array of shape \(\d+, 2\), expected \(\d+, 3\)"),
+    ):
         scene = radsight.Scene.from_text(TABLE, materials={"grey": model})
-        with pytest.raises(error):
+        with pytest.raises(error, match=said):
             radsight.Renderer(scene).trace(rays)
+        with pytest.raises(error, match=said):
+            radsight.Renderer(scene).render(VIEW, 16, 12)
     with pytest.raises(ValueError, match="evaluate"):
         radsight.Scene.from_text(TABLE, materials={"grey": object()})
 

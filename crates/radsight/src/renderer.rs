@@ -25,7 +25,7 @@ const CAMERA_BATCH: usize = 4096;
 /// Number of rays between two progress reports.
 const RAYS_AT_A_TIME: usize = 1 << 17;
 
-/// Minimum number of consecutive rays that a thread traces.
+/// Number of consecutive rays that a thread traces, where there are as many for each.
 const RAYS_OF_A_THREAD: usize = 1024;
 
 /// Number of bits of a ray's number that identify the sample of a pixel.
@@ -386,9 +386,9 @@ impl Renderer {
             let number = first + told.len() as u64;
             let answer =
                 |worker: &mut RayWorker<'_>, (place, ray): (usize, &Ray)| of(worker.trace(number + place as u64, ray));
-            told.par_extend(
-                some.par_iter().enumerate().with_min_len(RAYS_OF_A_THREAD).map_init(|| renderer.worker(), answer),
-            );
+            let of_a_thread = RAYS_OF_A_THREAD.min(some.len().div_ceil(rayon::current_num_threads()));
+            let answers = some.par_iter().enumerate().with_min_len(of_a_thread);
+            told.par_extend(answers.map_init(|| renderer.worker(), answer));
             progress.report(told.len() as u64, rays.len() as u64);
         }
         self.check_met()?;

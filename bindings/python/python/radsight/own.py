@@ -1,7 +1,7 @@
 """Cameras and materials written in Python: what they have to look like.
 
-They are for trying ideas out. Python is called while rays are traced, so they take far longer than compiled ones; their numbers
-are the same.
+They are for trying ideas out. Python is called while rays are traced, once for a batch of many, so they take longer than compiled
+ones; their numbers are the same.
 """
 
 from __future__ import annotations
@@ -52,9 +52,15 @@ class Camera(Protocol):
 class Material(Protocol):
     """A reflectance model of one's own, in the place of a material of a scene: ``Scene.load(…, materials={"name": model})``.
 
-    Directions are unit vectors away from the surface, in a frame with +z on the shading normal. Incident directions are drawn
-    cosine-weighted, unless the object also has ``sample(outgoing, u)``, which gives a direction for a point ``u`` of the unit cube or
-    ``None`` for absorption, and ``pdf(outgoing, incident)``, which gives the densities (1/sr) with which it does so.
+    Directions are unit vectors away from the surface, in a frame with +z on the shading normal. A call gets the pairs of directions of
+    many hits; a row's result must not depend on the other rows, as with NumPy's functions of single elements.
+
+    Incident directions are drawn cosine-weighted, unless the object also has these two methods:
+
+    ``sample(outgoing, u)``
+        Incident directions for (n, 3) outgoing ones and (n, 3) points of the unit cube; NaN or zeros for absorption.
+    ``pdf(outgoing, incident)``
+        The densities, 1/sr, with which it does so: (n,).
 
     Examples
     --------
@@ -75,12 +81,12 @@ class Material(Protocol):
 
         Parameters
         ----------
-        outgoing : (3,) array of float
-        incident : (n, 3) array of float
-            All directions that a hit asks for, at once.
+        outgoing, incident : (n, 3) array of float
+            A row for each pair of directions.
 
         Returns
         -------
-        (n,) or (n, bands) array of float
+        (n,) or (n, 3) array of float
+            Finite; what is below zero counts as zero.
         """
         ...
