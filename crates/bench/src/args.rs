@@ -16,11 +16,14 @@ pub(crate) struct Program {
 /// The measurement to run.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Captures of the paper's figures: time, error against the truth, and Radiance's time for the same error
+    /// Captures of the paper's figures: time, error against the truth, and Radiance's time for the
+    /// same error
     Capture(Capture),
-    /// Pictures of many scenes: time to an error beside real Radiance and Mitsuba 3, as a table, a CSV file and a page
+    /// Pictures of many scenes: time to an error beside real Radiance and Mitsuba 3, as a table, a
+    /// CSV file and a page
     Race(Race),
-    /// Other people's rpict commands beside real Radiance: processor time, and how near the pictures are to the truth
+    /// Other people's rpict commands beside real Radiance: processor time, and how near the
+    /// pictures are to the truth
     Commands(Commands),
     /// Random rooms: whether rpict --error reaches the requested error, with references of
     /// independent paths
@@ -76,7 +79,8 @@ pub(crate) struct Rooms {
     /// Requested relative errors
     #[arg(long, value_name = "E,…", value_delimiter = ',', default_values_t = [0.1, 0.05, 0.02])]
     pub(crate) errors: Vec<f64>,
-    /// Limit of processor time of rpict for a picture, seconds (its --time-limit); unlimited by default
+    /// Limit of processor time of rpict for a picture, seconds (its --time-limit); unlimited by
+    /// default
     #[arg(long, value_name = "SECONDS")]
     pub(crate) limit: Option<f64>,
     /// Columns of the pictures; rows are three quarters of them
@@ -218,7 +222,8 @@ pub(crate) struct Rays {
     /// Squares along each side of the terrain; each is two triangles
     #[arg(long, value_name = "N", default_value_t = SQUARES, value_parser = clap::value_parser!(u32).range(1..=4000))]
     pub(crate) squares: u32,
-    /// Repetitions of each program; rates are those of the fastest, ratios are medians over the repetitions
+    /// Repetitions of each program; rates are those of the fastest, ratios are medians over the
+    /// repetitions
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) repeat: u32,
 }

@@ -20,14 +20,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Smallest time that can be measured, s.
-const LEAST_TIME: f64 = 0.1;
+const MIN_TIME: f64 = 0.1;
 
 /// Side of the compared blocks, pixels, and their tolerance.
 const BLOCK: usize = 8;
 const NEAR: f64 = 0.05;
 
 /// Luminances below this share of the median are raised to it in relative errors.
-const DARK: f64 = 0.01;
+const DARK_FRACTION: f64 = 0.01;
 
 /// A recorded call of `rpict`.
 #[derive(Debug)]
@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &Commands) -> Result<(), BenchError> {
             let [peer_near, own_near] =
                 ["real.hdr", "radsight.hdr"].map(|name| luminances(&file(name)).map(|picture| near(&picture, &truth)));
             let (peer_near, own_near) = (peer_near?, own_near?);
-            let ratio = ours.processor / peer.processor.max(LEAST_TIME);
+            let ratio = ours.processor / peer.processor.max(MIN_TIME);
             ratios.push(ratio);
             let name = scripts.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
             table.push(vec![
@@ -98,7 +98,7 @@ pub(crate) fn run(arguments: &Commands) -> Result<(), BenchError> {
     }
     let mean = (ratios.iter().map(|ratio| ratio.max(1e-3).ln()).sum::<f64>() / ratios.len().max(1) as f64).exp();
     print(&format!(
-        "\n{}\ngeometric mean of {} ratios (times below {LEAST_TIME} s count as that): {mean:.2}\n",
+        "\n{}\ngeometric mean of {} ratios (times below {MIN_TIME} s count as that): {mean:.2}\n",
         table.to_text(),
         ratios.len()
     ));
@@ -196,7 +196,7 @@ fn luminances(path: &Path) -> Result<(usize, Vec<f64>), BenchError> {
 fn near((columns, picture): &(usize, Vec<f64>), (_, truth): &(usize, Vec<f64>)) -> Nearness {
     let mut lit: Vec<f64> = truth.iter().copied().filter(|value| *value > 0.0).collect();
     lit.sort_by(f64::total_cmp);
-    let dark = DARK * lit.get(lit.len() / 2).copied().unwrap_or(0.0);
+    let dark = DARK_FRACTION * lit.get(lit.len() / 2).copied().unwrap_or(0.0);
     let rows = picture.len().min(truth.len()) / columns.max(&1);
     let (mut count, mut close, mut squares) = (0.0, 0.0, 0.0);
     for top in (0..(rows / BLOCK) * BLOCK).step_by(BLOCK) {

@@ -1,18 +1,18 @@
 //! Embree through the Python package `embreex`, whose loop over single rays is compiled.
 
-use crate::rays::Answer;
+use crate::rays::TraceResult;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 const SCRIPT: &str = include_str!("with_embree.py");
 
-/// A running process that holds a scene and its rays, and traces them as often as it is asked to.
+/// A running process with a scene and its rays, which traces them on request.
 pub(crate) struct Embree {
     process: Child,
     asked: ChildStdin,
     told: BufReader<ChildStdout>,
-    /// By how many bytes the process grew with hierarchy and triangles.
+    /// Growth of the process in bytes, due to hierarchy and triangles.
     pub(crate) bytes: f64,
 }
 
@@ -37,10 +37,10 @@ impl Embree {
     }
 
     /// Traces all rays once.
-    pub(crate) fn turn(&mut self) -> Result<Answer, String> {
+    pub(crate) fn trace_all(&mut self) -> Result<TraceResult, String> {
         self.asked.write_all(b"\n").and_then(|()| self.asked.flush()).map_err(|error| error.to_string())?;
         let [seconds, hits, sum] = self.numbers()?;
-        Ok(Answer { seconds, hits: hits as usize, sum })
+        Ok(TraceResult { seconds, hits: hits as usize, sum })
     }
 
     fn numbers<const N: usize>(&mut self) -> Result<[f64; N], String> {
@@ -53,7 +53,7 @@ impl Embree {
 
 impl Drop for Embree {
     fn drop(&mut self) {
-        // It ends by itself with its input; one that hangs must not outlive the bench.
+        // It ends by itself with its input; one that hangs must not outlive the benchmark.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }

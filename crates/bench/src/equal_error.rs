@@ -9,8 +9,8 @@ use crate::table::Table;
 /// figure.
 ///
 /// Extrapolation assumes time in proportion to 1/error², as for independent unbiased samples. This
-/// makes Radiance look faster: it folds a light's extent into the highlight's width, and a bias does not
-/// decrease with more rays.
+/// makes Radiance look faster: it folds a light's extent into the highlight's width, and a bias
+/// does not decrease with more rays.
 pub(crate) fn report(runs: &[Run], figures: &[Figure]) -> String {
     let heading = ["figure", "rtrace", "at error %", "rtrace s", "--samples s", "ratio", "--error s", "ratio", "note"];
     let mut table = Table::new(&heading, 2);
@@ -43,20 +43,20 @@ fn compare(table: &mut Table, figure: Figure, options: RadianceOptions, peer: &[
     for &(error, time) in peer {
         table.push(row(figure, options, error, time, ours, ""));
     }
-    let wanted = figure.wanted_error();
+    let target = figure.target_error();
     let [.., (earlier, _), (error, time)] = *peer else { return };
-    if error <= wanted {
+    if error <= target {
         return;
     }
     if error > STALLED * earlier {
-        let cells = [figure.to_string(), options.to_string(), format!("{:.2}", 100.0 * wanted)];
+        let cells = [figure.to_string(), options.to_string(), format!("{:.2}", 100.0 * target)];
         let unknown = std::iter::repeat_n("-".to_owned(), 5);
         let note = "not reached: more rays hardly lower rtrace's error".to_owned();
         table.push(cells.into_iter().chain(unknown).chain([note]).collect());
         return;
     }
-    let extrapolated = time * (error / wanted).powi(2);
-    table.push(row(figure, options, wanted, extrapolated, ours, "extrapolated, time ~ 1/error²"));
+    let extrapolated = time * (error / target).powi(2);
+    table.push(row(figure, options, target, extrapolated, ours, "extrapolated, time ~ 1/error²"));
 }
 
 fn row(figure: Figure, options: RadianceOptions, error: f64, time: f64, ours: &[Curve; 2], note: &str) -> Vec<String> {

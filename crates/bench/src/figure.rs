@@ -50,7 +50,7 @@ impl Figure {
 
     /// The target error of a capture of the figure, relative to the mean exposure: mirrors are
     /// harder.
-    pub(crate) fn wanted_error(self) -> f64 {
+    pub(crate) fn target_error(self) -> f64 {
         match self {
             Figure::T13 | Figure::T14 => 0.01,
             _ => 0.005,

@@ -1,27 +1,37 @@
-//! Time, error and memory of radsight beside real Radiance, in one run on one machine.
+//! Time, error and memory of radsight compared with real Radiance, in one run on one machine.
 //!
-//! `radsight-bench capture [FIGURE…]` captures the paper's figures at several numbers of samples and asked errors, sends the same
-//! camera rays through real `rtrace`, compares all exposures with the project's truth, and says how much longer Radiance
-//! takes to the same error. It runs the programs as a user would, each in a process of its own, one after the other.
+//! `radsight-bench capture [FIGURE…]` captures the paper's figures with several numbers of samples
+//! and requested errors, traces the same camera rays with real `rtrace`, compares all exposures
+//! with the truth, and reports the ratio of Radiance's time at equal error. The programs run one
+//! after another, each in its own process.
 //!
-//! `radsight-bench race` renders many scenes with radsight, real Radiance and Mitsuba 3, and says how long each takes to an error.
+//! `radsight-bench race` renders many scenes with radsight, real Radiance and Mitsuba 3, and
+//! reports the time of each to an error.
 //!
-//! `radsight-bench commands` runs other people's `rpict` commands as they stand with both programs: time, and distance from the truth.
+//! `radsight-bench commands` runs published `rpict` commands unchanged with both programs: time,
+//! and error relative to the truth.
 //!
-//! `radsight-bench rooms` asks for errors in random rooms, and says which are reached and whether what is reported is true.
+//! `radsight-bench rooms` requests errors in random rooms, and reports which are reached and
+//! whether the reported errors are true.
 //!
-//! `radsight-bench sensors` reads few points in rooms and outdoors again and again: mean, deviation and time beside real `rtrace`.
+//! `radsight-bench sensors` computes a few sensor points in rooms and outdoors many times: mean,
+//! deviation and time, with real `rtrace`.
 //!
-//! `radsight-bench rays` sends rays without any order against a million triangles, beside Embree and real `rtrace`.
+//! `radsight-bench rays` traces incoherent rays through a million triangles, with Embree and real
+//! `rtrace`.
 //!
-//! `radsight-bench scaling` says how time and memory grow with triangles, lights, pixels and threads.
+//! `radsight-bench scaling` reports how time and memory grow with triangles, lights, pixels and
+//! threads.
 //!
-//! `radsight-bench load` writes large scenes as text and compares the way from text to a hierarchy with `oconv`'s.
+//! `radsight-bench load` writes large scenes as text and measures the time from text to a
+//! hierarchy, with `oconv`.
 //!
-//! `radsight-bench plugin` captures with a model in the program and the same model in a plugin, and says what the plugin costs.
+//! `radsight-bench plugin` captures with a built-in model and the same model in a plugin, and
+//! reports the cost of the plugin.
 //!
-//! Real Radiance is found through `RADSIGHT_RADIANCE` (a folder with `bin` and `lib`), else on PATH. Processor time is that of the child
-//! processes, so other work on the machine counts only through shared caches.
+//! Real Radiance is found through `RADSIGHT_RADIANCE` (a folder with `bin` and `lib`), otherwise on
+//! PATH. Processor time is that of the child processes, so other work on the machine matters only
+//! through shared caches.
 #![forbid(unsafe_code)]
 
 mod accuracy;
@@ -52,7 +62,7 @@ mod taken;
 use clap::Parser;
 use std::process::ExitCode;
 
-/// That of the program: where memory comes from decides how soon rays find what they look for.
+/// The allocator of the program: the placement of memory affects the speed of rays.
 #[global_allocator]
 static ALLOCATOR: radsight_memory::ReportingAllocator = radsight_memory::ReportingAllocator;
 

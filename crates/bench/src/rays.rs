@@ -1,4 +1,5 @@
-//! `radsight-bench rays`: rays without any order against a million triangles, beside Embree and real Radiance.
+//! `radsight-bench rays`: incoherent rays through a million triangles, with Embree and real
+//! Radiance.
 
 use crate::args::Rays;
 use crate::capture::print;
@@ -17,17 +18,17 @@ use radsight_parse::{Input, Read, ReadOptions, read_scene};
 use radsight_render::{NoModels, Ray, RenderOptions, RenderPlan};
 use std::path::{Path, PathBuf};
 
-/// What a program answered.
-pub(crate) struct Answer {
+/// The result of a program.
+pub(crate) struct TraceResult {
     /// Seconds of processor time for all rays.
     pub(crate) seconds: f64,
-    /// Rays that met a triangle.
+    /// Rays that hit a triangle.
     pub(crate) hits: usize,
-    /// Sum of the distances to what they met.
+    /// Sum of the distances to the hits.
     pub(crate) sum: f64,
 }
 
-/// Times all programs on one thread, in turns, and prints a table.
+/// Measures all programs on one thread, alternating, and prints a table.
 pub(crate) fn run(arguments: &Rays) -> Result<(), BenchError> {
     let folder = tempfile::tempdir().map_err(|reason| BenchError::Temporary { reason })?;
     let radiance = Radiance::find();
@@ -37,14 +38,14 @@ pub(crate) fn run(arguments: &Rays) -> Result<(), BenchError> {
     let rays = random_rays(arguments.rays as usize);
     let path = write_rays(folder.path(), &rays)?;
 
-    let source = Source::read(&file)?;
-    let (quick, thorough) = (Planned::new(&source, 0.0)?, Planned::new(&source, f64::INFINITY)?);
+    let source = SceneSource::read(&file)?;
+    let (quick, thorough) = (CompiledScene::new(&source, 0.0)?, CompiledScene::new(&source, f64::INFINITY)?);
     let mut embree = Embree::start(&file, &path, folder.path());
     let mut series = [const { Vec::new() }; 5];
     for _ in 0..arguments.repeat {
         let [first, any, first_thorough, any_thorough, beside] = &mut series;
         if let Ok(embree) = &mut embree {
-            beside.push(embree.turn().map_err(|reason| BenchError::Embree { reason })?);
+            beside.push(embree.trace_all().map_err(|reason| BenchError::Embree { reason })?);
         }
         first_thorough.push(first_hits(&thorough.plan, &rays));
         any_thorough.push(blocked(&thorough.plan, &rays));
@@ -70,17 +71,17 @@ pub(crate) fn run(arguments: &Rays) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// A plan, and what it took to make.
-struct Planned {
+/// A plan, and the cost of compiling it.
+struct CompiledScene {
     plan: RenderPlan,
     /// Processor time, s.
     seconds: f64,
 }
 
-impl Planned {
-    fn new(source: &Source<'_>, camera_rays: f64) -> Result<Planned, BenchError> {
+impl CompiledScene {
+    fn new(source: &SceneSource<'_>, camera_rays: f64) -> Result<CompiledScene, BenchError> {
         let start = processor_time();
-        Ok(Planned { plan: source.plan(camera_rays)?, seconds: processor_time() - start })
+        Ok(CompiledScene { plan: source.plan(camera_rays)?, seconds: processor_time() - start })
     }
 
     fn words(&self, builder: &str) -> String {
@@ -89,10 +90,12 @@ impl Planned {
     }
 }
 
-/// A row with the best turn; the last column is the median over the turns of what a program takes less than `own` does.
-fn push(table: &mut Table, program: &str, turns: &[Answer], rays: usize, own: &[Answer]) {
-    let Some(best) = turns.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds)) else { return };
-    let mut ratios: Vec<f64> = turns.iter().zip(own).map(|(turn, own)| own.seconds / turn.seconds).collect();
+/// A row with the fastest repetition. The last column is the median over the repetitions of the
+/// ratio to `own`.
+fn push(table: &mut Table, program: &str, repetitions: &[TraceResult], rays: usize, own: &[TraceResult]) {
+    let Some(best) = repetitions.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds)) else { return };
+    let mut ratios: Vec<f64> =
+        repetitions.iter().zip(own).map(|(trace_all, own)| own.seconds / trace_all.seconds).collect();
     ratios.sort_by(f64::total_cmp);
     table.push(vec![
         program.to_owned(),
@@ -103,7 +106,8 @@ fn push(table: &mut Table, program: &str, turns: &[Answer], rays: usize, own: &[
     ]);
 }
 
-/// Rays from anywhere in the air above and in the land, in all directions; the same in every run.
+/// Rays that start anywhere in the air above and in the terrain, in all directions; the same in
+/// every run.
 pub(crate) fn random_rays(count: usize) -> Vec<Ray> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     // Marsaglia, "Xorshift RNGs", Journal of Statistical Software 8(14), 2003.
@@ -115,13 +119,13 @@ pub(crate) fn random_rays(count: usize) -> Vec<Ray> {
     };
     let ray = |_| {
         let origin = DVec3::new(number(), number(), 0.2 * number() - 0.08);
-        let (z, turn) = (2.0 * number() - 1.0, std::f64::consts::TAU * number());
+        let (z, trace_all) = (2.0 * number() - 1.0, std::f64::consts::TAU * number());
         let level = (1.0 - z * z).max(0.0).sqrt();
-        // What single precision holds, so that all programs get the same rays.
+        // Rounded to single precision, so that all programs get the same rays.
         let single = |vector: DVec3| vector.as_vec3().as_dvec3();
         Ray {
             origin: single(origin),
-            direction: single(DVec3::new(level * turn.cos(), level * turn.sin(), z)).normalize(),
+            direction: single(DVec3::new(level * trace_all.cos(), level * trace_all.sin(), z)).normalize(),
         }
     };
     (0..count).map(ray).collect()
@@ -139,27 +143,27 @@ fn bytes_of(vector: DVec3) -> impl Iterator<Item = u8> {
     vector.to_array().into_iter().flat_map(f64::to_ne_bytes)
 }
 
-/// Plans a scene for few rays.
+/// Compiles a scene for few rays.
 pub(crate) fn plan_of(file: &Path) -> Result<RenderPlan, BenchError> {
-    Source::read(file)?.plan(0.0)
+    SceneSource::read(file)?.plan(0.0)
 }
 
-/// A scene that is planned in several ways.
-struct Source<'f> {
+/// A scene that is compiled in several ways.
+struct SceneSource<'f> {
     file: &'f Path,
     scene: ValidScene,
     sources: SourceMap,
 }
 
-impl Source<'_> {
-    fn read(file: &Path) -> Result<Source<'_>, BenchError> {
+impl SceneSource<'_> {
+    fn read(file: &Path) -> Result<SceneSource<'_>, BenchError> {
         let name = file.to_string_lossy().into_owned();
         let Read { scene, sources, .. } = read_scene(&[Input::File(name)], &Disk, &ReadOptions::default());
         let valid = scene.validate().map_err(|errors| wrong(file, &errors, &sources))?;
-        Ok(Source { file, scene: valid.scene, sources })
+        Ok(SceneSource { file, scene: valid.scene, sources })
     }
 
-    /// For so many camera rays.
+    /// For this number of camera rays.
     fn plan(&self, camera_rays: f64) -> Result<RenderPlan, BenchError> {
         let options = RenderOptions { camera_rays, ..RenderOptions::default() };
         let plan = RenderPlan::new(self.scene.clone(), options, &NoModels);
@@ -172,21 +176,27 @@ fn wrong(file: &Path, errors: &[Diagnostic], sources: &SourceMap) -> BenchError 
     BenchError::Read { path: file.to_owned(), reason }
 }
 
-pub(crate) fn first_hits(plan: &RenderPlan, rays: &[Ray]) -> Answer {
+pub(crate) fn first_hits(plan: &RenderPlan, rays: &[Ray]) -> TraceResult {
     let start = processor_time();
     let distances = rays.iter().filter_map(|ray| plan.distance(ray));
     let (hits, sum) = distances.fold((0, 0.0), |(hits, sum), distance| (hits + 1, sum + distance));
-    Answer { seconds: processor_time() - start, hits, sum }
+    TraceResult { seconds: processor_time() - start, hits, sum }
 }
 
-fn blocked(plan: &RenderPlan, rays: &[Ray]) -> Answer {
+fn blocked(plan: &RenderPlan, rays: &[Ray]) -> TraceResult {
     let start = processor_time();
     let hits = rays.iter().filter(|ray| plan.is_blocked(ray, f64::MAX)).count();
-    Answer { seconds: processor_time() - start, hits, sum: f64::NAN }
+    TraceResult { seconds: processor_time() - start, hits, sum: f64::NAN }
 }
 
-/// Distances by real `rtrace`; the time for a single ray is taken off, which is that of loading.
-pub(crate) fn traced(radiance: &Radiance, scene: &Path, rays: &[Ray], folder: &Path) -> Result<Answer, BenchError> {
+/// Distances by real `rtrace`. The time of a run with a single ray, which is that of loading, is
+/// subtracted.
+pub(crate) fn traced(
+    radiance: &Radiance,
+    scene: &Path,
+    rays: &[Ray],
+    folder: &Path,
+) -> Result<TraceResult, BenchError> {
     const HINT: &str = "; RADSIGHT_RADIANCE names a folder with bin and lib";
     let [octree, input, output] = ["land.oct", "rays.f32", "distances.f32"].map(|name| folder.join(name));
     measure(radiance.command("oconv").arg(scene), None, Some(&octree), HINT)?;
@@ -200,8 +210,8 @@ pub(crate) fn traced(radiance: &Radiance, scene: &Path, rays: &[Ray], folder: &P
         *seconds = measure(&mut trace, Some(&input), Some(&output), HINT)?.processor;
     }
     let bytes = read(&output)?;
-    // What meets nothing is told to be very far away.
+    // Rays that hit nothing have a very large distance.
     let distances = bytes.as_chunks::<4>().0.iter().map(|bytes| f64::from(f32::from_ne_bytes(*bytes)));
     let (hits, sum) = distances.filter(|d| *d < 1e9).fold((0, 0.0), |(hits, sum), d| (hits + 1, sum + d));
-    Ok(Answer { seconds: seconds[1] - seconds[0], hits, sum })
+    Ok(TraceResult { seconds: seconds[1] - seconds[0], hits, sum })
 }

@@ -21,13 +21,13 @@ pub(crate) struct Taken {
 impl Taken {
     /// The cost without a part; never negative.
     pub(crate) fn less(self, part: Taken) -> Taken {
-        let less = |time: f64, part: f64| (time - part).max(LEAST_TIME);
+        let less = |time: f64, part: f64| (time - part).max(MIN_TIME);
         Taken { processor: less(self.processor, part.processor), wall: less(self.wall, part.wall), peak: self.peak }
     }
 }
 
 /// Resolution of the clock, s.
-const LEAST_TIME: f64 = 1e-3;
+const MIN_TIME: f64 = 1e-3;
 
 /// Runs a program in `folder` through `radsight-bench cost` and reads its result; `input` and
 /// `output` are its streams, or null.

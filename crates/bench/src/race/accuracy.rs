@@ -4,7 +4,7 @@ use radsight_picture::Image;
 
 /// Values below this share of the picture's mean are raised to it in relative errors, so that the
 /// darkest corner does not dominate.
-const DARK: f64 = 0.01;
+const DARK_FRACTION: f64 = 0.01;
 
 /// Side of pixel blocks, in which noise averages out and visible errors remain.
 pub(crate) const BLOCK: usize = 8;
@@ -12,7 +12,8 @@ pub(crate) const BLOCK: usize = 8;
 /// The relative errors of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Accuracy {
-    /// `sqrt(mean(d²/(r² + (0.01·m)²)))` over the values of all pixels: d the difference, r the reference, m the mean of its band.
+    /// `sqrt(mean(d²/(r² + (0.01·m)²)))` over the values of all pixels: d the difference, r the
+    /// reference, m the mean of its band.
     pub(crate) error: f64,
     /// 95 % of the values have a relative difference `|d|/sqrt(r² + (0.01·m)²)` below this.
     pub(crate) percentile_95: f64,
@@ -55,7 +56,7 @@ fn floors(reference: &Image<f32>) -> Vec<f64> {
     }
     let pixels = (reference.width() * reference.height()) as f64;
     // A band without light has no error.
-    sums.into_iter().map(|sum| (DARK * sum / pixels).max(f64::MIN_POSITIVE.sqrt())).collect()
+    sums.into_iter().map(|sum| (DARK_FRACTION * sum / pixels).max(f64::MIN_POSITIVE.sqrt())).collect()
 }
 
 fn relative(value: f64, reference: f64, floor: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! Mitsuba 3, through a Python script of our own that translates the common subset of scenes.
+//! Mitsuba 3, through a Python script that translates the common subset of scenes.
 
 use super::program::{Program, Series, Setting, Team, read_picture};
 use super::reference::put;
@@ -49,14 +49,14 @@ impl Mitsuba {
         };
         let script = folder.join("with_mitsuba.py");
         put(&script, SCRIPT.as_bytes()).map_err(|error| error.to_string())?;
-        let told = Command::new(&python).arg(&script).args(["probe", variant]).output();
-        let told = told.map_err(|error| format!("{}: {error}", python.display()))?;
-        if !told.status.success() {
-            let messages = String::from_utf8_lossy(&told.stderr);
+        let output = Command::new(&python).arg(&script).args(["probe", variant]).output();
+        let output = output.map_err(|error| format!("{}: {error}", python.display()))?;
+        if !output.status.success() {
+            let messages = String::from_utf8_lossy(&output.stderr);
             let message = messages.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
-            return Err(format!("mitsuba {variant} ends with {}: {message}", told.status));
+            return Err(format!("mitsuba {variant} ends with {}: {message}", output.status));
         }
-        let version = String::from_utf8_lossy(&told.stdout).trim().to_owned();
+        let version = String::from_utf8_lossy(&output.stdout).trim().to_owned();
         let radsight = PathBuf::from(radsight.command(&[]).get_program());
         Ok(Mitsuba { python, script, variant, version, limit, radsight, flat: PathBuf::new() })
     }
@@ -126,13 +126,13 @@ impl Program for Mitsuba {
     }
 
     fn render(&self, scene: &Scene, setting: &Setting, folder: &Path) -> Result<(Taken, Image<f32>), BenchError> {
-        let [output, told] = ["mitsuba.pfm", "mitsuba.txt"].map(|name| folder.join(name));
+        let [output, output] = ["mitsuba.pfm", "mitsuba.txt"].map(|name| folder.join(name));
         let mut command = Command::new(&self.python);
         command.arg(&self.script).args(["render", self.variant]).arg(&self.flat).arg(&output).arg(&self.radsight);
         command.args(scene.size.map(|side| side.to_string())).arg(setting.rays.to_string());
         command.arg(Mitsuba::depth(scene).to_string()).args(&setting.options).args(&scene.view);
-        let whole = taken_within(Some(self.limit), &mut command, folder, (None, Some(&told)))?;
-        let text = String::from_utf8_lossy(&crate::figure::read(&told)?).into_owned();
+        let whole = taken_within(Some(self.limit), &mut command, folder, (None, Some(&output)))?;
+        let text = String::from_utf8_lossy(&crate::figure::read(&output)?).into_owned();
         // Only rendering counts, without the start of Python and the translation.
         let numbers: Vec<f64> = words(&text).iter().filter_map(|word| word.parse().ok()).collect();
         let rendering = match numbers[..] {

@@ -27,7 +27,7 @@ pub(crate) use program::{Program, read_picture};
 use program::{Team, reading};
 pub(crate) use real::{Real, RealKind};
 pub(crate) use reference::put;
-use reference::{Reference, Wanted};
+use reference::{Criterion, Reference};
 use result::{CSV_HEADING, Clock, Entrant, Run, SceneResult, Summary};
 pub(crate) use scene::Scene;
 use std::fs;
@@ -145,8 +145,8 @@ impl<'a> Bench<'a> {
         for mitsuba in &mut self.mitsuba {
             mitsuba.prepare(&scene, self.folder)?;
         }
-        let wanted = Wanted { noise: self.arguments.reference_noise, seconds: self.arguments.reference_budget };
-        let reference = Reference::make(&scene, &self.own, self.real.first(), wanted, (self.folder, references))?;
+        let criterion = Criterion { noise: self.arguments.reference_noise, seconds: self.arguments.reference_budget };
+        let reference = Reference::make(&scene, &self.own, self.real.first(), criterion, (self.folder, references))?;
         let (mut entrants, mut read) = (Vec::new(), Vec::new());
         let programs = std::iter::once(&self.own as &dyn Program)
             .chain(self.real.iter().map(|real| real as &dyn Program))

@@ -25,7 +25,7 @@ pub(crate) struct Reference {
 
 /// The stopping criterion of a reference.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wanted {
+pub(crate) struct Criterion {
     /// Relative noise.
     pub(crate) noise: f64,
     /// Processor time for each of reference and check, seconds.
@@ -34,7 +34,7 @@ pub(crate) struct Wanted {
 
 /// Rays per pixel of one averaged picture; more as long as a picture takes less than [`SHORT`].
 const FIRST_RAYS: u32 = 64;
-const MOST_RAYS: u32 = 4096;
+const MAX_RAYS: u32 = 4096;
 const SHORT: f64 = 5.0;
 
 impl Reference {
@@ -43,18 +43,18 @@ impl Reference {
         scene: &Scene,
         own: &Own,
         real: Option<&Real<'_>>,
-        wanted: Wanted,
+        criterion: Criterion,
         (folder, cache): (&Path, &Path),
     ) -> Result<Reference, BenchError> {
         let mut halves = Halves::read(cache.join(format!("{}-{:016x}", scene.name, scene.fingerprint()?)));
         let mut spent = 0.0;
         let mut rays = FIRST_RAYS;
-        let is_noisy = |halves: &Halves| halves.noise().is_none_or(|noise| noise > wanted.noise);
-        while halves.pictures < 2 || is_noisy(&halves) && spent < wanted.seconds {
+        let is_noisy = |halves: &Halves| halves.noise().is_none_or(|noise| noise > criterion.noise);
+        while halves.pictures < 2 || is_noisy(&halves) && spent < criterion.seconds {
             let (taken, picture) = own.unbiased(scene, rays, 1_000_000 + halves.pictures, folder)?;
             halves.add(&picture, rays);
             spent += taken.processor;
-            if taken.processor < SHORT && rays < MOST_RAYS && halves.pictures.is_multiple_of(2) {
+            if taken.processor < SHORT && rays < MAX_RAYS && halves.pictures.is_multiple_of(2) {
                 rays *= 2;
             }
         }
@@ -63,7 +63,7 @@ impl Reference {
         let check = match (real, halves.read_check()) {
             (_, Some(check)) => check,
             (None, None) => "not compared with real Radiance".to_owned(),
-            (Some(real), None) => match compare(scene, &image, &halves.errors()?, real, wanted.seconds, folder) {
+            (Some(real), None) => match compare(scene, &image, &halves.errors()?, real, criterion.seconds, folder) {
                 Ok(check) => {
                     halves.write_check(&check)?;
                     check
@@ -168,7 +168,7 @@ pub(crate) fn put(path: &Path, bytes: &[u8]) -> Result<(), BenchError> {
 
 /// Initial rays per pixel through real `rtrace`, to measure their time, and the largest number.
 const TRIAL: u32 = 2;
-const MOST_TRACED: u32 = 2048;
+const MAX_TRACED: u32 = 2048;
 
 /// Compares with unbiased real Radiance, as accurately as the time permits.
 fn compare(
@@ -182,7 +182,7 @@ fn compare(
     let options = words(UNBIASED);
     let trial = real.trace(scene, &options, TRIAL, folder)?;
     let affordable = (seconds / trial.taken.processor.max(1e-3)) as u32;
-    let rays = TRIAL * affordable.clamp(1, MOST_TRACED / TRIAL);
+    let rays = TRIAL * affordable.clamp(1, MAX_TRACED / TRIAL);
     let traced = if rays > TRIAL { real.trace(scene, &options, rays, folder)? } else { trial };
     Ok(agreement(reference, noise, &traced, rays))
 }
@@ -195,7 +195,7 @@ fn blend(image: &mut Image<f32>, other: &Image<f32>, share: f64) {
 }
 
 /// Blocks agree within three standard errors, or within this relative difference.
-const CLOSE: f64 = 0.005;
+const TOLERANCE: f64 = 0.005;
 
 /// Number of blocks that agree. Rare bright rays fall into some blocks and not into others, so the
 /// variance of a block is that of its neighbourhood.
@@ -208,7 +208,7 @@ fn agreement(reference: &Image<f32>, noise: &Image<f32>, traced: &Traced, rays: 
         let variances: Vec<f64> = blocks(reference).map(variance).collect();
         for (block, variance) in blocks(reference).zip(of_neighbours(&variances, columns)) {
             let [expected, actual] = [reference, &traced.mean].map(|image| block.mean(image, band));
-            let near = (actual - expected).abs() <= 3.0 * variance.sqrt() + CLOSE * expected;
+            let near = (actual - expected).abs() <= 3.0 * variance.sqrt() + TOLERANCE * expected;
             agreeing += u32::from(near);
             count += 1;
         }
@@ -217,7 +217,7 @@ fn agreement(reference: &Image<f32>, noise: &Image<f32>, traced: &Traced, rays: 
     let mean = sum(&traced.mean) / sum(reference) - 1.0;
     let mean_error = (squares(&traced.error) + squares(noise)).sqrt() / sum(reference);
     let share = f64::from(agreeing) / f64::from(count);
-    let agrees = mean.abs() <= 3.0 * mean_error + CLOSE && share >= 0.97;
+    let agrees = mean.abs() <= 3.0 * mean_error + TOLERANCE && share >= 0.97;
     format!(
         "real rtrace without bias ({rays} rays a pixel) {}: mean {:+.2} % ± {:.2} %, {:.1} % of blocks within three standard errors",
         if agrees { "agrees" } else { "DIFFERS" },

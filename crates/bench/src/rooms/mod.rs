@@ -1,12 +1,12 @@
-//! `radsight-bench rooms`: whether `rpict --error E` ends at E, over random rooms.
+//! `radsight-bench rooms`: whether `rpict --error E` reaches E, over random rooms.
 //!
-//! Each seed makes a room, a view and options ([`room`]). Two independent references of single paths tell the true error of
-//! each picture without bias ([`judge`]).
+//! Each seed makes a room, a view and options ([`room`]). Two independent references of independent
+//! paths give an unbiased estimate of the error of each picture ([`comparison`]).
 
-mod chance;
-mod judge;
+mod comparison;
+mod random;
+mod real_radiance;
 mod reference;
-mod rival;
 mod room;
 mod summary;
 pub(crate) mod text;
@@ -19,28 +19,29 @@ use crate::radiance::Radiance;
 use crate::radsight::Radsight;
 use crate::table::Table;
 use crate::taken::taken;
-use judge::Judgement;
+use comparison::Comparison;
+use real_radiance::{RealRadiance, TimeRatio};
 use reference::Reference;
-use rival::{Rival, TimesAsLong};
 use room::Room;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use summary::{Standing, summary};
+use summary::{Verdict, summary};
 
-/// References are good enough once they know the square of the least asked error to this share.
-const TOLD: f64 = 1.0 / 9.0;
+/// References are sufficient when the square of the smallest requested error is known to this
+/// fraction.
+const MAX_UNCERTAINTY: f64 = 1.0 / 9.0;
 
-/// Shares by which a reported error may differ from the true one beyond both intervals.
-const CLOSE: f64 = 0.15;
+/// Relative tolerance between a reported error and the true one, beyond both intervals.
+const TOLERANCE: f64 = 0.15;
 
-/// Measures all seeds and prints a table and what is to be said of all.
+/// Measures all seeds and prints a table and a summary.
 pub(crate) fn run(arguments: &Rooms) -> Result<(), BenchError> {
     if let Some(&value) = arguments.errors.iter().find(|error| !(**error > 0.0 && error.is_finite())) {
         return Err(BenchError::AskedError { value });
     }
     let folder = arguments.folder.clone().unwrap_or_else(beside_this_program).join("rooms");
-    let radiance = if arguments.beside {
+    let radiance = if arguments.ratio_to {
         let missing = |reason| BenchError::Read { path: PathBuf::from("Radiance"), reason };
         Some(Radiance::find().map_err(missing)?)
     } else {
@@ -49,7 +50,7 @@ pub(crate) fn run(arguments: &Rooms) -> Result<(), BenchError> {
     let mut rows = Vec::new();
     let mut table = Table::new(&HEADING, 2);
     for seed in arguments.seeds.0..=arguments.seeds.1 {
-        let place = Place::make(seed, arguments, &folder)?;
+        let place = RoomFolder::make(seed, arguments, &folder)?;
         if arguments.scenes_only {
             print(&format!("{}\n", place.folder.display()));
             continue;
@@ -69,7 +70,7 @@ pub(crate) fn run(arguments: &Rooms) -> Result<(), BenchError> {
 const HEADING: [&str; 11] = [
     "room",
     "contents",
-    "asked %",
+    "requested %",
     "true %",
     "±",
     "blocks %",
@@ -80,30 +81,30 @@ const HEADING: [&str; 11] = [
     "stopped by",
 ];
 
-/// A room in a folder of its own.
-struct Place {
+/// A room in its own folder.
+struct RoomFolder {
     seed: u64,
     room: Room,
     folder: PathBuf,
     size: [String; 2],
 }
 
-/// What came of one asked error.
+/// The result of one requested error.
 struct Row {
     seed: u64,
     contents: String,
-    asked: f64,
-    found: Judgement,
-    /// Error and half of its interval, as the program says.
+    requested: f64,
+    found: Comparison,
+    /// Error and half width of its interval, as reported by the program.
     reported: Option<[f64; 2]>,
     seconds: f64,
-    /// Real Radiance, to the same error.
-    real: Option<TimesAsLong>,
+    /// Real Radiance at the same error.
+    real: Option<TimeRatio>,
     stopped: String,
 }
 
-impl Place {
-    fn make(seed: u64, arguments: &Rooms, folder: &Path) -> Result<Place, BenchError> {
+impl RoomFolder {
+    fn make(seed: u64, arguments: &Rooms, folder: &Path) -> Result<RoomFolder, BenchError> {
         let room = Room::new(seed);
         let size = [arguments.columns, arguments.columns * 3 / 4].map(|side| side.max(1).to_string());
         let key = fingerprint(&[&room.scene, &room.view.join(" "), &room.options.join(" "), &size[0]]);
@@ -112,7 +113,7 @@ impl Place {
         put(&folder.join("room.rad"), room.scene.as_bytes())?;
         put(&folder.join("view.vf"), format!("rvu {}\n", room.view.join(" ")).as_bytes())?;
         put(&folder.join("options.opt"), format!("{}\n", room.options.join(" ")).as_bytes())?;
-        Ok(Place { seed, room, folder, size })
+        Ok(RoomFolder { seed, room, folder, size })
     }
 
     /// `rpict` with the room's view and options; the scene comes last.
@@ -123,7 +124,7 @@ impl Place {
         command
     }
 
-    /// The room as real Radiance renders it.
+    /// The room for real Radiance.
     fn scene(&self) -> Scene {
         let bounces = self.room.options[1].parse().unwrap_or(1);
         let mut scene = Scene::new("room", "", &self.folder, "room.rad", &self.room.view.join(" "), bounces);
@@ -135,37 +136,42 @@ impl Place {
         let smallest = arguments.errors.iter().copied().fold(f64::INFINITY, f64::min);
         let mut reference = Reference::read(self.folder.join("reference"));
         reference.improve(&|radsight| self.command(radsight), arguments.reference_budget, &self.folder, &|halves| {
-            // As if the picture had the asked error itself.
-            let noise = Judgement::new(halves[0], [halves[1], halves[1]]).pixels.value.max(0.0);
+            // Assumes that the picture has exactly the requested error.
+            let noise = Comparison::new(halves[0], [halves[1], halves[1]]).pixels.value.max(0.0);
             let pixels = halves[0].data().len() as f64 / 3.0;
-            (noise * noise + 2.0 * smallest.powi(2) * noise).sqrt() / pixels.sqrt() < 0.5 * TOLD * smallest.powi(2)
+            (noise * noise + 2.0 * smallest.powi(2) * noise).sqrt() / pixels.sqrt()
+                < 0.5 * MAX_UNCERTAINTY * smallest.powi(2)
         })?;
         let Some(halves) = reference.halves() else { return Ok(Vec::new()) };
-        let rival = match radiance {
-            Some(radiance) => Some(Rival::new(radiance, &self.scene(), halves, (smallest, arguments.beside_limit))?),
+        let real_radiance = match radiance {
+            Some(radiance) => {
+                Some(RealRadiance::new(radiance, &self.scene(), halves, (smallest, arguments.beside_limit))?)
+            }
             None => None,
         };
         let contents = self.room.contents.join(" ");
         let mut rows = Vec::new();
-        for &asked in &arguments.errors {
+        for &requested in &arguments.errors {
             let [output, notes] = ["picture.floats", "notes.txt"].map(|name| self.folder.join(name));
             let _ = fs::remove_file(&notes);
             let mut command = Radsight::find().command(&["rpict"]);
             command.args(self.command(&Radsight::find()).get_args().skip(2));
-            command.args(["--error", &asked.to_string(), "-e", "notes.txt"]);
+            command.args(["--error", &requested.to_string(), "-e", "notes.txt"]);
             if let Some(seconds) = arguments.limit {
                 command.args(["--time-limit", &seconds.to_string()]);
             }
             command.arg("room.rad");
             let took = taken(&mut command, &self.folder, None, Some(&output))?;
             let notes = fs::read_to_string(&notes).unwrap_or_default();
-            let found = Judgement::new(&read_picture(&output)?, halves);
+            let found = Comparison::new(&read_picture(&output)?, halves);
             rows.push(Row {
                 seed: self.seed,
                 contents: format!("-ab {} {contents}", self.room.options[1]),
-                asked,
+                requested,
                 found,
-                real: rival.as_ref().and_then(|rival| rival.beside(found.pixels.error(), took.processor)),
+                real: real_radiance
+                    .as_ref()
+                    .and_then(|real_radiance| real_radiance.ratio_to(found.pixels.error(), took.processor)),
                 reported: reported(&notes),
                 seconds: took.processor,
                 stopped: stopped(&notes),
@@ -183,29 +189,29 @@ fn reported(notes: &str) -> Option<[f64; 2]> {
     numbers.first_chunk().copied()
 }
 
-/// What the note says stopped the work.
+/// The note's reason for stopping.
 fn stopped(notes: &str) -> String {
     notes.split_once("stopped by ").map_or_else(String::new, |(_, reason)| reason.trim().to_owned())
 }
 
 impl Row {
-    /// What the interval of the error says of the asked one.
-    fn standing(&self) -> Standing {
+    /// The interval of the error relative to the requested one.
+    fn verdict(&self) -> Verdict {
         let [low, high] = self.found.pixels.interval();
-        if high <= self.asked {
-            Standing::AtOrBelow
-        } else if low > self.asked {
-            Standing::Above
+        if high <= self.requested {
+            Verdict::AtOrBelow
+        } else if low > self.requested {
+            Verdict::Above
         } else {
-            Standing::Open
+            Verdict::Undecided
         }
     }
 
-    /// Whether the intervals of the true and of the reported error meet, but for a little.
+    /// Whether the intervals of the true and of the reported error overlap within the tolerance.
     fn agrees(&self) -> bool {
         let Some([error, half]) = self.reported else { return false };
         let [low, high] = self.found.pixels.interval();
-        error - half <= high * (1.0 + CLOSE) && error + half >= low * (1.0 - CLOSE)
+        error - half <= high * (1.0 + TOLERANCE) && error + half >= low * (1.0 - TOLERANCE)
     }
 
     fn cells(&self) -> Vec<String> {
@@ -213,15 +219,15 @@ impl Row {
         let [low, high] = self.found.pixels.interval();
         let reported = self.reported.map_or(["?".to_owned(), "?".to_owned()], |pair| pair.map(percent));
         let [error, half] = reported;
-        let mark = match self.standing() {
-            Standing::AtOrBelow => "",
-            Standing::Above => " !",
-            Standing::Open => " ?",
+        let mark = match self.verdict() {
+            Verdict::AtOrBelow => "",
+            Verdict::Above => " !",
+            Verdict::Undecided => " ?",
         };
         vec![
             self.seed.to_string(),
             self.contents.clone(),
-            percent(self.asked),
+            percent(self.requested),
             percent(self.found.pixels.error()) + mark,
             percent(0.5 * (high - low)),
             percent(self.found.blocks.error()),
@@ -229,21 +235,21 @@ impl Row {
             half + if self.agrees() { "" } else { " !" },
             format!("{:.2}", self.seconds),
             self.real.map_or_else(String::new, |times| times.to_string()),
-            match self.standing() {
-                Standing::Above if self.stopped.is_empty() => "nothing".to_owned(),
+            match self.verdict() {
+                Verdict::Above if self.stopped.is_empty() => "nothing".to_owned(),
                 _ => self.stopped.clone(),
             },
         ]
     }
 }
 
-/// Tells texts apart (FNV-1a).
+/// A hash of texts (FNV-1a).
 fn fingerprint(texts: &[&str]) -> u64 {
     let bytes = texts.iter().flat_map(|text| text.bytes().chain([0]));
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// The seeds `A..B`, both among them, or one seed.
+/// The seeds `A..B`, both included, or one seed.
 pub(crate) fn seeds(text: &str) -> Result<(u64, u64), String> {
     let (first, last) = text.split_once("..").unwrap_or((text, text));
     match (first.parse(), last.trim_start_matches('=').parse()) {
@@ -254,7 +260,7 @@ pub(crate) fn seeds(text: &str) -> Result<(u64, u64), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::judge::Squared;
+    use super::comparison::Squared;
     use super::*;
 
     #[test]

@@ -1,4 +1,4 @@
-//! Two independent pictures of a room by single paths, kept on disk.
+//! Two independent pictures of a room by independent paths, stored on disk.
 
 use crate::error::BenchError;
 use crate::race::{put, read_picture};
@@ -9,28 +9,29 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Rays a pixel of the first pictures, and the most of one.
+/// Rays per pixel of the first pictures, and their maximum.
 const FIRST_RAYS: u32 = 256;
-const MOST_RAYS: u32 = 16_384;
+const MAX_RAYS: u32 = 16_384;
 
-/// A pair of pictures that takes less than this share of the time that is left may be followed by one of twice as many rays.
-const SHARE: f64 = 0.2;
+/// If a pair of pictures takes less than this fraction of the remaining time, the next has twice as
+/// many rays.
+const TIME_FRACTION: f64 = 0.2;
 
-/// The seeds of references begin here, so that no picture that is judged shares its random numbers with them.
+/// First seed of references, so that they share no random numbers with measured pictures.
 const FIRST_SEED: u32 = 1_000_000;
 
-/// Sums of pictures, every other one in each.
+/// Two sums of pictures, each of every other one.
 #[derive(Debug)]
 pub(super) struct Reference {
     path: PathBuf,
     pictures: u32,
-    /// Rays a pixel of each half.
+    /// Rays per pixel of each half.
     rays: u64,
     halves: Vec<Image<f32>>,
 }
 
 impl Reference {
-    /// Reads what was made before.
+    /// Reads a stored reference.
     pub(super) fn read(path: PathBuf) -> Reference {
         let text = fs::read_to_string(path.with_extension("txt")).unwrap_or_default();
         let numbers: Vec<u64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
@@ -50,7 +51,7 @@ impl Reference {
         }
     }
 
-    /// Goes on for some seconds of processor time, or until it is good enough.
+    /// Adds pictures for some seconds of processor time, or until the reference is sufficient.
     pub(super) fn improve(
         &mut self,
         command: &dyn Fn(&Radsight) -> Command,
@@ -71,8 +72,8 @@ impl Reference {
                 }
             }
             self.rays += u64::from(rays);
-            if spent - before < SHARE * (seconds - spent) {
-                rays = (2 * rays).min(MOST_RAYS);
+            if spent - before < TIME_FRACTION * (seconds - spent) {
+                rays = (2 * rays).min(MAX_RAYS);
             }
             self.write()?;
         }
@@ -106,7 +107,7 @@ fn render(
     Ok((took, read_picture(&output)?))
 }
 
-/// Moves each value of an image towards that of another by a share of the way.
+/// Interpolates each value of an image towards that of another.
 fn blend(image: &mut Image<f32>, other: &Image<f32>, share: f64) {
     for (own, other) in image.data_mut().iter_mut().zip(other.data()) {
         *own = (f64::from(*own) + share * (f64::from(*other) - f64::from(*own))) as f32;

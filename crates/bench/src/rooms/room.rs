@@ -1,11 +1,11 @@
-//! A random room: its scene, the view of it and the options of its picture.
+//! A random room: its scene, its view and the options of its picture.
 
-use super::chance::Chance;
+use super::random::Random;
 use super::text::SceneText;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A room as a user would have it.
+/// A typical room.
 #[derive(Clone, Debug)]
 pub(super) struct Room {
     /// Scene text.
@@ -14,7 +14,7 @@ pub(super) struct Room {
     pub(super) view: Vec<String>,
     /// Further options of `rpict`.
     pub(super) options: Vec<String>,
-    /// What is in it, for the table.
+    /// Its contents, for the table.
     pub(super) contents: Vec<&'static str>,
 }
 
@@ -32,38 +32,39 @@ impl Room {
     }
 }
 
-/// A room in the making: from the origin to `size`, windows in the wall where y is largest. Lengths in m.
+/// Builds a room from the origin to `size`, with windows in the wall at the largest y. Lengths in
+/// m.
 struct Builder {
-    chance: Chance,
+    random: Random,
     scene: SceneText,
     size: DVec3,
     has_window: bool,
-    /// Whether a lamp shines in all directions, or down in all.
+    /// Whether a lamp emits in all directions, or in all downward ones.
     is_lit: bool,
     contents: Vec<&'static str>,
 }
 
 impl Builder {
     fn new(seed: u64) -> Builder {
-        let mut chance = Chance::new(seed);
-        let size = DVec3::new(chance.between(3.0, 8.0), chance.between(3.0, 8.0), chance.between(2.4, 3.5));
-        let has_window = chance.is(0.65);
-        Builder { chance, scene: SceneText::default(), size, has_window, is_lit: false, contents: Vec::new() }
+        let mut random = Random::new(seed);
+        let size = DVec3::new(random.uniform(3.0, 8.0), random.uniform(3.0, 8.0), random.uniform(2.4, 3.5));
+        let has_window = random.is(0.65);
+        Builder { random, scene: SceneText::default(), size, has_window, is_lit: false, contents: Vec::new() }
     }
 
-    /// A diffuse material of about this reflectance, a little coloured.
+    /// A diffuse material of about this reflectance, slightly coloured.
     fn paint(&mut self, name: &str, reflectance: f64) {
-        let tint = |chance: &mut Chance| (reflectance * chance.between(0.85, 1.1)).min(0.9);
-        let color = [tint(&mut self.chance), tint(&mut self.chance), tint(&mut self.chance)];
-        let gloss = if self.chance.is(0.2) { [0.03, self.chance.between(0.03, 0.2)] } else { [0.0; 2] };
+        let tint = |random: &mut Random| (reflectance * random.uniform(0.85, 1.1)).min(0.9);
+        let color = [tint(&mut self.random), tint(&mut self.random), tint(&mut self.random)];
+        let gloss = if self.random.is(0.2) { [0.03, self.random.uniform(0.03, 0.2)] } else { [0.0; 2] };
         self.scene.modifier("void", "plastic", name, &[color[0], color[1], color[2], gloss[0], gloss[1]]);
     }
 
-    /// Floor, ceiling and walls, and what is outside of the windows.
+    /// Floor, ceiling and walls, and the outside of the windows.
     fn shell(&mut self) {
         for (name, low, high) in [("floor", 0.1, 0.5), ("ceiling", 0.6, 0.85), ("wall", 0.25, 0.8), ("frame", 0.3, 0.8)]
         {
-            let reflectance = self.chance.between(low, high);
+            let reflectance = self.random.uniform(low, high);
             self.paint(name, reflectance);
         }
         let DVec3 { x, y, z } = self.size;
@@ -78,20 +79,21 @@ impl Builder {
         } else {
             self.scene.polygon("wall", &[at(0.0, y, 0.0), at(x, y, 0.0), at(x, y, z), at(0.0, y, z)]);
         }
-        if self.chance.is(0.3) {
+        if self.random.is(0.3) {
             self.mirror();
         }
     }
 
-    /// A wall with a window, whose jambs are as deep as the wall; sky, ground and perhaps sun outside.
+    /// A wall with a window, whose jambs are as deep as the wall; sky, ground and possibly sun
+    /// outside.
     fn window(&mut self) {
         let DVec3 { x, y, z } = self.size;
-        let width = self.chance.between(0.8, 0.8 * x);
-        let left = self.chance.between(0.1, x - width - 0.1);
-        let sill = self.chance.between(0.05, 1.1);
-        let top = self.chance.between(sill + 0.8, z - 0.1);
+        let width = self.random.uniform(0.8, 0.8 * x);
+        let left = self.random.uniform(0.1, x - width - 0.1);
+        let sill = self.random.uniform(0.05, 1.1);
+        let top = self.random.uniform(sill + 0.8, z - 0.1);
         let right = left + width;
-        // The wall as four blocks around the hole.
+        // The wall as four blocks around the window.
         for (low, high) in
             [([0.0, 0.0], [left, z]), ([right, 0.0], [x, z]), ([left, 0.0], [right, sill]), ([left, top], [right, z])]
         {
@@ -99,24 +101,24 @@ impl Builder {
             self.scene.block("wall", low, DVec3::new(high[0], y + WALL, high[1]), 0.0);
         }
         self.contents.push("window");
-        if self.chance.is(0.7) {
+        if self.random.is(0.7) {
             self.scene.modifier("void", "glass", "pane", &[0.92, 0.93, 0.92]);
             let middle = y + 0.5 * WALL;
             let corners = [[left, sill], [left, top], [right, top], [right, sill]];
             self.scene.polygon("pane", &corners.map(|[x, z]| DVec3::new(x, middle, z)));
         }
-        if self.chance.is(0.35) {
+        if self.random.is(0.35) {
             self.blinds([left, right], [sill, top]);
         }
         self.outside();
     }
 
-    /// Slats before the pane.
+    /// Slats in front of the pane.
     fn blinds(&mut self, [left, right]: [f64; 2], [sill, top]: [f64; 2]) {
-        let reflectance = self.chance.between(0.4, 0.75);
+        let reflectance = self.random.uniform(0.4, 0.75);
         self.paint("slat", reflectance);
-        let (depth, tilt) = (self.chance.between(0.03, 0.09), self.chance.between(-0.9, 0.9));
-        let count = ((top - sill) / (depth * self.chance.between(0.8, 1.3))) as usize;
+        let (depth, tilt) = (self.random.uniform(0.03, 0.09), self.random.uniform(-0.9, 0.9));
+        let count = ((top - sill) / (depth * self.random.uniform(0.8, 1.3))) as usize;
         let (sin, cos) = tilt.sin_cos();
         let middle = self.size.y + 0.25 * WALL;
         for slat in 0..count {
@@ -129,16 +131,16 @@ impl Builder {
     }
 
     fn outside(&mut self) {
-        let sky = self.chance.scaled(3.0, 30.0);
-        let ground = sky * self.chance.between(0.1, 0.5);
+        let sky = self.random.log_uniform(3.0, 30.0);
+        let ground = sky * self.random.uniform(0.1, 0.5);
         self.scene.modifier("void", "glow", "sky", &[0.9 * sky, sky, 1.15 * sky, 0.0]);
         self.scene.surface("sky", "source", &[0.0, 0.0, 1.0, 180.0]);
         self.scene.modifier("void", "glow", "ground", &[ground, ground, 0.8 * ground, 0.0]);
         self.scene.surface("ground", "source", &[0.0, 0.0, -1.0, 180.0]);
-        if self.chance.is(0.5) {
-            let radiance = self.chance.scaled(1e5, 3e6);
-            let azimuth = self.chance.between(-1.1, 1.1);
-            let altitude = self.chance.between(0.2, 1.1);
+        if self.random.is(0.5) {
+            let radiance = self.random.log_uniform(1e5, 3e6);
+            let azimuth = self.random.uniform(-1.1, 1.1);
+            let altitude = self.random.uniform(0.2, 1.1);
             let direction = DVec3::new(azimuth.sin() * altitude.cos(), azimuth.cos() * altitude.cos(), altitude.sin());
             self.scene.modifier("void", "light", "solar", &[radiance; 3]);
             self.scene.surface("solar", "source", &[direction.x, direction.y, direction.z, 0.533]);
@@ -146,13 +148,13 @@ impl Builder {
         }
     }
 
-    /// A plane mirror on the wall where x is 0.
+    /// A plane mirror on the wall at x = 0.
     fn mirror(&mut self) {
-        let reflectance = self.chance.between(0.7, 0.95);
+        let reflectance = self.random.uniform(0.7, 0.95);
         self.scene.modifier("void", "mirror", "looking_glass", &[reflectance; 3]);
-        let width = self.chance.between(0.5, 0.6 * self.size.y);
-        let near = self.chance.between(0.1, self.size.y - width - 0.1);
-        let (low, high) = (self.chance.between(0.2, 1.0), self.chance.between(1.5, self.size.z - 0.2));
+        let width = self.random.uniform(0.5, 0.6 * self.size.y);
+        let near = self.random.uniform(0.1, self.size.y - width - 0.1);
+        let (low, high) = (self.random.uniform(0.2, 1.0), self.random.uniform(1.5, self.size.z - 0.2));
         let at = |y: f64, z: f64| DVec3::new(0.02, y, z);
         let corners = [at(near, low), at(near + width, low), at(near + width, high), at(near, high)];
         self.scene.polygon("looking_glass", &corners);
@@ -161,21 +163,21 @@ impl Builder {
 
     fn lamps(&mut self) {
         let fewest = usize::from(!self.has_window);
-        for lamp in 0..self.chance.count(fewest, 3) {
-            let place = DVec3::new(
-                self.chance.between(0.4, self.size.x - 0.4),
-                self.chance.between(0.4, self.size.y - 0.4),
-                self.size.z - self.chance.between(0.1, 0.5),
+        for lamp in 0..self.random.count(fewest, 3) {
+            let position = DVec3::new(
+                self.random.uniform(0.4, self.size.x - 0.4),
+                self.random.uniform(0.4, self.size.y - 0.4),
+                self.size.z - self.random.uniform(0.1, 0.5),
             );
-            let flux = self.chance.scaled(0.3, 3.0);
-            let form = self.chance.count(0, 4);
+            let flux = self.random.log_uniform(0.3, 3.0);
+            let form = self.random.count(0, 4);
             self.is_lit |= form < 4;
             match form {
-                0 => self.sphere_lamp(lamp, place, flux),
-                1 => self.disk_lamp(lamp, place, flux),
-                2 => self.tube_lamp(lamp, place, flux),
-                3 => self.quad_lamp(lamp, place, flux),
-                _ => self.spot_lamp(lamp, place, flux),
+                0 => self.sphere_lamp(lamp, position, flux),
+                1 => self.disk_lamp(lamp, position, flux),
+                2 => self.tube_lamp(lamp, position, flux),
+                3 => self.quad_lamp(lamp, position, flux),
+                _ => self.spot_lamp(lamp, position, flux),
             }
         }
     }
@@ -186,47 +188,47 @@ impl Builder {
         name
     }
 
-    fn sphere_lamp(&mut self, lamp: usize, place: DVec3, flux: f64) {
-        let radius = self.chance.scaled(0.03, 0.2);
+    fn sphere_lamp(&mut self, lamp: usize, position: DVec3, flux: f64) {
+        let radius = self.random.log_uniform(0.03, 0.2);
         let name = self.light(lamp, flux / (PI * radius * radius));
-        self.scene.surface(&name, "sphere", &[place.x, place.y, place.z, radius]);
+        self.scene.surface(&name, "sphere", &[position.x, position.y, position.z, radius]);
         self.contents.push("sphere");
     }
 
-    fn disk_lamp(&mut self, lamp: usize, place: DVec3, flux: f64) {
-        let radius = self.chance.scaled(0.05, 0.3);
+    fn disk_lamp(&mut self, lamp: usize, position: DVec3, flux: f64) {
+        let radius = self.random.log_uniform(0.05, 0.3);
         let name = self.light(lamp, flux / (PI * radius * radius));
-        self.scene.surface(&name, "ring", &[place.x, place.y, place.z, 0.0, 0.0, -1.0, 0.0, radius]);
+        self.scene.surface(&name, "ring", &[position.x, position.y, position.z, 0.0, 0.0, -1.0, 0.0, radius]);
         self.contents.push("disk");
     }
 
-    fn tube_lamp(&mut self, lamp: usize, place: DVec3, flux: f64) {
-        let (radius, half) = (self.chance.scaled(0.01, 0.04), self.chance.between(0.2, 0.7));
+    fn tube_lamp(&mut self, lamp: usize, position: DVec3, flux: f64) {
+        let (radius, half) = (self.random.log_uniform(0.01, 0.04), self.random.uniform(0.2, 0.7));
         let name = self.light(lamp, flux / (4.0 * radius * half));
-        let [first, last] = [-half, half].map(|along| (place.x + along).clamp(0.05, self.size.x - 0.05));
-        self.scene.surface(&name, "cylinder", &[first, place.y, place.z, last, place.y, place.z, radius]);
+        let [first, last] = [-half, half].map(|along| (position.x + along).clamp(0.05, self.size.x - 0.05));
+        self.scene.surface(&name, "cylinder", &[first, position.y, position.z, last, position.y, position.z, radius]);
         self.contents.push("tube");
     }
 
     /// The corners of a horizontal quad that faces down.
-    fn panel(&mut self, place: DVec3) -> [DVec3; 4] {
-        let [x, y] = [self.chance.between(0.1, 0.4), self.chance.between(0.1, 0.4)];
-        [[-x, -y], [-x, y], [x, y], [x, -y]].map(|[x, y]| place + DVec3::new(x, y, 0.0))
+    fn panel(&mut self, position: DVec3) -> [DVec3; 4] {
+        let [x, y] = [self.random.uniform(0.1, 0.4), self.random.uniform(0.1, 0.4)];
+        [[-x, -y], [-x, y], [x, y], [x, -y]].map(|[x, y]| position + DVec3::new(x, y, 0.0))
     }
 
-    fn quad_lamp(&mut self, lamp: usize, place: DVec3, flux: f64) {
-        let corners = self.panel(place);
+    fn quad_lamp(&mut self, lamp: usize, position: DVec3, flux: f64) {
+        let corners = self.panel(position);
         let area = (corners[1] - corners[0]).cross(corners[2] - corners[1]).length();
         let name = self.light(lamp, flux / area);
         self.scene.polygon(&name, &corners);
         self.contents.push("quad");
     }
 
-    fn spot_lamp(&mut self, lamp: usize, place: DVec3, flux: f64) {
-        let corners = self.panel(place).map(|corner| place + 0.3 * (corner - place));
+    fn spot_lamp(&mut self, lamp: usize, position: DVec3, flux: f64) {
+        let corners = self.panel(position).map(|corner| position + 0.3 * (corner - position));
         let area = (corners[1] - corners[0]).cross(corners[2] - corners[1]).length();
-        let (angle, radiance) = (self.chance.between(30.0, 90.0), 3.0 * flux / area);
-        let [x, y] = [self.chance.between(-0.4, 0.4), self.chance.between(-0.4, 0.4)];
+        let (angle, radiance) = (self.random.uniform(30.0, 90.0), 3.0 * flux / area);
+        let [x, y] = [self.random.uniform(-0.4, 0.4), self.random.uniform(-0.4, 0.4)];
         let name = format!("lamp{lamp}");
         self.scene.modifier("void", "spotlight", &name, &[radiance, 0.9 * radiance, 0.7 * radiance, angle, x, y, -1.0]);
         self.scene.polygon(&name, &corners);
@@ -234,46 +236,46 @@ impl Builder {
     }
 
     fn furniture(&mut self) {
-        for piece in 0..self.chance.count(1, 5) {
+        for piece in 0..self.random.count(1, 5) {
             let name = format!("wood{piece}");
-            let is_dark = self.chance.is(0.4);
-            let reflectance = if is_dark { self.chance.between(0.02, 0.08) } else { self.chance.between(0.15, 0.6) };
+            let is_dark = self.random.is(0.4);
+            let reflectance = if is_dark { self.random.uniform(0.02, 0.08) } else { self.random.uniform(0.15, 0.6) };
             self.paint(&name, reflectance);
             if is_dark {
                 self.contents.push("dark");
             }
-            if self.chance.is(0.4) { self.table(&name) } else { self.cupboard(&name) }
+            if self.random.is(0.4) { self.table(&name) } else { self.cupboard(&name) }
         }
-        if self.chance.is(0.35) {
+        if self.random.is(0.35) {
             self.glass_body();
         }
-        if self.chance.is(0.35) {
+        if self.random.is(0.35) {
             self.plant();
         }
     }
 
-    /// A place on the floor that leaves so much room to the walls.
-    fn place(&mut self, margin: f64) -> DVec3 {
-        let [x, y] = [self.size.x, self.size.y].map(|size| self.chance.between(margin, size - margin));
+    /// A position on the floor with this margin to the walls.
+    fn position(&mut self, margin: f64) -> DVec3 {
+        let [x, y] = [self.size.x, self.size.y].map(|size| self.random.uniform(margin, size - margin));
         DVec3::new(x, y, 0.0)
     }
 
     fn cupboard(&mut self, name: &str) {
-        let half = DVec3::new(self.chance.between(0.15, 0.5), self.chance.between(0.15, 0.4), 0.0);
-        let height = self.chance.between(0.3, 0.8 * self.size.z);
-        let turn = if self.chance.is(0.5) { 0.0 } else { self.chance.between(-0.8, 0.8) };
-        let place = self.place(0.75);
-        self.scene.block(name, place - half, place + half + DVec3::Z * height, turn);
+        let half = DVec3::new(self.random.uniform(0.15, 0.5), self.random.uniform(0.15, 0.4), 0.0);
+        let height = self.random.uniform(0.3, 0.8 * self.size.z);
+        let rotation = if self.random.is(0.5) { 0.0 } else { self.random.uniform(-0.8, 0.8) };
+        let position = self.position(0.75);
+        self.scene.block(name, position - half, position + half + DVec3::Z * height, rotation);
     }
 
     fn table(&mut self, name: &str) {
-        let half = DVec3::new(self.chance.between(0.3, 0.7), self.chance.between(0.25, 0.5), 0.0);
-        let height = self.chance.between(0.6, 0.9);
-        let place = self.place(0.9);
+        let half = DVec3::new(self.random.uniform(0.3, 0.7), self.random.uniform(0.25, 0.5), 0.0);
+        let height = self.random.uniform(0.6, 0.9);
+        let position = self.position(0.9);
         let top = DVec3::Z * height;
-        self.scene.block(name, place - half + top, place + half + top + DVec3::Z * 0.03, 0.0);
+        self.scene.block(name, position - half + top, position + half + top + DVec3::Z * 0.03, 0.0);
         for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
-            let leg = place + DVec3::new(x * (half.x - 0.05), y * (half.y - 0.05), 0.0);
+            let leg = position + DVec3::new(x * (half.x - 0.05), y * (half.y - 0.05), 0.0);
             let thick = DVec3::new(0.025, 0.025, 0.0);
             self.scene.block(name, leg - thick, leg + thick + top, 0.0);
         }
@@ -282,29 +284,29 @@ impl Builder {
     /// A sphere or a block of glass on a plinth.
     fn glass_body(&mut self) {
         self.scene.modifier("void", "dielectric", "crystal", &[0.95, 0.97, 0.96, 1.52, 0.0]);
-        let place = self.place(0.6);
-        let (radius, height) = (self.chance.between(0.1, 0.3), self.chance.between(0.3, 1.0));
+        let position = self.position(0.6);
+        let (radius, height) = (self.random.uniform(0.1, 0.3), self.random.uniform(0.3, 1.0));
         let half = DVec3::new(radius, radius, 0.0);
-        self.scene.block("frame", place - half, place + half + DVec3::Z * height, 0.0);
-        let middle = place + DVec3::Z * (height + radius + 0.01);
-        if self.chance.is(0.6) {
+        self.scene.block("frame", position - half, position + half + DVec3::Z * height, 0.0);
+        let middle = position + DVec3::Z * (height + radius + 0.01);
+        if self.random.is(0.6) {
             self.scene.surface("crystal", "sphere", &[middle.x, middle.y, middle.z, radius]);
         } else {
             let half = DVec3::splat(0.7 * radius);
-            let turn = self.chance.between(0.0, 1.0);
-            self.scene.block("crystal", middle - half, middle + half, turn);
+            let rotation = self.random.uniform(0.0, 1.0);
+            self.scene.block("crystal", middle - half, middle + half, rotation);
         }
         self.contents.push("glass");
     }
 
-    /// Leaves that let light through, on nothing but air.
+    /// Translucent leaves without a stem.
     fn plant(&mut self) {
         self.scene.modifier("void", "trans", "leaf", &[0.25, 0.45, 0.15, 0.02, 0.1, 0.3, 0.0]);
-        let place = self.place(0.7);
-        let (height, spread) = (self.chance.between(0.5, 1.4), self.chance.between(0.15, 0.45));
-        for _ in 0..self.chance.count(20, 80) {
-            let mut within = |size: f64| self.chance.between(-size, size);
-            let middle = place + DVec3::new(within(spread), within(spread), height + within(spread));
+        let position = self.position(0.7);
+        let (height, spread) = (self.random.uniform(0.5, 1.4), self.random.uniform(0.15, 0.45));
+        for _ in 0..self.random.count(20, 80) {
+            let mut within = |size: f64| self.random.uniform(-size, size);
+            let middle = position + DVec3::new(within(spread), within(spread), height + within(spread));
             let across = DVec3::new(within(0.06), within(0.06), within(0.06));
             let along = DVec3::new(within(0.1), within(0.1), within(0.1));
             self.scene.polygon("leaf", &[middle - across, middle + along, middle + across]);
@@ -312,20 +314,20 @@ impl Builder {
         self.contents.push("plant");
     }
 
-    /// Somebody's view of it, and the quality that he asks for.
+    /// The view of the room, and the requested quality.
     fn view(mut self) -> Room {
         let eye = DVec3::new(
-            self.chance.between(0.15, self.size.x - 0.15),
-            self.chance.between(0.1, 0.25 * self.size.y),
-            self.chance.between(1.0, 1.8),
+            self.random.uniform(0.15, self.size.x - 0.15),
+            self.random.uniform(0.1, 0.25 * self.size.y),
+            self.random.uniform(1.0, 1.8),
         );
         let aim = DVec3::new(
-            self.chance.between(0.0, self.size.x),
-            self.chance.between(0.5 * self.size.y, self.size.y),
-            self.chance.between(0.2, 1.6),
+            self.random.uniform(0.0, self.size.x),
+            self.random.uniform(0.5 * self.size.y, self.size.y),
+            self.random.uniform(0.2, 1.6),
         );
         let direction = aim - eye;
-        let angle = self.chance.between(45.0, 90.0);
+        let angle = self.random.uniform(45.0, 90.0);
         let view = format!(
             "-vtv -vp {:.4} {:.4} {:.4} -vd {:.4} {:.4} {:.4} -vu 0 0 1 -vh {angle:.2} -vv {:.2}",
             eye.x,
@@ -336,13 +338,14 @@ impl Builder {
             direction.z,
             2.0 * (0.75 * (0.5 * angle).to_radians().tan()).atan().to_degrees(),
         );
-        let divisions = 256 << self.chance.count(0, 2);
+        let divisions = 256 << self.random.count(0, 2);
         let options = format!(
             "-ab {} -aa {:.2} -ar {} -ad {divisions} -as {}",
-            // Nobody wants a picture that is mostly black, as one bounce leaves a room without a lamp that shines around.
-            self.chance.count(if self.is_lit { 1 } else { 2 }, 3),
-            self.chance.between(0.1, 0.25),
-            64 << self.chance.count(0, 2),
+            // With one bounce, a room without a lamp that emits in all directions would be mostly
+            // black.
+            self.random.count(if self.is_lit { 1 } else { 2 }, 3),
+            self.random.uniform(0.1, 0.25),
+            64 << self.random.count(0, 2),
             divisions / 4,
         );
         let words = |text: &str| text.split_whitespace().map(str::to_owned).collect();

@@ -1,40 +1,41 @@
-//! What all rooms say together, of each asked error.
+//! The summary of all rooms, by requested error.
 //!
-//! The squared error of a room is known without bias, but with noise of its own. A room is at or below an asked error, or above it, where its
-//! interval says so; else it is open. The share of rooms is bounded by counting open ones on both sides, and the mean of squared errors
-//! over rooms is told from all of them, open ones too.
+//! The squared error of a room is known without bias, but with noise. A room counts as reached or
+//! exceeded if its interval says so; otherwise it is undecided. Undecided rooms count on both sides
+//! of the bounds of the fraction of rooms. The mean squared error includes all rooms.
 
 use super::Row;
-use super::judge::CONFIDENCE;
-use super::rival::TimesAsLong;
+use super::comparison::CONFIDENCE;
+use super::real_radiance::TimeRatio;
 
-/// Where an error stands beside the asked one, with 95 % confidence.
+/// The position of an error relative to the requested one, with 95 % confidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Standing {
+pub(super) enum Verdict {
     AtOrBelow,
     Above,
-    /// The references cannot tell.
-    Open,
+    /// The references are too noisy to decide.
+    Undecided,
 }
 
-/// Of each asked error, and of all: how many came there, how far the others are, and whether what is reported is there.
+/// For each requested error, and for all: how many rooms reached it, the error of the others, and
+/// whether reported errors are true.
 pub(super) fn summary(rows: &[Row], errors: &[f64]) -> String {
     let of_error = |error: &f64| {
-        let rows: Vec<&Row> = rows.iter().filter(|row| row.asked == *error).collect();
-        of_rows(&format!("asked {} %", 100.0 * error), &rows)
+        let rows: Vec<&Row> = rows.iter().filter(|row| row.requested == *error).collect();
+        of_rows(&format!("requested {} %", 100.0 * error), &rows)
     };
     let all: Vec<&Row> = rows.iter().collect();
     errors.iter().map(of_error).collect::<String>() + &of_rows("all", &all)
 }
 
 fn of_rows(name: &str, rows: &[&Row]) -> String {
-    let count = |standing: Standing| rows.iter().filter(|row| row.standing() == standing).count();
-    let [below, above, open] = [Standing::AtOrBelow, Standing::Above, Standing::Open].map(count);
+    let count = |verdict: Verdict| rows.iter().filter(|row| row.verdict() == verdict).count();
+    let [below, above, open] = [Verdict::AtOrBelow, Verdict::Above, Verdict::Undecided].map(count);
     let [low, _] = wilson(below as f64, rows.len());
     let [_, high] = wilson((below + open) as f64, rows.len());
-    let silent = rows.iter().filter(|row| row.standing() == Standing::Above && row.stopped.is_empty()).count();
+    let silent = rows.iter().filter(|row| row.verdict() == Verdict::Above && row.stopped.is_empty()).count();
     let agreeing = rows.iter().filter(|row| row.agrees()).count();
-    let relative = |row: &&Row, squared: f64| squared / row.asked.powi(2);
+    let relative = |row: &&Row, squared: f64| squared / row.requested.powi(2);
     let found: Vec<f64> = rows.iter().map(|row| relative(row, row.found.pixels.value)).collect();
     let reported: Vec<f64> =
         rows.iter().map(|row| row.reported.map_or(0.0, |[error, _]| relative(row, error * error))).collect();
@@ -42,8 +43,8 @@ fn of_rows(name: &str, rows: &[&Row]) -> String {
     let [calibration, uncertainty] = ratio_of_means(&reported, &found);
     let ratios = quantiles(found.iter().map(|squared| squared.max(0.0).sqrt()).collect());
     let seconds = quantiles(rows.iter().map(|row| row.seconds).collect());
-    let times: Vec<f64> = rows.iter().filter_map(|row| row.real).map(TimesAsLong::value).collect();
-    let unreached = rows.iter().filter(|row| matches!(row.real, Some(TimesAsLong::MoreThan(_)))).count();
+    let times: Vec<f64> = rows.iter().filter_map(|row| row.real).map(TimeRatio::value).collect();
+    let unreached = rows.iter().filter(|row| matches!(row.real, Some(TimeRatio::MoreThan(_)))).count();
     let beside = if times.is_empty() {
         String::new()
     } else {
@@ -56,10 +57,10 @@ fn of_rows(name: &str, rows: &[&Row]) -> String {
     };
     format!(
         "{name}: {below} of {} rooms surely at or below, {above} surely above ({silent} of them without a word), {open} open: \
-         {:.0} to {:.0} % of rooms\n  error over the asked one: least {:.2}, median {:.2}, 9 of 10 {:.2}, most {:.2}; \
-         mean square {mean:.0} ± {deviation:.0} % of the asked one's\n  reported square over the true one: \
+         {:.0} to {:.0} % of rooms\n  error over the requested one: least {:.2}, median {:.2}, 90 % {:.2}, most {:.2}; \
+         mean square {mean:.0} ± {deviation:.0} % of the requested one's\n  reported square over the true one: \
          {calibration:.2} ± {uncertainty:.2}; {agreeing} reported what is there\n  \
-         processor time: least {:.2}, median {:.2}, 9 of 10 {:.2}, most {:.2} s\n{beside}",
+         processor time: least {:.2}, median {:.2}, 90 % {:.2}, most {:.2} s\n{beside}",
         rows.len(),
         100.0 * low,
         100.0 * high,
@@ -74,7 +75,7 @@ fn of_rows(name: &str, rows: &[&Row]) -> String {
     )
 }
 
-/// The interval of a share of which so many of `count` were found (Wilson 1927), with 95 % confidence.
+/// The 95 % confidence interval of a fraction of which `found` of `count` were found (Wilson 1927).
 pub(super) fn wilson(found: f64, count: usize) -> [f64; 2] {
     let count = count as f64;
     if count < 1.0 {
@@ -87,7 +88,8 @@ pub(super) fn wilson(found: f64, count: usize) -> [f64; 2] {
     [(middle - half).max(0.0), (middle + half).min(1.0)]
 }
 
-/// The ratio of two means over the same rooms, and half of its interval with 95 % confidence; NaN where the second is nothing.
+/// The ratio of two means over the same rooms, and the half width of its 95 % confidence interval;
+/// NaN if the second is 0.
 fn ratio_of_means(above: &[f64], below: &[f64]) -> [f64; 2] {
     let whole: f64 = below.iter().sum();
     let ratio = above.iter().sum::<f64>() / whole;
@@ -97,7 +99,7 @@ fn ratio_of_means(above: &[f64], below: &[f64]) -> [f64; 2] {
     [ratio, CONFIDENCE * few * squares.sqrt() / whole.abs()]
 }
 
-/// Least, median, what nine of ten do not exceed, and most.
+/// Minimum, median, 90th percentile and maximum.
 pub(super) fn quantiles(mut values: Vec<f64>) -> [f64; 4] {
     values.sort_by(f64::total_cmp);
     let last = values.len().saturating_sub(1);
@@ -106,15 +108,15 @@ pub(super) fn quantiles(mut values: Vec<f64>) -> [f64; 4] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::chance::Chance;
+    use super::super::random::Random;
     use super::*;
 
     #[test]
-    fn an_interval_of_a_share_holds_it_in_most_cases_and_never_leaves_its_range() {
-        let mut chance = Chance::new(1);
+    fn a_wilson_interval_contains_the_fraction_and_stays_in_range() {
+        let mut random = Random::new(1);
         let held = (0..1000)
             .filter(|_| {
-                let found = (0..40).filter(|_| chance.is(0.9)).count();
+                let found = (0..40).filter(|_| random.is(0.9)).count();
                 let [low, high] = wilson(found as f64, 40);
                 low <= 0.9 && 0.9 <= high
             })
@@ -126,12 +128,12 @@ mod tests {
     }
 
     #[test]
-    fn noise_of_single_rooms_leaves_the_ratio_of_means_within_its_interval() {
-        let mut chance = Chance::new(2);
+    fn the_interval_of_a_ratio_of_means_contains_the_true_ratio() {
+        let mut random = Random::new(2);
         let held = (0..500)
             .filter(|_| {
-                let below: Vec<f64> = (0..30).map(|_| chance.between(0.2, 1.8)).collect();
-                let above: Vec<f64> = below.iter().map(|below| 0.8 * below + chance.between(-0.5, 0.5)).collect();
+                let below: Vec<f64> = (0..30).map(|_| random.uniform(0.2, 1.8)).collect();
+                let above: Vec<f64> = below.iter().map(|below| 0.8 * below + random.uniform(-0.5, 0.5)).collect();
                 let [ratio, half] = ratio_of_means(&above, &below);
                 (ratio - 0.8).abs() <= half
             })
@@ -140,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_are_values_that_are_there() {
+    fn quantiles_are_given_values() {
         assert_eq!(quantiles((1..=11).rev().map(f64::from).collect()), [1.0, 6.0, 10.0, 11.0]);
         assert!(quantiles(Vec::new())[0].is_nan());
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use std::fmt::Write as _;
 
-/// Scene text in the making; every primitive gets a name of its own.
+/// Scene text being written; every primitive gets its own name.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SceneText {
     text: String,
@@ -16,7 +16,7 @@ impl SceneText {
         &self.text
     }
 
-    /// A modifier: a material, pattern or light of this name.
+    /// A modifier: a material, pattern or light with this name.
     pub(crate) fn modifier(&mut self, under: &str, kind: &str, name: &str, numbers: &[f64]) {
         self.primitive(under, kind, name, numbers);
     }
@@ -27,24 +27,25 @@ impl SceneText {
         self.primitive(modifier, kind, &name, numbers);
     }
 
-    /// A polygon that faces the side from which its corners turn left.
+    /// A polygon that faces the side from which its corners are counter-clockwise.
     pub(crate) fn polygon(&mut self, modifier: &str, corners: &[DVec3]) {
         let numbers: Vec<f64> = corners.iter().flat_map(|corner| corner.to_array()).collect();
         self.surface(modifier, "polygon", &numbers);
     }
 
-    /// A closed box between two corners, faces outwards, turned by an angle (radians) around the upright through its middle.
-    pub(crate) fn block(&mut self, modifier: &str, low: DVec3, high: DVec3, turn: f64) {
+    /// A closed box between two corners, facing outwards, rotated by an angle (radians) about the
+    /// vertical through its centre.
+    pub(crate) fn block(&mut self, modifier: &str, low: DVec3, high: DVec3, rotation: f64) {
         let middle = 0.5 * (low + high);
-        let (sin, cos) = turn.sin_cos();
+        let (sin, cos) = rotation.sin_cos();
         let corner = |bits: usize| {
-            let place = DVec3::new(
+            let position = DVec3::new(
                 if bits & 1 == 0 { low.x } else { high.x },
                 if bits & 2 == 0 { low.y } else { high.y },
                 if bits & 4 == 0 { low.z } else { high.z },
             );
-            let [x, y] = [place.x - middle.x, place.y - middle.y];
-            DVec3::new(middle.x + cos * x - sin * y, middle.y + sin * x + cos * y, place.z)
+            let [x, y] = [position.x - middle.x, position.y - middle.y];
+            DVec3::new(middle.x + cos * x - sin * y, middle.y + sin * x + cos * y, position.z)
         };
         for face in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
             self.polygon(modifier, &face.map(corner));

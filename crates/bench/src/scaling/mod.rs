@@ -83,9 +83,9 @@ impl Bench<'_> {
             let bytes = plan.hierarchy_bytes() as f64;
             self.points.push(first.of("radsight", Measure::Bytes("hierarchy a triangle")), count, bytes / count);
             drop(plan);
-            if count <= MOST_FOR_EMBREE && !self.arguments.alone {
+            if count <= MAX_EMBREE_TRIANGLES && !self.arguments.alone {
                 let answer = Embree::start(&file, &stream, self.folder)
-                    .and_then(|mut embree| Ok((embree.turn()?, embree.bytes)));
+                    .and_then(|mut embree| Ok((embree.trace_all()?, embree.bytes)));
                 match answer {
                     Ok((hits, bytes)) => {
                         self.points.push(first.of("Embree", first.measure), count, 1e6 * hits.seconds / RAYS as f64);
@@ -222,4 +222,4 @@ impl Bench<'_> {
 const MIB: f64 = (1 << 20) as f64;
 
 /// The script that reads triangles for Embree needs a kilobyte per triangle.
-const MOST_FOR_EMBREE: f64 = 2e6;
+const MAX_EMBREE_TRIANGLES: f64 = 2e6;

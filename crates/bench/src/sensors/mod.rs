@@ -1,7 +1,7 @@
-//! `radsight-bench sensors`: few points, whose values are read one by one, beside real Radiance.
+//! `radsight-bench sensors`: a few sensor points, compared with real Radiance.
 //!
-//! Both programs answer the same sensors with the same options several times, each time with other random numbers. The truth is the mean of runs that
-//! share nothing between points.
+//! Both programs compute the same sensors with the same options several times, each time with other
+//! random numbers. The truth is the mean of runs that share nothing between points.
 
 mod setup;
 mod spread;
@@ -24,10 +24,10 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, SystemTime};
 
-/// Single paths: nothing is shared, and no ray is too faint.
+/// Independent paths: nothing is shared, and no path is cut off.
 const TRUTH: &str = "-aa 0 -ad 40000 -as 0 -lw 1e-9";
 
-/// The seeds of the truth begin here, so that no run that is judged shares its random numbers with it.
+/// First seed of the truth, so that it shares no random numbers with measured runs.
 const FIRST_SEED: u32 = 1_000_000;
 
 const HEADING: [&str; 6] = ["set-up", "program", "mean %", "±", "deviation %", "processor s"];
@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &Sensors) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// One set-up at work.
+/// The measurement of one set-up.
 struct Bench<'a> {
     arguments: &'a Sensors,
     setup: &'a Setup,
@@ -84,13 +84,13 @@ impl Bench<'_> {
         Ok(rows)
     }
 
-    /// What real Radiance says.
+    /// The result of real Radiance.
     fn real(&self, radiance: &Radiance) -> Result<(Spread, f64), BenchError> {
         let octree = self.folder.join("scene.oct");
         let mut oconv = radiance.command("oconv");
         measure(oconv.arg(self.folder.join("scene.rad")), None, Some(&octree), "")?;
         self.repeat(self.arguments.repeat, |_| {
-            // Its random numbers are those of the second in which it starts.
+            // Its random numbers depend on the second in which it starts.
             wait_for_another_second();
             let mut command = radiance.command("rtrace");
             command.args(["-h", "-I"]).args(self.arguments.options.split_whitespace()).arg("scene.oct");
@@ -98,7 +98,7 @@ impl Bench<'_> {
         })
     }
 
-    /// What some runs say of the sensors, and the median of their processor times.
+    /// The results of some runs, and the median of their processor times.
     fn repeat(&self, runs: u32, command: impl Fn(u32) -> Command) -> Result<(Spread, f64), BenchError> {
         let (points, output) = (self.folder.join("points"), self.folder.join("values"));
         let (mut values, mut seconds) = (Vec::new(), Vec::new());
@@ -124,7 +124,7 @@ impl Bench<'_> {
     }
 }
 
-/// One grey value a line of three numbers: all set-ups are grey.
+/// One grey value per line of three numbers: all set-ups are grey.
 fn luminances(text: &str) -> Vec<f64> {
     text.lines().filter_map(|line| line.split_whitespace().nth(1)?.parse().ok()).collect()
 }

@@ -1,4 +1,4 @@
-//! Set-ups of few points, as daylight and photovoltaic tools have them.
+//! Set-ups with a few points, as in daylight and photovoltaic tools.
 
 use crate::rooms::text::SceneText;
 use glam::DVec3;
@@ -12,13 +12,13 @@ pub(super) struct Setup {
     pub(super) sensors: Vec<[DVec3; 2]>,
 }
 
-/// From the origin to here is a room, m; its window is in the wall where y is 0.
+/// The room extends from the origin to this point, m; its window is in the wall at y = 0.
 const ROOM: DVec3 = DVec3::new(4.0, 6.0, 3.0);
 
 /// Left and right, low and high.
 const WINDOW: [[f64; 2]; 2] = [[1.0, 3.0], [0.9, 2.6]];
 
-/// What fills the window.
+/// The filling of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Opening {
     Empty,
@@ -62,7 +62,7 @@ fn paint(scene: &mut SceneText, name: &str, reflectance: f64) {
     scene.modifier("void", "plastic", name, &[reflectance, reflectance, reflectance, 0.0, 0.0]);
 }
 
-/// A line of sensors from the window inwards, as high as a table.
+/// A line of sensors from the window inwards, at table height.
 fn indoors(name: &'static str, opening: Opening, light: impl Fn(&mut SceneText)) -> Setup {
     let mut scene = SceneText::default();
     for (name, reflectance) in [("floor", 0.2), ("ceiling", 0.8), ("wall", 0.5), ("slat", 0.6)] {
@@ -103,7 +103,7 @@ fn shell(scene: &mut SceneText, opening: Opening) {
     }
 }
 
-/// Three rows of tilted modules over a meadow; the sensors are behind the middle one.
+/// Three rows of tilted modules over a meadow; the sensors are behind the middle row.
 fn modules() -> Setup {
     let mut scene = SceneText::default();
     paint(&mut scene, "meadow", 0.2);
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn set_ups_have_nine_sensors_inside_of_the_scene_with_directions_of_length_one() {
+    fn set_ups_have_nine_sensors_with_unit_directions() {
         for setup in setups() {
             assert_eq!(setup.sensors.len(), 9, "{}", setup.name);
             assert!(setup.sensors.iter().all(|[_, direction]| (direction.length() - 1.0).abs() < 1e-12));
@@ -140,11 +140,11 @@ mod tests {
     }
 
     #[test]
-    fn sensors_stand_behind_their_modules() {
+    fn sensors_are_behind_their_modules() {
         let across = DVec3::new(0.0, -1.0, 1.7).normalize();
         let setup = modules();
         for [position, direction] in setup.sensors {
-            // The plane of the middle row goes through (0, 0, 0.8).
+            // The plane of the middle row contains (0, 0, 0.8).
             assert!((across.dot(position - DVec3::new(0.0, 0.0, 0.8)) + 0.02).abs() < 1e-9);
             assert!(across.dot(direction) < -0.999);
         }

@@ -1,17 +1,18 @@
 //! Mean and deviation of the same sensors over several runs.
 
-/// What runs say of a row of sensors.
+/// Statistics of a row of sensors over several runs.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Spread {
     /// Of each sensor.
     means: Vec<f64>,
-    /// Of each sensor's single run, with the dimension of the mean.
+    /// Of a single run of each sensor, in the unit of the mean.
     deviations: Vec<f64>,
     runs: usize,
 }
 
 impl Spread {
-    /// `runs` hold one value a sensor each; `None` where they are fewer than two or of different lengths.
+    /// `runs` hold one value per sensor each; `None` if there are fewer than two or their lengths
+    /// differ.
     pub(super) fn new(runs: &[Vec<f64>]) -> Option<Spread> {
         let sensors = runs.first()?.len();
         if runs.len() < 2 || runs.iter().any(|run| run.len() != sensors) {
@@ -26,13 +27,14 @@ impl Spread {
         Some(Spread { deviations: (0..sensors).map(deviation).collect(), means, runs: runs.len() })
     }
 
-    /// The relative deviation of one sensor in one run: root of the mean of squares over the sensors.
+    /// The relative deviation of one sensor in one run: rms over the sensors.
     pub(super) fn deviation(&self) -> f64 {
         let squares = self.deviations.iter().zip(&self.means).map(|(deviation, mean)| (deviation / mean).powi(2));
         (squares.sum::<f64>() / self.means.len() as f64).sqrt()
     }
 
-    /// How far the sensors are off in the mean, relative to a truth, and the standard error of that; both hold the truth's noise.
+    /// The mean deviation of the sensors from a truth, relative to it, and its standard error; both
+    /// include the truth's noise.
     pub(super) fn excess(&self, truth: &Spread) -> [f64; 2] {
         let count = self.means.len() as f64;
         let shares = self.means.iter().zip(&truth.means).map(|(mean, truth)| mean / truth - 1.0);

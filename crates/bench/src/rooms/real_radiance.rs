@@ -1,6 +1,6 @@
-//! Real Radiance in the same rooms: how long the best of its settings takes to the error that our picture has.
+//! Real Radiance in the same rooms: the time of its fastest setting to the error of our picture.
 
-use super::judge::Judgement;
+use super::comparison::Comparison;
 use crate::curve::{Curve, TimeTo};
 use crate::error::BenchError;
 use crate::race::{Program, Real, RealKind, Scene};
@@ -8,30 +8,30 @@ use crate::radiance::Radiance;
 use radsight_picture::Image;
 use std::fmt;
 
-/// How many times as long as ours a program takes to an error.
+/// The ratio of a program's time to ours at equal error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum TimesAsLong {
+pub(super) enum TimeRatio {
     About(f64),
     /// Even the cheapest of its pictures is better.
     AtMost(f64),
-    /// None of its pictures is so good; this is the dearest.
+    /// None of its pictures is as good; this is the most expensive.
     MoreThan(f64),
 }
 
-impl TimesAsLong {
+impl TimeRatio {
     pub(super) fn value(self) -> f64 {
         match self {
-            TimesAsLong::About(times) | TimesAsLong::AtMost(times) | TimesAsLong::MoreThan(times) => times,
+            TimeRatio::About(times) | TimeRatio::AtMost(times) | TimeRatio::MoreThan(times) => times,
         }
     }
 }
 
-impl fmt::Display for TimesAsLong {
+impl fmt::Display for TimeRatio {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mark = match self {
-            TimesAsLong::About(_) => "",
-            TimesAsLong::AtMost(_) => "<",
-            TimesAsLong::MoreThan(_) => ">",
+            TimeRatio::About(_) => "",
+            TimeRatio::AtMost(_) => "<",
+            TimeRatio::MoreThan(_) => ">",
         };
         write!(out, "{mark}{:.2}", self.value())
     }
@@ -39,20 +39,20 @@ impl fmt::Display for TimesAsLong {
 
 /// Pictures of a room at several settings.
 #[derive(Debug)]
-pub(super) struct Rival {
+pub(super) struct RealRadiance {
     /// Error and processor time of each, s.
     pictures: Vec<(f64, f64)>,
 }
 
-impl Rival {
-    /// Makes them: every series of `rtrace` and of `rpict` goes on until it has the error `least`, or until a picture takes longer than `limit`
-    /// seconds of processor time.
+impl RealRadiance {
+    /// Renders them: every series of `rtrace` and of `rpict` continues until it reaches the error
+    /// `least`, or until a picture takes longer than `limit` seconds of processor time.
     pub(super) fn new(
         radiance: &Radiance,
         scene: &Scene,
         references: [&Image<f32>; 2],
         (least, limit): (f64, u64),
-    ) -> Result<Rival, BenchError> {
+    ) -> Result<RealRadiance, BenchError> {
         let mut pictures = Vec::new();
         for kind in [RealKind::Rtrace, RealKind::Rpict] {
             let mut real = Real::new(radiance, kind, limit);
@@ -63,7 +63,7 @@ impl Rival {
                         Err(BenchError::TookTooLong { .. }) => break,
                         made => made?,
                     };
-                    let error = Judgement::new(&picture, references).pixels.error();
+                    let error = Comparison::new(&picture, references).pixels.error();
                     pictures.push((error, taken.processor));
                     if error <= least {
                         break;
@@ -71,20 +71,21 @@ impl Rival {
                 }
             }
         }
-        Ok(Rival { pictures })
+        Ok(RealRadiance { pictures })
     }
 
-    /// Beside a picture of this error that took so many seconds; `None` where there is nothing to compare.
-    pub(super) fn beside(&self, error: f64, seconds: f64) -> Option<TimesAsLong> {
+    /// Relative to a picture with this error and time in seconds; `None` if there is nothing to
+    /// compare.
+    pub(super) fn ratio_to(&self, error: f64, seconds: f64) -> Option<TimeRatio> {
         if error.is_nan() || error <= 0.0 || seconds <= 0.0 {
             return None;
         }
         Some(match Curve::new(self.pictures.iter().copied()).time_to(error) {
-            TimeTo::Interpolated(time) => TimesAsLong::About(time / seconds),
-            TimeTo::AtMost(time) => TimesAsLong::AtMost(time / seconds),
+            TimeTo::Interpolated(time) => TimeRatio::About(time / seconds),
+            TimeTo::AtMost(time) => TimeRatio::AtMost(time / seconds),
             TimeTo::NotReached => {
                 let dearest = self.pictures.iter().map(|(_, time)| *time).reduce(f64::max)?;
-                TimesAsLong::MoreThan(dearest / seconds)
+                TimeRatio::MoreThan(dearest / seconds)
             }
         })
     }
@@ -96,11 +97,11 @@ mod tests {
 
     #[test]
     fn times_are_those_to_the_same_error() {
-        let rival = Rival { pictures: vec![(0.2, 1.0), (0.1, 4.0), (0.15, 9.0)] };
-        assert_eq!(rival.beside(0.1, 2.0), Some(TimesAsLong::About(2.0)));
-        assert_eq!(rival.beside(0.3, 2.0), Some(TimesAsLong::AtMost(0.5)));
-        assert_eq!(rival.beside(0.05, 2.0).map(|times| times.to_string()), Some(">4.50".to_owned()));
-        assert_eq!(rival.beside(0.0, 2.0), None);
-        assert_eq!(Rival { pictures: Vec::new() }.beside(0.1, 2.0), None);
+        let real_radiance = RealRadiance { pictures: vec![(0.2, 1.0), (0.1, 4.0), (0.15, 9.0)] };
+        assert_eq!(real_radiance.ratio_to(0.1, 2.0), Some(TimeRatio::About(2.0)));
+        assert_eq!(real_radiance.ratio_to(0.3, 2.0), Some(TimeRatio::AtMost(0.5)));
+        assert_eq!(real_radiance.ratio_to(0.05, 2.0).map(|times| times.to_string()), Some(">4.50".to_owned()));
+        assert_eq!(real_radiance.ratio_to(0.0, 2.0), None);
+        assert_eq!(RealRadiance { pictures: Vec::new() }.ratio_to(0.1, 2.0), None);
     }
 }
