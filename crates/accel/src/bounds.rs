@@ -6,9 +6,9 @@ use radsight_ir::Transform;
 /// An axis-aligned box in double precision.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bounds {
-    /// The corner with the least coordinates.
+    /// The corner with the smallest coordinates.
     pub min: DVec3,
-    /// The corner with the largest.
+    /// The corner with the largest coordinates.
     pub max: DVec3,
 }
 
@@ -25,8 +25,8 @@ impl Bounds {
         Bounds { min: center - half, max: center + half }
     }
 
-    /// The box around this one after a transform.
-    pub(crate) fn placed(self, transform: &Transform) -> Bounds {
+    /// The bounding box of this box after a transform.
+    pub(crate) fn transformed(self, transform: &Transform) -> Bounds {
         let corners = self.corners().map(|corner| transform.point(corner));
         corners[1..].iter().fold(Bounds::point(corners[0]), |bounds, corner| bounds.union(Bounds::point(*corner)))
     }
@@ -44,7 +44,7 @@ impl Bounds {
         })
     }
 
-    /// The largest coordinate without its sign.
+    /// The largest absolute coordinate.
     pub(crate) fn reach(self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()
     }

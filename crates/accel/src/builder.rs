@@ -1,12 +1,12 @@
-//! How much care hierarchies are built with.
+//! The choice between builders of hierarchies.
 
-/// How a hierarchy is built. What rays meet does not depend on it, only how soon.
+/// How a hierarchy is built. It affects the speed of rays but not their hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Builder {
-    /// From the top down, by binned cuts.
+    /// Top down, by binned splits.
     #[default]
     Quick,
-    /// Also from the bottom up, by clusters whose nodes are then moved to where they cost least; the hierarchy that costs rays less is
-    /// kept. It takes about five times as long.
+    /// Also bottom up, by clustering and reinsertion; the hierarchy with the lower cost is kept.
+    /// Takes about five times as long.
     Thorough,
 }

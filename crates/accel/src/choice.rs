@@ -1,6 +1,6 @@
-//! The choice among surfaces that lie on each other, by the rule of `coincident.rs`.
+//! Selects one of several coincident surfaces, by the rule of `coincident.rs`.
 
-use crate::coincident::{Standing, Substance, rounding};
+use crate::coincident::{Rank, Substance, rounding};
 use crate::geometry::Geometry;
 use crate::ids::{MemberId, PrimitiveId};
 use crate::intersection::Crossing;
@@ -13,31 +13,31 @@ use glam::DVec3;
 use radsight_ir::{ModifierHandle, Scene, Shape, SurfaceHandle, ValidScene};
 use std::cmp::Reverse;
 
-/// Surfaces whose normals have a cosine above this lie along each other.
-const ALONG: f64 = 1.0 - 1e-6;
+/// Minimum cosine between the normals of coincident surfaces.
+const MIN_COSINE: f64 = 1.0 - 1e-6;
 
 impl Geometry {
-    /// Which of hits that are about as near as the first the ray meets, of those before `farthest`.
+    /// The hit that the ray meets, among those nearly as near as the first and before `farthest`.
     #[cold]
     pub(crate) fn choose(&self, scene: &Scene, ray: &Ray, mut hits: Vec<Crossing>, farthest: f64) -> Option<Crossing> {
         hits.retain(|hit| hit.distance < farthest);
-        // Radiance tries those first that stand last in the scene.
+        // Radiance tests surfaces in reverse order of the scene.
         hits.sort_unstable_by_key(|hit| Reverse(self.surface_of(self.member_of(hit.primitive).0).index()));
-        hits.into_iter().reduce(|best, next| if self.displaces(scene, ray, best, next) { next } else { best })
+        hits.into_iter().reduce(|best, next| if self.replaces(scene, ray, best, next) { next } else { best })
     }
 
-    /// Whether `next`, which stands before `best` in the scene, takes its place.
-    fn displaces(&self, scene: &Scene, ray: &Ray, best: Crossing, next: Crossing) -> bool {
+    /// Whether `next`, which precedes `best` in the scene, replaces it.
+    fn replaces(&self, scene: &Scene, ray: &Ray, best: Crossing, next: Crossing) -> bool {
         if !self.is_plain(self.member_of(next.primitive).0) {
             return next.distance < best.distance - rounding(ray, best.distance);
         }
         if (next.distance - best.distance).abs() > self.tolerance {
             return next.distance < best.distance;
         }
-        self.standing(scene, ray, next) > self.standing(scene, ray, best)
+        self.rank(scene, ray, next) > self.rank(scene, ray, best)
     }
 
-    /// Which surface a ray meets first of those no more than the tolerance from `distance` on it.
+    /// The surface that a ray meets first among those within the tolerance of `distance`.
     #[cold]
     #[must_use]
     pub fn chosen_near(
@@ -58,20 +58,21 @@ impl Geometry {
         self.choose(scene, ray, hits, limits.farthest).map(|crossing| crossing.primitive)
     }
 
-    /// Hits no farther apart than this are equally near, scene units.
+    /// Maximum distance between hits that count as equally near, scene units.
     #[inline]
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// Whether a surface without others in it is opaque to the rule.
+    /// Whether the rule treats a surface that contains no others as opaque.
     #[must_use]
     pub fn counts_as_opaque(&self, scene: &Scene, surface: SurfaceHandle) -> bool {
         (self.substance_of)(scene, scene.surfaces[surface].modifier) == Substance::Opaque
     }
 
-    /// Whether a ray that starts on the surface `from` crosses right there another one that lies on it: Radiance never meets that.
+    /// Whether a ray that starts on the surface `from` crosses a coincident surface at its origin:
+    /// Radiance never reports that hit.
     #[inline]
     pub(crate) fn lies_on_start(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>, met: &Crossing) -> bool {
         met.distance <= self.tolerance && self.lies_along(scene, ray, from, met)
@@ -84,16 +85,17 @@ impl Geometry {
         };
         let [start, here] = [(from, ray.origin), (met.primitive, ray.at(met.distance))]
             .map(|(primitive, point)| self.front(scene, primitive, point));
-        start.dot(here).abs() > ALONG
+        start.dot(here).abs() > MIN_COSINE
     }
 
-    fn standing(&self, scene: &Scene, ray: &Ray, crossing: Crossing) -> Standing {
+    fn rank(&self, scene: &Scene, ray: &Ray, crossing: Crossing) -> Rank {
         let front = self.front(scene, crossing.primitive, ray.at(crossing.distance));
         let (substance, modifier) = self.substance(scene, crossing.primitive, 0);
-        Standing { substance, faces_the_ray: ray.direction.dot(front) < 0.0, modifier }
+        Rank { substance, faces_the_ray: ray.direction.dot(front) < 0.0, modifier }
     }
 
-    /// The material of a primitive, and how late its modifier is defined, `depth` scenes within another.
+    /// The material class of a primitive, and the order of its modifier, `depth` scenes inside
+    /// another.
     fn substance(&self, scene: &Scene, primitive: PrimitiveId, depth: u32) -> (Substance, (u32, usize)) {
         let (member, inner) = self.member_of(primitive);
         let surface = &scene.surfaces[self.surface_of(member)];

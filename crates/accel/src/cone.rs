@@ -6,14 +6,15 @@ use glam::DVec3;
 use radsight_ir::{Cone, Facing};
 use std::ops::Range;
 
-/// Rounding of a discriminant, as a share of its terms.
+/// Relative rounding error of a discriminant, with respect to its terms.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Distance to the cone.
 ///
-/// With `h` the height of a point over the base along the axis, the surface is `|radial part| = r₀ + k·h` for `0 ≤ h ≤ length`. The
-/// quadratic is set up about the point of the ray nearest to the middle of the axis, so that a distant start costs no digits. The wall
-/// is longer than it says by what rounding may take off it, so that no ray passes between it and a ring at its end.
+/// With `h` the height of a point above the base along the axis, the surface is `|radial part| = r₀
+/// + k·h` for `0 ≤ h ≤ length`. The quadratic is expressed about the point of the ray nearest to
+/// the centre of the axis, so that a distant origin loses no precision. The wall is extended by the
+/// rounding error, so that no ray passes between it and a ring at its end.
 #[inline]
 pub(crate) fn intersect(cone: &Cone, ray: &Ray, range: Range<f64>) -> Option<f64> {
     let axis = cone.apex - cone.base;
@@ -42,8 +43,8 @@ pub(crate) fn intersect(cone: &Cone, ray: &Ray, range: Range<f64>) -> Option<f64
     roots.into_iter().find(inside).map(|root| root + shift)
 }
 
-/// The roots of `a·t² + 2·half_b·t + c`, the smaller one first. A ray through the tip of a cone meets it twice in one point; where
-/// rounding takes the discriminant below zero by no more than it can, there is such a root.
+/// The roots of `a·t² + 2·half_b·t + c`, the smaller one first. A ray through the apex of a cone
+/// has a double root; if rounding makes the discriminant slightly negative, the root is kept.
 fn solve(a: f64, half_b: f64, c: f64) -> Option<[f64; 2]> {
     let (squared, product) = (half_b * half_b, a * c);
     let discriminant = squared - product;

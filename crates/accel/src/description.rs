@@ -1,8 +1,8 @@
-//! What a surface is like where a ray crosses it.
+//! Surface data at a crossing.
 
 use crate::geometry::Geometry;
 use crate::ids::{PrimitiveId, ShaderId, ShaderTable};
-use crate::intersection::{Crossing, Intersection, Placed};
+use crate::intersection::{Crossing, InstanceData, Intersection};
 use crate::mesh;
 use crate::ray::Ray;
 use crate::shape::surface_point;
@@ -11,30 +11,30 @@ use radsight_ir::{
     Instance, Mesh, MeshInstance, MeshTriangle, ModifierHandle, Scene, Shape, Surface, Transform, ValidScene,
 };
 
-/// What Radiance calls a triangle of a mesh that has its own modifier.
+/// Radiance's name for a mesh triangle with its own modifier.
 const TRIANGLE_NAME: &str = "M-Tri";
 
-/// Which surface a primitive is.
+/// The surface of a primitive.
 #[derive(Clone, Copy, Debug)]
 pub struct Identity<'s> {
-    /// The scene that holds it: the whole one, or one that is placed in it.
+    /// The scene that contains it: the outermost one or an instanced one.
     pub scene: &'s Scene,
     /// The name of the surface.
     pub name: &'s str,
-    /// Its modifier, of that scene.
+    /// Its modifier in that scene.
     pub modifier: Option<ModifierHandle>,
 }
 
-/// What is known of a point of a surface before the surface is placed.
-struct Described {
+/// Data of a point of a surface before an instance transform.
+struct HitData {
     shader: ShaderId,
     point: DVec3,
     front: DVec3,
-    placed: Option<Placed>,
+    instance: Option<InstanceData>,
 }
 
 impl Geometry {
-    /// All that the shading of a crossing asks for.
+    /// All geometric data for the shading of a crossing.
     #[inline]
     #[must_use]
     pub fn hit(&self, scene: &ValidScene, shaders: &ShaderTable, ray: &Ray, crossing: Crossing) -> Intersection {
@@ -50,7 +50,7 @@ impl Geometry {
                 shader: shaders.of(modifier),
                 point,
                 front,
-                placed: None,
+                instance: None,
             };
         }
         self.hit_within(scene, shaders, ray, crossing)
@@ -60,11 +60,11 @@ impl Geometry {
     fn hit_within(&self, scene: &Scene, shaders: &ShaderTable, ray: &Ray, crossing: Crossing) -> Intersection {
         let Crossing { distance, primitive } = crossing;
         let surface = self.members[self.member_of(primitive).0.0 as usize];
-        let Described { shader, point, front, placed } = self.describe(scene, shaders, primitive, ray.at(distance));
-        Intersection { distance, primitive, surface, shader, point, front, placed }
+        let HitData { shader, point, front, instance } = self.describe(scene, shaders, primitive, ray.at(distance));
+        Intersection { distance, primitive, surface, shader, point, front, instance }
     }
 
-    fn describe(&self, scene: &Scene, shaders: &ShaderTable, primitive: PrimitiveId, point: DVec3) -> Described {
+    fn describe(&self, scene: &Scene, shaders: &ShaderTable, primitive: PrimitiveId, point: DVec3) -> HitData {
         let (member, inner) = self.member_of(primitive);
         let surface = &scene.surfaces[self.members[member.0 as usize]];
         let shader = shaders.of(surface.modifier);
@@ -85,13 +85,13 @@ impl Geometry {
             }
             shape => {
                 let (point, front) = surface_point(scene, shape, point);
-                Described { shader, point, front, placed: None }
+                HitData { shader, point, front, instance: None }
             }
         }
     }
 
-    /// The surface that a primitive is, in the scene that holds it: that within a mesh or an instance, unless a modifier of the
-    /// mesh or the instance overrides what is within.
+    /// The surface of a primitive, in the scene that contains it. If the mesh or the instance has a
+    /// modifier, it overrides those inside.
     #[must_use]
     pub fn identify<'s>(&self, scene: &'s Scene, primitive: PrimitiveId) -> Identity<'s> {
         let (member, inner) = self.member_of(primitive);
@@ -113,36 +113,37 @@ impl Geometry {
     }
 }
 
-/// A triangle has its own modifier, in the coordinates of the mesh, unless the surface's modifier overrides it.
+/// A triangle has its own modifier, in the coordinates of the mesh, unless the surface's modifier
+/// overrides it.
 fn describe_triangle(
     (mesh, triangle): (&Mesh, &MeshTriangle),
     to_scene: &Transform,
     surface: &Surface,
     shaders: &ShaderTable,
     point: DVec3,
-) -> Described {
+) -> HitData {
     let to_local = to_scene.inverse();
     let found = mesh::mesh_point(mesh, triangle, to_local.point(point));
     let front = to_scene.direction(found.front);
     let perturbation = found.smooth.map_or(DVec3::ZERO, |smooth| to_scene.direction(smooth) - front);
     let own = surface.modifier.is_none();
     let shader = shaders.of(if own { triangle.modifier } else { surface.modifier });
-    let placed = Placed { to_object: own.then_some(to_local), uv: found.uv, perturbation };
-    Described { shader, point, front, placed: Some(placed) }
+    let instance = InstanceData { to_object: own.then_some(to_local), uv: found.uv, perturbation };
+    HitData { shader, point, front, instance: Some(instance) }
 }
 
-/// What was found in an instance, in the coordinates around it; a modifier of the instance overrides those within, and stands in the
-/// coordinates of the scene around.
-fn place(found: Described, to_scene: &Transform, to_local: &Transform, overriding: Option<ShaderId>) -> Described {
-    let inner = found.placed.unwrap_or(Placed { to_object: None, uv: [0.0; 2], perturbation: DVec3::ZERO });
+/// Transforms a hit inside an instance to the enclosing coordinates. A modifier of the instance
+/// overrides those inside, and uses the coordinates of the enclosing scene.
+fn place(found: HitData, to_scene: &Transform, to_local: &Transform, overriding: Option<ShaderId>) -> HitData {
+    let inner = found.instance.unwrap_or(InstanceData { to_object: None, uv: [0.0; 2], perturbation: DVec3::ZERO });
     let to_object = match overriding {
         Some(_) => None,
         None => Some(inner.to_object.map_or(*to_local, |placed| to_local.then(&placed))),
     };
-    Described {
+    HitData {
         shader: overriding.unwrap_or(found.shader),
         point: to_scene.point(found.point),
         front: to_scene.direction(found.front),
-        placed: Some(Placed { to_object, uv: inner.uv, perturbation: to_scene.direction(inner.perturbation) }),
+        instance: Some(InstanceData { to_object, uv: inner.uv, perturbation: to_scene.direction(inner.perturbation) }),
     }
 }

@@ -6,8 +6,8 @@ use glam::DVec3;
 use radsight_ir::Ring;
 use std::ops::Range;
 
-/// Distance to the ring. Its edges are farther out and farther in by what rounding may take off them, so that no ray passes between it
-/// and a cylinder, a cone or another ring that it joins.
+/// Distance to the ring. It is extended by the rounding error at both edges, so that no ray passes
+/// between it and an adjacent cylinder, cone or ring.
 #[inline]
 pub(crate) fn intersect(ring: &Ring, ray: &Ray, range: Range<f64>) -> Option<f64> {
     let distance = ring.normal.dot(ring.center - ray.origin) / ring.normal.dot(ray.direction);
@@ -20,7 +20,7 @@ pub(crate) fn intersect(ring: &Ring, ray: &Ray, range: Range<f64>) -> Option<f64
     (radius_squared <= outer * outer && radius_squared >= inner * inner).then_some(distance)
 }
 
-/// How far a unit disk with this unit normal reaches along each axis.
+/// Extent of a unit disk with this unit normal along each axis.
 pub(crate) fn reach(normal: DVec3) -> DVec3 {
     (DVec3::ONE - normal * normal).max(DVec3::ZERO).map(f64::sqrt)
 }

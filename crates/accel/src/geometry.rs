@@ -1,4 +1,4 @@
-//! All surfaces of a scene under one hierarchy, and the numbers of what rays can hit.
+//! All surfaces of a scene in one hierarchy, and the numbering of primitives.
 
 use crate::bounds::Bounds;
 use crate::builder::Builder;
@@ -16,24 +16,25 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// All surfaces of a scene that a ray can hit at a finite distance.
+/// All local surfaces of a scene.
 #[derive(Debug)]
 pub struct Geometry {
-    /// The surface of each member; members stand in the order of the hierarchy's slots.
+    /// The surface of each member; members are in the order of the hierarchy's slots.
     pub(crate) members: Vec<SurfaceHandle>,
-    /// The members in the order of the quick builder's slots, if that is another one; else empty.
+    /// The members in the order of the quick builder's slots; empty if it is the same.
     listing: Vec<MemberId>,
-    /// Their shapes, beside each other for the rays.
+    /// Their shapes, contiguous for traversal.
     pub(crate) shapes: Vec<Shape>,
-    /// Their corners, where all are triangles and many rays are worth a second copy that stands in the order of the slots; else empty.
+    /// Their vertices in the order of the slots, if all are triangles and many rays justify a copy;
+    /// otherwise empty.
     pub(crate) corners: Vec<[DVec3; 3]>,
-    /// The members that hold others, ascending.
+    /// The members that contain others, ascending.
     pub(crate) holders: Vec<MemberId>,
-    /// The first primitive in each of them, and the number of all primitives.
+    /// The first primitive of each of them, and the total number of primitives.
     pub(crate) firsts: Vec<u64>,
     pub(crate) hierarchy: Hierarchy,
     pub(crate) nearest: f64,
-    /// Hits no farther apart than this are equally near.
+    /// Maximum distance between hits that count as equally near.
     pub(crate) tolerance: f64,
     /// By mesh handle.
     pub(crate) meshes: Vec<MeshGeometry>,
@@ -41,15 +42,15 @@ pub struct Geometry {
     pub(crate) octrees: Vec<Arc<Geometry>>,
     /// The grids of polygons with many vertices, by their members, ascending.
     pub(crate) outlines: Vec<(MemberId, Outline)>,
-    /// Decides which of surfaces that lie on each other is met.
+    /// Material classes, for the choice among coincident surfaces.
     pub(crate) substance_of: SubstanceOf,
 }
 
 impl Geometry {
-    /// `wanted` tells which surfaces can matter at all.
+    /// Builds the hierarchies. `wanted` selects the surfaces.
     ///
     /// # Errors
-    /// A scene with more copies of surfaces than can be numbered.
+    /// If instances have more copies of surfaces than can be numbered.
     pub fn build(
         scene: &Scene,
         substance_of: SubstanceOf,
@@ -59,7 +60,7 @@ impl Geometry {
         Geometry::build_sharing(scene, (substance_of, builder), &wanted, &mut HashMap::new())
     }
 
-    /// A scene that several others place has one geometry.
+    /// Scenes with several instances share one geometry.
     fn build_sharing(
         scene: &Scene,
         (substance_of, builder): (SubstanceOf, Builder),
@@ -117,7 +118,7 @@ impl Geometry {
         Ok(geometry)
     }
 
-    /// Of no members yet.
+    /// Without members yet.
     fn holding(meshes: Vec<MeshGeometry>, octrees: Vec<Arc<Geometry>>, substance_of: SubstanceOf) -> Geometry {
         Geometry {
             members: Vec::new(),
@@ -152,7 +153,7 @@ impl Geometry {
         Ok(())
     }
 
-    /// How many primitives a mesh or an instance holds.
+    /// Number of primitives in a mesh or an instance.
     fn primitives_in(&self, scene: &Scene, shape: Shape) -> u64 {
         match shape {
             Shape::Mesh(handle) => scene.meshes[scene.mesh_instances[handle].mesh].triangles.len() as u64,
@@ -161,24 +162,25 @@ impl Geometry {
         }
     }
 
-    /// How many primitives there are, those of all copies counted.
+    /// Number of primitives, including all copies.
     #[must_use]
     pub fn primitive_count(&self) -> u64 {
         self.firsts[self.firsts.len() - 1]
     }
 
-    /// Whether something without a material stands in the hierarchies, because a copy could give it one.
+    /// Whether surfaces without a material are in the hierarchies, because an instance could give
+    /// them one.
     #[must_use]
     pub fn holds_void(&self, scene: &Scene, shaders: &ShaderTable, is_void: impl Fn(ShaderId) -> bool) -> bool {
         let mut seen = HashSet::new();
-        let mut waiting = vec![(self, scene, shaders)];
-        while let Some((geometry, scene, shaders)) = waiting.pop() {
+        let mut pending = vec![(self, scene, shaders)];
+        while let Some((geometry, scene, shaders)) = pending.pop() {
             if geometry.members_hold_void(scene, shaders, &is_void) {
                 return true;
             }
             let octrees = geometry.octrees.iter().zip(scene.octrees.items()).zip(shaders.octrees());
             let unseen = octrees.filter(|((geometry, _), _)| seen.insert(Arc::as_ptr(geometry)));
-            waiting.extend(unseen.map(|((geometry, octree), shaders)| (&**geometry, &*octree.scene, &**shaders)));
+            pending.extend(unseen.map(|((geometry, octree), shaders)| (&**geometry, &*octree.scene, &**shaders)));
         }
         false
     }
@@ -196,13 +198,14 @@ impl Geometry {
         })
     }
 
-    /// Centre and radius of a sphere around all surfaces.
+    /// Centre and radius of a bounding sphere of all surfaces.
     #[must_use]
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
         self.hierarchy.bounding_sphere()
     }
 
-    /// Memory of the hierarchies here and in meshes and octrees, with what stands in the order of their slots, bytes.
+    /// Memory of the hierarchies here and in meshes and octrees, including data in slot order,
+    /// bytes.
     #[must_use]
     pub fn hierarchy_bytes(&self) -> usize {
         let members = size_of::<SurfaceHandle>() + size_of::<Shape>();
@@ -216,13 +219,13 @@ impl Geometry {
             + octrees
     }
 
-    /// How many members there are.
+    /// Number of members.
     #[must_use]
     pub fn len(&self) -> usize {
         self.members.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no members.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.members.is_empty()
@@ -233,20 +236,20 @@ impl Geometry {
         self.members.iter().enumerate().map(|(index, handle)| (MemberId(index as u32), *handle))
     }
 
-    /// The surfaces in an order that does not depend on the builder, for what must not depend on it either.
+    /// The surfaces in an order independent of the builder.
     pub fn listed_members(&self) -> impl Iterator<Item = (MemberId, SurfaceHandle)> {
         let listed = |index: usize| self.listing.get(index).copied().unwrap_or(MemberId(index as u32));
         (0..self.members.len()).map(move |index| (listed(index), self.surface_of(listed(index))))
     }
 
-    /// Whether a member holds no other surfaces, so that its own name is that of its primitive.
+    /// Whether a member contains no other surfaces, so that it is a primitive.
     #[inline]
     #[must_use]
     pub fn is_plain(&self, member: MemberId) -> bool {
         !matches!(self.shapes[member.0 as usize], Shape::Mesh(_) | Shape::Instance(_))
     }
 
-    /// The member that a primitive belongs to, and the number of the primitive within it.
+    /// The member of a primitive, and the index of the primitive in it.
     #[inline]
     pub(crate) fn member_of(&self, primitive: PrimitiveId) -> (MemberId, PrimitiveId) {
         if primitive.0 < self.members.len() as u64 {
@@ -256,14 +259,14 @@ impl Geometry {
         (self.holders[holder], PrimitiveId(primitive.0 - self.firsts[holder]))
     }
 
-    /// The primitives of a member that holds others.
+    /// The primitives of a member that contains others.
     #[inline]
     pub(crate) fn primitives_of(&self, member: MemberId) -> Range<u64> {
         let holder = self.holders.partition_point(|holder| holder.0 < member.0);
         self.firsts[holder]..self.firsts[holder + 1]
     }
 
-    /// The number of a primitive among those of a member, if it is one of them.
+    /// The index of the primitive in a member, if it belongs to it.
     #[inline]
     pub(crate) fn within(range: &Range<u64>, primitive: Option<PrimitiveId>) -> Option<PrimitiveId> {
         primitive
@@ -278,17 +281,17 @@ impl Geometry {
         self.members[member.0 as usize]
     }
 
-    /// The box around a surface; none for what has no place.
+    /// The bounding box of a surface; `None` for one at infinity.
     #[must_use]
     pub fn bounds(&self, scene: &Scene, shape: Shape) -> Option<Bounds> {
         match shape {
             Shape::Mesh(handle) => {
                 let MeshInstance { mesh, to_scene } = &scene.mesh_instances[handle];
-                Some(self.meshes[mesh.index()].bounds().placed(to_scene))
+                Some(self.meshes[mesh.index()].bounds().transformed(to_scene))
             }
             Shape::Instance(handle) => {
                 let Instance { octree, to_scene } = &scene.instances[handle];
-                Some(self.octrees[octree.index()].hierarchy.bounds().placed(to_scene))
+                Some(self.octrees[octree.index()].hierarchy.bounds().transformed(to_scene))
             }
             shape => bounds_of_plain(scene, shape),
         }
@@ -299,7 +302,7 @@ fn too_many() -> Diagnostic {
     Diagnostic::error("the instances of the scene make more than 2^64 surfaces")
 }
 
-/// Grids for the polygons that have many vertices.
+/// Grids for the polygons with many vertices.
 fn outlines(scene: &Scene, shapes: &[Shape]) -> Vec<(MemberId, Outline)> {
     let of_shape = |(index, shape): (usize, &Shape)| match *shape {
         Shape::Polygon { start, count } if count >= MANY_VERTICES => {

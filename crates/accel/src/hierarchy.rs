@@ -1,13 +1,15 @@
-//! The hierarchy of boxes: eight boxes a node, and where it holds triangles, four of them a leaf.
+//! The bounding volume hierarchy: eight boxes per node, and four triangles per leaf if it contains
+//! triangles.
 //!
-//! It is in single precision about the centre of what it holds, with boxes padded by more than its rounding; what it proposes is
-//! decided in double precision. A ray that starts far outside is first moved to the bounding sphere.
+//! It uses single precision relative to the centre of its content, with boxes padded by more than
+//! the rounding error; candidates are tested in double precision. A ray from far outside is first
+//! advanced to the bounding sphere.
 
 use crate::bounds::Bounds;
 use crate::builder::Builder;
 use crate::hierarchy_block::{Block, Probe};
 use crate::hierarchy_build::cut;
-use crate::hierarchy_child::{Child, LARGEST_LEAF, Waiting};
+use crate::hierarchy_child::{Child, MAX_LEAF_ITEMS, PendingChild};
 use crate::hierarchy_cluster::cluster;
 use crate::hierarchy_collapse::{collapse, cost};
 use crate::hierarchy_node::{Node, Slabs, WIDTH};
@@ -17,17 +19,19 @@ use crate::ray::Ray;
 use crate::shaft::Shaft;
 use glam::DVec3;
 
-/// Padding of boxes as a share of the size of the whole: well above the rounding of single precision in the slab tests.
+/// Padding of boxes relative to the total size: well above the single-precision rounding error of
+/// slab tests.
 const BOX_PADDING: f64 = 2e-6;
 
-/// In larger scenes the areas of boxes could overflow in single precision, which clustering cannot stand.
-const LARGEST_CLUSTERED: f64 = 1e16;
+/// In larger scenes the areas of boxes could overflow in single precision, which clustering does
+/// not tolerate.
+const MAX_CLUSTERED_SIZE: f64 = 1e16;
 
-/// Boxes in boxes around items. Items have slots, so that those of a box have slots one after the other.
+/// A tree of boxes around items. Items have slots; the slots of a box are contiguous.
 #[derive(Debug, Default)]
 pub(crate) struct Hierarchy {
     nodes: Vec<Node>,
-    /// The leaves, where they hold triangles; else the slots of a leaf stand in its [`Child`].
+    /// The leaves, if they contain triangles; otherwise the slots of a leaf are in its [`Child`].
     blocks: Vec<Block>,
     root: Child,
     bounds: Bounds,
@@ -36,44 +40,44 @@ pub(crate) struct Hierarchy {
     processor: Processor,
 }
 
-/// What a ray looks for.
+/// The parameters of a query.
 #[derive(Clone, Copy)]
 pub(crate) struct Search<'a> {
     pub(crate) ray: &'a Ray,
-    /// How far, scene units.
+    /// Maximum distance, scene units.
     pub(crate) limit: f64,
-    /// The corners of the triangles by slot, where they are to be fetched from memory early; may be empty.
+    /// The vertices of the triangles by slot, for prefetching; may be empty.
     pub(crate) corners: &'a [[DVec3; 3]],
 }
 
-/// Children that wait, the next one last.
+/// Children to visit, the next one last.
 struct Stack {
-    places: [Waiting; STACK],
+    places: [PendingChild; STACK],
     count: usize,
-    overflow: Vec<Waiting>,
+    overflow: Vec<PendingChild>,
 }
 
-/// Children that wait before memory is asked for. More are rare: nodes below nodes to this depth and a third.
+/// Capacity without allocation. Only hierarchies deeper than a third of this can need more.
 const STACK: usize = 48;
 
 impl Default for Stack {
     #[inline(always)]
     fn default() -> Stack {
-        Stack { places: [Waiting::default(); STACK], count: 0, overflow: Vec::new() }
+        Stack { places: [PendingChild::default(); STACK], count: 0, overflow: Vec::new() }
     }
 }
 
 impl Stack {
     #[inline(always)]
-    fn push(&mut self, waiting: Waiting) {
+    fn push(&mut self, pending: PendingChild) {
         match self.places.get_mut(self.count) {
-            Some(place) => *place = waiting,
-            None => self.overflow.push(waiting),
+            Some(place) => *place = pending,
+            None => self.overflow.push(pending),
         }
         self.count += 1;
     }
 
-    /// The next one that is entered before `farthest`.
+    /// The next child that is entered before `farthest`.
     #[inline(always)]
     fn pop(&mut self, farthest: f32) -> Option<Child> {
         while self.count > 0 {
@@ -91,8 +95,8 @@ impl Stack {
 }
 
 impl Hierarchy {
-    /// Builds the hierarchy of items numbered from 0, some of which may be triangles. Also returns the item of each slot, and the
-    /// order in which the quick builder would have put the items, if that is another one.
+    /// Builds the hierarchy of items numbered from 0, some of which may be triangles. Also returns
+    /// the item of each slot, and the quick builder's order of items if it differs.
     pub(crate) fn build(
         count: usize,
         bounds_of: impl Fn(usize) -> Bounds + Sync,
@@ -105,7 +109,7 @@ impl Hierarchy {
         let radius = 0.5 * (bounds.max - bounds.min).length();
         let padding = DVec3::splat(BOX_PADDING * radius);
         let triangles = (0..count).filter(|item| triangle_of(*item).is_some()).count();
-        // With few triangles among other things a block would only stand in the way.
+        // Blocks do not pay with few triangles among other items.
         let leaves = if 2 * triangles > count { Leaves::Blocks } else { Leaves::Slots };
         let box_of = |item: usize| {
             let Bounds { min, max } = bounds_of(item);
@@ -113,7 +117,7 @@ impl Hierarchy {
         };
         let (mut parts, mut order) = cut(count, leaves, box_of);
         let mut quick_order = None;
-        if builder == Builder::Thorough && radius < LARGEST_CLUSTERED {
+        if builder == Builder::Thorough && radius < MAX_CLUSTERED_SIZE {
             let clustered = cluster(count, leaves, box_of);
             if cost(&clustered.0, leaves) < cost(&parts, leaves) {
                 quick_order = Some(order);
@@ -133,7 +137,7 @@ impl Hierarchy {
         (hierarchy, order, quick_order)
     }
 
-    /// Puts what is in each leaf into a block.
+    /// Packs the content of each leaf into a block.
     fn pack(&mut self, triangle_of: impl Fn(u32) -> Option<[DVec3; 3]>) {
         let leaves = self.nodes.iter().flat_map(|node| &node.children).filter(|child| child.is_leaf()).count() + 1;
         self.blocks.reserve_exact(leaves);
@@ -150,18 +154,18 @@ impl Hierarchy {
         size_of_val(&*self.nodes) + size_of_val(&*self.blocks)
     }
 
-    /// The box around all items.
+    /// The bounding box of all items.
     pub(crate) fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// Centre and radius of a sphere around all items.
+    /// Centre and radius of a bounding sphere of all items.
     pub(crate) fn bounding_sphere(&self) -> (DVec3, f64) {
         (self.center, self.radius)
     }
 
-    /// Visits the slots of items that a ray may meet before its limit, the nearest boxes first. `visit` tells the limit from then
-    /// on; below zero ends it.
+    /// Visits the slots of items that a ray may hit before its limit, the nearest boxes first.
+    /// `visit` returns the limit from then on; a negative one ends the query.
     #[inline]
     pub(crate) fn visit(&self, search: Search<'_>, visit: impl FnMut(u32) -> f64) {
         match self.processor {
@@ -190,7 +194,7 @@ impl Hierarchy {
                 }
             } else if let Some(block) = self.blocks.get(current.block_index()) {
                 if let Some(four) =
-                    corners.get(block.first_slot() as usize..).and_then(|rest| rest.first_chunk::<LARGEST_LEAF>())
+                    corners.get(block.first_slot() as usize..).and_then(|rest| rest.first_chunk::<MAX_LEAF_ITEMS>())
                 {
                     vectors.prefetch(four);
                 }
@@ -217,7 +221,8 @@ impl Hierarchy {
         }
     }
 
-    /// Visits the slots of items whose boxes reach into a shaft, until `visit` returns true, and tells whether it did.
+    /// Visits the slots of items whose boxes overlap a shaft, until `visit` returns true; returns
+    /// whether it did.
     pub(crate) fn any_in(&self, shaft: &Shaft, mut visit: impl FnMut(u32) -> bool) -> bool {
         let sides = shaft.about(self.center);
         let mut stack = Stack::default();
@@ -233,7 +238,7 @@ impl Hierarchy {
                 }
             } else if let Some(node) = self.nodes.get(current.0 as usize) {
                 for child in node.reaching_into(&sides) {
-                    stack.push(Waiting::new(child, 0.0));
+                    stack.push(PendingChild::new(child, 0.0));
                 }
             }
             let Some(next) = stack.pop(0.0) else { return false };
@@ -241,7 +246,7 @@ impl Hierarchy {
         }
     }
 
-    /// The nearest child of a node that a ray enters; the others wait.
+    /// The nearest child of a node that a ray enters; the others are pushed on the stack.
     #[inline(always)]
     fn enter(
         &self,
@@ -261,7 +266,7 @@ impl Hierarchy {
             stack.push(far);
             return Some(near.child());
         }
-        let mut places = [Waiting::default(); WIDTH];
+        let mut places = [PendingChild::default(); WIDTH];
         let (nearest, others) = entered.sorted(node, [far, near], &mut places).split_last()?;
         for other in others {
             self.prefetch(vectors, other.child());
@@ -270,7 +275,7 @@ impl Hierarchy {
         Some(nearest.child())
     }
 
-    /// Asks for what waits, so that it comes from memory while other things are looked at.
+    /// Prefetches pending children.
     #[inline(always)]
     fn prefetch(&self, vectors: impl Vectors, child: Child) {
         if !child.is_leaf() {
@@ -282,8 +287,9 @@ impl Hierarchy {
         }
     }
 
-    /// Where the ray starts about the centre, and how far it was moved: single precision is for what is near, so a start outside
-    /// twice the bounding sphere moves up to it.
+    /// The ray's origin relative to the centre, and the distance by which it was advanced. Single
+    /// precision is for nearby points, so an origin outside twice the bounding sphere is advanced
+    /// to it.
     fn start(&self, ray: &Ray) -> (DVec3, f64) {
         let from_center = ray.origin - self.center;
         let skip = if from_center.length_squared() > 4.0 * self.radius * self.radius {
@@ -295,7 +301,7 @@ impl Hierarchy {
     }
 }
 
-/// A visit that is run with vector instructions of its own.
+/// A query compiled for its own vector instructions.
 #[cfg(target_arch = "x86_64")]
 struct Visit<'a, V, F> {
     hierarchy: &'a Hierarchy,

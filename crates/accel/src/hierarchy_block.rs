@@ -1,31 +1,33 @@
-//! Triangles of a leaf, four at once, in one line of cache: nearly all that a ray misses are ruled out here, and only what is left is
-//! looked up and decided in double precision.
+//! The triangles of a leaf, four at once, in one cache line. Nearly all misses are rejected here;
+//! the remaining candidates are tested in double precision.
 
 use crate::hierarchy_node::{Grid, lanes};
 use glam::{DVec3, Vec3, Vec4};
 
-/// The error of a projected coordinate as a share of the radius of the whole, the roundings of origin, direction, shear and differences
-/// taken together: 35 units in the last place of numbers of the size of the radius are 2.1e-6.
-const ERROR: f32 = 4e-6;
+/// Error of a projected coordinate relative to the bounding radius, due to the rounding of origin,
+/// direction, shear and differences: 35 units in the last place of numbers of the size of the
+/// radius are 2.1e-6.
+const RELATIVE_ERROR: f32 = 4e-6;
 
-/// Up to four triangles, with corners on a grid.
+/// Up to four triangles, with vertices quantised to a grid.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Block {
-    /// By corner, by axis, by triangle.
+    /// By vertex, by axis, by triangle.
     corners: [[[u8; 4]; 3]; 3],
     grid: Grid,
     slots: u32,
 }
 
-/// The bits of `slots` below those for the number of items.
+/// The number of items is stored in the bits of `slots` above these.
 const COUNT_SHIFT: u32 = 29;
 
-/// Set where something in the block is no triangle, so that nothing is ruled out.
+/// Set if an item of the block is not a triangle, so that nothing may be rejected.
 const HOLDS_OTHERS: u32 = 1 << 31;
 
 impl Block {
-    /// What is in `count` slots from `first_slot` on, with corners about the centre of the whole where it is a triangle.
+    /// Packs `count` slots from `first_slot` on; triangles have vertices relative to the centre of
+    /// the hierarchy.
     pub(crate) fn new(first_slot: u32, count: u32, triangle_of: impl Fn(u32) -> Option<[DVec3; 3]>) -> Block {
         let slots = (count - 1) << COUNT_SHIFT | first_slot;
         let mut triangles = [[Vec3::ZERO; 3]; 4];
@@ -62,26 +64,26 @@ impl Block {
         first..first + (self.slots >> COUNT_SHIFT & 3) + 1
     }
 
-    /// A bit for each item.
+    /// One bit per item.
     #[inline(always)]
     fn all(&self) -> u32 {
         (2 << (self.slots >> COUNT_SHIFT & 3)) - 1
     }
 }
 
-/// A ray as blocks see it: sheared so that it runs along one axis (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT
-/// 2(1), 2013), with the error that single precision may make.
+/// A ray sheared to run along one axis (Woop, Benthin, Wald, "Watertight Ray/Triangle
+/// Intersection", JCGT 2(1), 2013), with the single-precision error bound.
 pub(crate) struct Probe {
     axes: [usize; 3],
     origin: [f32; 3],
     shear: [f32; 2],
-    /// One over the direction along the longest axis.
+    /// Reciprocal of the direction along the longest axis.
     inverse: f32,
     error: f32,
 }
 
 impl Probe {
-    /// For a ray from `origin` about the centre of what has this radius.
+    /// For a ray from `origin`, relative to the centre of a hierarchy with this radius.
     #[inline]
     pub(crate) fn new(origin: Vec3, direction: Vec3, radius: f32) -> Probe {
         let z = direction.abs().max_position();
@@ -92,11 +94,11 @@ impl Probe {
             origin: axes.map(|axis| origin[axis]),
             shear: [axes[0], axes[1]].map(|axis| direction[axis] * inverse),
             inverse,
-            error: ERROR * radius,
+            error: RELATIVE_ERROR * radius,
         }
     }
 
-    /// A bit for each item that the ray may meet before `farthest`.
+    /// One bit per item that the ray may hit before `farthest`.
     #[inline(always)]
     pub(crate) fn candidates(&self, block: &Block, farthest: f32) -> u32 {
         if block.slots & HOLDS_OTHERS != 0 {
@@ -119,13 +121,15 @@ impl Probe {
         let sides = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
         let low = sides[0].min(sides[1]).min(sides[2]);
         let high = sides[0].max(sides[1]).max(sides[2]);
-        // A corner is within half a step of its place on the grid, and the shear adds no more than as much along the ray.
+        // A vertex is within half a grid step of its exact position, and the shear adds at most as
+        // much along the ray.
         let error = self.error + 0.5 * (step[0].max(step[1]) + step[2]);
-        // A side's determinant is off by no more than the error of each coordinate times all the others.
+        // The error of an edge's determinant is at most the error of each coordinate times the sum
+        // of the others.
         let size = a[0].abs() + a[1].abs() + b[0].abs() + b[1].abs() + c[0].abs() + c[1].abs();
         let slack = (size + Vec4::splat(error)) * Vec4::splat(error);
         let outside = low.cmplt(-slack) & high.cmpgt(slack);
-        // The longest axis of a unit vector is at least 1/√3 of it.
+        // The longest component of a unit vector is at least 1/√3.
         let error = 1.74 * (self.error + 0.5 * step[2]);
         let distances = [a[2], b[2], c[2]].map(|along| (along + Vec4::splat(from[2])) * Vec4::splat(self.inverse));
         let beyond = distances[0].min(distances[1]).min(distances[2]).cmpgt(Vec4::splat(farthest + error));
@@ -146,12 +150,12 @@ mod tests {
     const TRIANGLE: [DVec3; 3] = [DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 1.2)];
 
     #[test]
-    fn a_block_fills_a_line_of_cache() {
+    fn a_block_fills_a_cache_line() {
         assert_eq!(size_of::<Block>(), 64);
     }
 
     #[test]
-    fn only_what_is_met_in_time_is_a_candidate() {
+    fn only_hits_before_the_limit_are_candidates() {
         assert!(is_candidate(TRIANGLE, Vec3::new(0.2, 0.2, -0.5), Vec3::Z, 10.0));
         assert!(!is_candidate(TRIANGLE, Vec3::new(0.7, 0.7, -0.5), Vec3::Z, 10.0));
         assert!(!is_candidate(TRIANGLE, Vec3::new(0.2, 0.2, -0.5), Vec3::Z, 1.0));
@@ -159,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_and_a_corner_are_never_ruled_out() {
+    fn an_edge_and_a_vertex_are_never_rejected() {
         for (x, y) in [(0.0, 0.0), (0.5, 0.5), (1.0, 0.0), (0.0, 0.3), (0.25, 0.75)] {
             let target = Vec3::new(x, y, 1.0 + 0.2 * y);
             for origin in [Vec3::new(-1.3, 0.4, -0.7), Vec3::new(0.1, 0.2, 1.9), Vec3::new(1.1, -1.2, 0.3)] {
@@ -169,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_ruled_out_beside_what_is_no_triangle() {
+    fn blocks_with_other_items_reject_nothing() {
         let block = Block::new(3, 2, |slot| (slot == 4).then_some(TRIANGLE));
         let probe = Probe::new(Vec3::new(0.9, 0.9, 0.0), Vec3::Z, 2.0);
         assert_eq!((block.first_slot(), probe.candidates(&block, 10.0)), (3, 0b11));

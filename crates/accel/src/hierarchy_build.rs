@@ -1,43 +1,44 @@
-//! Building a hierarchy from the top down: where to cut is decided by the surface area heuristic, over bins along the axes of
-//! the centres (Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007).
-//! The cuts make a binary tree.
+//! Builds a hierarchy top down by the surface area heuristic, over bins along the axes of the
+//! centres (Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium
+//! on Interactive Ray Tracing, 2007). The splits make a binary tree.
 
-use crate::hierarchy_child::{Child, LARGEST_LEAF};
-use crate::hierarchy_part::{Leaves, OPENING, Part};
+use crate::hierarchy_child::{Child, MAX_LEAF_ITEMS};
+use crate::hierarchy_part::{BOX_COST, Leaves, Part};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
-/// An item's box; the fourth number of `low` holds the bits of the item's number.
+/// The bounding box of an item; the fourth component of `low` holds the bits of the item's number.
 #[derive(Clone, Copy)]
 struct Item {
     low: Vec4,
     high: Vec4,
 }
 
-/// A box that grows. Its fourth numbers mean nothing.
+/// A growing bounding box. Its fourth components are meaningless.
 #[derive(Clone, Copy)]
-struct Hull {
+struct GrowingBox {
     low: Vec4,
     high: Vec4,
 }
 
-/// Bins along an axis; few items have fewer.
+/// Number of bins along an axis; fewer for few items.
 const BINS: usize = 16;
 
-/// Of more items than this only a sample of `SAMPLE` is counted to choose a cut.
-const MOST_COUNTED: usize = 4096;
+/// For more items than this only a sample of `SAMPLE` is used to choose a split.
+const MAX_BINNED: usize = 4096;
 
 const SAMPLE: usize = 1024;
 
-/// An axis along which the centres reach less than this share of the widest one is not tried.
-const NARROW: f32 = 0.25;
+/// Minimum extent of the centres along an axis, relative to the longest axis, for it to be tried.
+const MIN_RELATIVE_EXTENT: f32 = 0.25;
 
-/// More items than this are shared out between threads.
+/// More items than this are built in parallel.
 const PARALLEL: usize = 1 << 15;
 
-/// From this depth on items are halved by number, so that no arrangement of items makes the hierarchy deep.
-const DEEPEST_CHOICE: u32 = 40;
+/// From this depth on items are split in half by number, which bounds the depth of the hierarchy.
+const MAX_SAH_DEPTH: u32 = 40;
 
-/// The binary tree over `count` items with the boxes that `box_of` tells, low and high corner, and the items by slot.
+/// The binary tree over `count` items with the bounding boxes `box_of` (low and high corner), and
+/// the items by slot.
 pub(crate) fn cut(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec3; 2]) -> (Vec<Part>, Vec<u32>) {
     let mut items: Vec<Item> = (0..count)
         .map(|index| {
@@ -52,17 +53,17 @@ pub(crate) fn cut(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec3;
     (parts, items.iter().map(|item| item.low.w.to_bits()).collect())
 }
 
-/// What is known of items that stand together, before it is decided how they are cut.
+/// The bounds of contiguous items, before their split is chosen.
 #[derive(Clone, Copy)]
 struct Range {
     count: usize,
-    hull: Hull,
+    hull: GrowingBox,
     /// Around the sums of the corners of each item's box.
-    centers: Hull,
+    centers: GrowingBox,
 }
 
 impl Range {
-    const EMPTY: Range = Range { count: 0, hull: Hull::EMPTY, centers: Hull::EMPTY };
+    const EMPTY: Range = Range { count: 0, hull: GrowingBox::EMPTY, centers: GrowingBox::EMPTY };
 
     fn of(items: &[Item]) -> Range {
         let mut range = Range::EMPTY;
@@ -77,7 +78,8 @@ impl Range {
         self.centers.add(item.center(), item.center());
     }
 
-    /// Appends the tree over the items, which are all of the range and have slots from `first_slot` on.
+    /// Appends the tree over the items, which are all of the range and have slots from `first_slot`
+    /// on.
     fn build(self, items: &mut [Item], first_slot: usize, parts: &mut Vec<Part>, leaves: Leaves, depth: u32) {
         let (low, high) = (self.hull.low.xyz(), self.hull.high.xyz());
         let Some([left, right]) = self.cut(items, leaves, depth) else {
@@ -105,15 +107,15 @@ impl Range {
         parts.append(&mut others);
     }
 
-    /// Puts the items in order and cuts them; `None` where a leaf is better.
+    /// Orders and splits the items; `None` if a leaf is cheaper.
     fn cut(&self, items: &mut [Item], leaves: Leaves, depth: u32) -> Option<[Range; 2]> {
         let count = self.count;
         if count < 2 {
             return None;
         }
         let widest = (self.centers.high - self.centers.low).xyz().max_element();
-        if depth >= DEEPEST_CHOICE || !(BINS as f32 / widest).is_finite() {
-            return (count > LARGEST_LEAF).then(|| halves(items, count / 2));
+        if depth >= MAX_SAH_DEPTH || !(BINS as f32 / widest).is_finite() {
+            return (count > MAX_LEAF_ITEMS).then(|| halves(items, count / 2));
         }
         let choice = match count {
             ..=4 => self.cheapest::<4>(items, leaves),
@@ -121,7 +123,7 @@ impl Range {
             _ => self.cheapest::<BINS>(items, leaves),
         };
         let area = self.hull.half_area();
-        if count <= LARGEST_LEAF && leaves.cost(count as u32) * area <= OPENING * area + choice.cost {
+        if count <= MAX_LEAF_ITEMS && leaves.cost(count as u32) * area <= BOX_COST * area + choice.cost {
             return None;
         }
         let is_left = |item: &Item| choice.grid.bins_of(item)[choice.axis] < choice.first_right;
@@ -129,7 +131,7 @@ impl Range {
         Some(halves(items, left))
     }
 
-    /// The cheapest cut between bins.
+    /// The cheapest split between bins.
     fn cheapest<const N: usize>(&self, items: &[Item], leaves: Leaves) -> Choice {
         let grid = Grid::over(&self.centers, N);
         let mut bins = [[Bin::EMPTY; N]; 3];
@@ -138,8 +140,8 @@ impl Range {
                 bins[place % N].add(item.low, item.high, 1);
             }
         };
-        if items.len() > MOST_COUNTED {
-            // The golden ratio, so that no regular arrangement of the items is met by the places.
+        if items.len() > MAX_BINNED {
+            // Steps of the golden ratio avoid resonance with regular arrangements of items.
             let places = (0..SAMPLE).map(|k| (k as u32).wrapping_mul(0x9e37_79b9));
             places.for_each(|place| count(&items[((u64::from(place) * items.len() as u64) >> 32) as usize]));
         } else {
@@ -162,7 +164,8 @@ fn halves(items: &[Item], left: usize) -> [Range; 2] {
     [Range::of(left), Range::of(right)]
 }
 
-/// Puts the items of the left side first and tells how many they are. What is left is as good as random, so nothing branches on it.
+/// Moves the items of the left side to the front and returns their number. Branch-free, since the
+/// predicate is unpredictable.
 fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
     let mut left = 0;
     for index in 0..items.len() {
@@ -173,13 +176,13 @@ fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
     left
 }
 
-/// Where to cut: items in bins of `axis` before `first_right` are on the left.
+/// A split: items in bins of `axis` before `first_right` are on the left.
 #[derive(Clone, Copy)]
 struct Choice {
     grid: Grid,
     axis: usize,
     first_right: usize,
-    /// The sum of area times cost on both sides; infinite where there is no cut.
+    /// Sum of area times cost over both sides; infinite without a split.
     cost: f32,
 }
 
@@ -187,14 +190,14 @@ struct Choice {
 #[derive(Clone, Copy)]
 struct Grid {
     low: Vec4,
-    /// Bins a length; zero along axes that are not tried.
+    /// Bins per length; zero along axes that are not tried.
     scale: Vec4,
 }
 
 impl Grid {
-    fn over(centers: &Hull, bins: usize) -> Grid {
+    fn over(centers: &GrowingBox, bins: usize) -> Grid {
         let extent = (centers.high - centers.low).xyz();
-        let narrow = NARROW * extent.max_element();
+        let narrow = MIN_RELATIVE_EXTENT * extent.max_element();
         let scale = extent.map(|extent| if extent >= narrow { bins as f32 * (1.0 - 1e-5) / extent } else { 0.0 });
         Grid { low: centers.low, scale: scale.extend(0.0) }
     }
@@ -202,14 +205,14 @@ impl Grid {
     /// The bins of an item along the axes.
     #[inline]
     fn bins_of(&self, item: &Item) -> [usize; 3] {
-        // From 128 on to twice that, the last sixteen bits of a number are what is behind the point.
+        // From 128 to twice that, the last sixteen bits of a float are its fractional part.
         let places = (item.center() - self.low) * self.scale + Vec4::splat(128.0);
         let [x, y, z, _] = places.to_array().map(|place| (place.to_bits() >> 16) as usize % BINS);
         [x, y, z]
     }
 }
 
-/// The first bin on the right of the cheapest cut between bins, and its cost.
+/// The first bin on the right of the cheapest split between bins, and its cost.
 fn cheapest<const N: usize>(bins: &[Bin; N], leaves: Leaves) -> (usize, f32) {
     let mut right_cost = [f32::INFINITY; N];
     let mut right = Bin::EMPTY;
@@ -229,15 +232,15 @@ fn cheapest<const N: usize>(bins: &[Bin; N], leaves: Leaves) -> (usize, f32) {
     best
 }
 
-/// What is in a bin.
+/// The content of a bin.
 #[derive(Clone, Copy)]
 struct Bin {
-    hull: Hull,
+    hull: GrowingBox,
     count: u32,
 }
 
 impl Bin {
-    const EMPTY: Bin = Bin { hull: Hull::EMPTY, count: 0 };
+    const EMPTY: Bin = Bin { hull: GrowingBox::EMPTY, count: 0 };
 
     #[inline]
     fn add(&mut self, low: Vec4, high: Vec4, count: u32) {
@@ -257,15 +260,15 @@ impl Bin {
 }
 
 impl Item {
-    /// Twice the centre of its box; the fourth number means nothing.
+    /// Twice the centre of its box; the fourth component is meaningless.
     #[inline]
     fn center(&self) -> Vec4 {
         self.low + self.high
     }
 }
 
-impl Hull {
-    const EMPTY: Hull = Hull { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
+impl GrowingBox {
+    const EMPTY: GrowingBox = GrowingBox { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
 
     #[inline]
     fn add(&mut self, low: Vec4, high: Vec4) {

@@ -1,27 +1,27 @@
-//! What stands in a node of the hierarchy, and what waits to be visited.
+//! The children of nodes, and the entries of the traversal stack.
 
-/// A node, or up to four items: by their slots, or the number of their block.
+/// A node, or up to four items: by their slots, or by the index of their block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Child(pub(crate) u32);
 
-/// Most items of a box without boxes in it.
-pub(crate) const LARGEST_LEAF: usize = 4;
+/// Maximum number of items of a leaf.
+pub(crate) const MAX_LEAF_ITEMS: usize = 4;
 
 const LEAF: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 29;
 
 impl Child {
-    /// Nothing at all.
+    /// An empty child.
     pub(crate) const NONE: Child = Child(!LEAF);
 
-    /// Most items of a hierarchy.
-    const MOST_ITEMS: u32 = 1 << COUNT_SHIFT;
+    /// Maximum number of items of a hierarchy.
+    const MAX_ITEMS: u32 = 1 << COUNT_SHIFT;
 
     pub(crate) fn node(index: usize) -> Child {
         Child(index as u32)
     }
 
-    /// Items in `count` slots from `first` on: 1 to [`LARGEST_LEAF`].
+    /// Items in `count` slots from `first` on: 1 to [`MAX_LEAF_ITEMS`].
     pub(crate) fn leaf(first: usize, count: usize) -> Child {
         Child(LEAF | (count as u32 - 1) << COUNT_SHIFT | first as u32)
     }
@@ -33,7 +33,7 @@ impl Child {
 
     #[inline]
     pub(crate) fn slots(self) -> std::ops::Range<u32> {
-        let first = self.0 & (Child::MOST_ITEMS - 1);
+        let first = self.0 & (Child::MAX_ITEMS - 1);
         first..first + (self.0 >> COUNT_SHIFT & 3) + 1
     }
 
@@ -47,15 +47,15 @@ impl Child {
     }
 }
 
-/// A child that waits, below the distance at which the ray enters it: numbers of this kind stand in the order of the distances, which
-/// are not negative.
+/// A child on the stack, in the bits below its entry distance: integers of this form are ordered
+/// like the distances, which are not negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Waiting(u64);
+pub(crate) struct PendingChild(u64);
 
-impl Waiting {
+impl PendingChild {
     #[inline]
-    pub(crate) fn new(child: Child, entry: f32) -> Waiting {
-        Waiting(u64::from(entry.to_bits()) << 32 | u64::from(child.0))
+    pub(crate) fn new(child: Child, entry: f32) -> PendingChild {
+        PendingChild(u64::from(entry.to_bits()) << 32 | u64::from(child.0))
     }
 
     #[inline]

@@ -1,10 +1,12 @@
-//! Building a hierarchy from the bottom up: near boxes are joined in parallel, locally ordered clusters (Meister, Bittner, "Parallel
-//! Locally-Ordered Clustering for Bounding Volume Hierarchy Construction", IEEE TVCG 24(3), 2018), and then nodes are moved to where
-//! they make the tree cheaper (Meister, Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", Computer Graphics
-//! Forum 37(2), 2018). Both are done by the library `obvhs`; here its tree gets leaves and is put in order.
+//! Builds a hierarchy bottom up: nearby boxes are merged by parallel locally-ordered clustering
+//! (Meister, Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy
+//! Construction", IEEE TVCG 24(3), 2018), then nodes are reinserted where the tree gets cheaper
+//! (Meister, Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", Computer
+//! Graphics Forum 37(2), 2018). The library `obvhs` does both; this file adds leaves and orders the
+//! tree.
 
-use crate::hierarchy_child::{Child, LARGEST_LEAF};
-use crate::hierarchy_part::{Leaves, OPENING, Part};
+use crate::hierarchy_child::{Child, MAX_LEAF_ITEMS};
+use crate::hierarchy_part::{BOX_COST, Leaves, Part};
 use glam::Vec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -12,16 +14,16 @@ use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
-/// Neighbours along the curve of Morton codes among which a cluster looks for the best to join with.
+/// Search distance for a cluster's best partner along the Morton curve.
 const SEARCH: PlocSearchDistance = PlocSearchDistance::Medium;
 
-/// In this many rounds clusters look at their next neighbours only.
+/// Number of first rounds in which clusters consider adjacent clusters only.
 const QUICK_ROUNDS: usize = 2;
 
-/// Share of the nodes that the first round of reinsertion moves; later rounds move fewer.
+/// Fraction of the nodes that the first round of reinsertion moves; later rounds move fewer.
 const REINSERTED: f32 = 0.1;
 
-/// The binary tree over items with the boxes that `box_of` tells, and the items by slot.
+/// The binary tree over items with the bounding boxes `box_of`, and the items by slot.
 pub(crate) fn cluster(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec3; 2]) -> (Vec<Part>, Vec<u32>) {
     let boxes: Vec<Aabb> = (0..count)
         .map(|index| {
@@ -37,7 +39,8 @@ pub(crate) fn cluster(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [V
     parts(&tree, &is_leaf)
 }
 
-/// Which nodes become leaves: where it costs no more to test all of their items than to open them.
+/// Selects the nodes that become leaves: where testing all items costs no more than opening the
+/// node.
 fn leaf_choices(tree: &Bvh2, leaves: Leaves) -> Vec<bool> {
     let nodes = &tree.nodes;
     let mut is_leaf = vec![true; nodes.len()];
@@ -52,8 +55,8 @@ fn leaf_choices(tree: &Bvh2, leaves: Leaves) -> Vec<bool> {
         }
         let children = [node.first_index as usize, node.first_index as usize + 1];
         let count = counts[children[0]].saturating_add(counts[children[1]]);
-        let opened = OPENING * area + costs[children[0]] + costs[children[1]];
-        let closed = if usize::from(count) > LARGEST_LEAF { f32::INFINITY } else { leaves.cost(count.into()) * area };
+        let opened = BOX_COST * area + costs[children[0]] + costs[children[1]];
+        let closed = if usize::from(count) > MAX_LEAF_ITEMS { f32::INFINITY } else { leaves.cost(count.into()) * area };
         is_leaf[index] = closed <= opened;
         counts[index] = count;
         costs[index] = closed.min(opened);
@@ -61,7 +64,7 @@ fn leaf_choices(tree: &Bvh2, leaves: Leaves) -> Vec<bool> {
     is_leaf
 }
 
-/// All nodes below the root, each after the one that it is in.
+/// All nodes below the root, parents before children.
 fn parents_first(nodes: &[Bvh2Node]) -> Vec<u32> {
     let mut order = Vec::with_capacity(nodes.len());
     if !nodes.is_empty() {
@@ -78,13 +81,13 @@ fn parents_first(nodes: &[Bvh2Node]) -> Vec<u32> {
     order
 }
 
-/// The tree as parts, each before those in it, and the items in the order in which its leaves hold them.
+/// The tree as parts, parents before children, and the items in the order of its leaves.
 fn parts(tree: &Bvh2, is_leaf: &[bool]) -> (Vec<Part>, Vec<u32>) {
     let mut parts: Vec<Part> = Vec::new();
     let mut items = Vec::with_capacity(tree.primitive_indices.len());
     // A node, and the part whose second box it is.
-    let mut waiting: Vec<(u32, Option<usize>)> = tree.nodes.first().map(|_| (0, None)).into_iter().collect();
-    while let Some((index, second_of)) = waiting.pop() {
+    let mut pending: Vec<(u32, Option<usize>)> = tree.nodes.first().map(|_| (0, None)).into_iter().collect();
+    while let Some((index, second_of)) = pending.pop() {
         let node = &tree.nodes[index as usize];
         if let Some(outer) = second_of {
             let parts_on = parts.len() - outer;
@@ -96,15 +99,15 @@ fn parts(tree: &Bvh2, is_leaf: &[bool]) -> (Vec<Part>, Vec<u32>) {
             append_items(tree, index, &mut items);
             parts.push(Part::leaf(low, high, Child::leaf(first, items.len() - first)));
         } else {
-            waiting.push((node.first_index + 1, Some(parts.len())));
-            waiting.push((node.first_index, None));
+            pending.push((node.first_index + 1, Some(parts.len())));
+            pending.push((node.first_index, None));
             parts.push(Part::branch(low, high));
         }
     }
     (parts, items)
 }
 
-/// Appends what is in a node of few items.
+/// Appends the items of a small node.
 fn append_items(tree: &Bvh2, index: u32, items: &mut Vec<u32>) {
     let node = &tree.nodes[index as usize];
     if node.is_leaf() {

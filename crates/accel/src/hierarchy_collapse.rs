@@ -1,18 +1,19 @@
-//! Nodes of eight boxes from a binary tree: which boxes become nodes is chosen for the least cost of all (Ylitie, Karras, Laine, "Efficient
-//! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", High-Performance Graphics 2017, section 3.4).
+//! Collapses a binary tree to nodes of eight boxes with minimum total cost (Ylitie, Karras, Laine,
+//! "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", High-Performance
+//! Graphics 2017, section 3.4).
 
 use crate::hierarchy_child::Child;
 use crate::hierarchy_node::{Node, WIDTH};
 use crate::hierarchy_part::{Leaves, Part};
 use glam::Vec3;
 
-/// What it costs to enter a node, in tests of leaves.
-const ENTERING: f32 = 1.2;
+/// Cost of entering a node, in leaf tests.
+const NODE_COST: f32 = 1.2;
 
-/// What it costs at least to have all that is in a part within no more than 1, 2, … boxes of a node.
+/// Minimum cost of the content of a part within at most 1, 2, … boxes of a node.
 type Costs = [f32; WIDTH - 1];
 
-/// Makes the nodes; those in one node stand one after the other.
+/// Makes the nodes; the children of a node are contiguous.
 pub(crate) fn collapse(parts: &[Part], leaves: Leaves) -> (Vec<Node>, Child) {
     let Some(first) = parts.first() else { return (Vec::new(), Child::node(0)) };
     if first.right == 0 {
@@ -20,31 +21,32 @@ pub(crate) fn collapse(parts: &[Part], leaves: Leaves) -> (Vec<Node>, Child) {
     }
     let tree = Tree { parts, costs: costs(parts, leaves) };
     let mut nodes = vec![Node::EMPTY];
-    let mut waiting = vec![(0, 0)];
-    while let Some((part, node)) = waiting.pop() {
+    let mut pending = vec![(0, 0)];
+    while let Some((part, node)) = pending.pop() {
         let mut inner = Vec::with_capacity(WIDTH);
         tree.spread(part, WIDTH, &mut inner);
         let mut boxes = [[Vec3::ZERO; 2]; WIDTH];
         let mut children = [Child::NONE; WIDTH];
-        let first_waiting = waiting.len();
+        let first_pending = pending.len();
         for ((index, place), child) in inner.iter().zip(&mut boxes).zip(&mut children) {
             let part = &parts[*index];
             *place = [part.low, part.high];
             *child = part.leaf;
             if part.right != 0 {
                 *child = Child::node(nodes.len());
-                waiting.push((*index, nodes.len()));
+                pending.push((*index, nodes.len()));
                 nodes.push(Node::EMPTY);
             }
         }
-        waiting[first_waiting..].reverse();
+        pending[first_pending..].reverse();
         nodes[node] = Node::around(&boxes[..inner.len()], children);
     }
-    // A new piece of the right size: one that grew may have lost its huge pages when it was moved.
+    // A new allocation of the right size: one that grew may have lost its huge pages when it was
+    // moved.
     (nodes.as_slice().to_vec(), Child::node(0))
 }
 
-/// What rays pay for a binary tree after [`collapse`], in tests of leaves times area.
+/// Expected cost of a binary tree after [`collapse`], in leaf tests times area.
 pub(crate) fn cost(parts: &[Part], leaves: Leaves) -> f32 {
     costs(parts, leaves).first().map_or(0.0, |within| within[0])
 }
@@ -55,7 +57,7 @@ struct Tree<'p> {
 }
 
 impl Tree<'_> {
-    /// Appends the boxes of a node: what is in a part, in no more than `most` boxes.
+    /// Appends the boxes of a node: the content of a part, in at most `most` boxes.
     fn spread(&self, part: usize, most: usize, boxes: &mut Vec<usize>) {
         let right = part + self.parts[part].right as usize;
         let (_, in_left) = least(&self.costs[part + 1], &self.costs[right], most);
@@ -67,7 +69,8 @@ impl Tree<'_> {
     }
 }
 
-/// The least cost of two parts within no more than `most` boxes, and how many of these are the first one's.
+/// The minimum cost of two parts within at most `most` boxes, and how many of these belong to the
+/// first.
 #[inline]
 fn least(left: &Costs, right: &Costs, most: usize) -> (f32, usize) {
     let cost = |in_left: usize| left[in_left - 1] + right[most - in_left - 1];
@@ -84,7 +87,7 @@ fn costs(parts: &[Part], leaves: Leaves) -> Vec<Costs> {
             continue;
         }
         let (left, right) = (costs[index + 1], costs[index + part.right as usize]);
-        let mut own = [least(&left, &right, WIDTH).0 + ENTERING * area; WIDTH - 1];
+        let mut own = [least(&left, &right, WIDTH).0 + NODE_COST * area; WIDTH - 1];
         for most in 2..WIDTH {
             own[most - 1] = own[most - 2].min(least(&left, &right, most).0);
         }

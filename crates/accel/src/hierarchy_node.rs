@@ -1,46 +1,47 @@
-//! Nodes of a hierarchy: eight boxes on a grid in two lines of cache, tested four at once (after Ylitie, Karras, Laine, "Efficient Incoherent Ray
-//! Traversal on GPUs Through Compressed Wide BVHs", High-Performance Graphics 2017, section 3.1).
+//! Nodes of a hierarchy: eight boxes on a grid in two cache lines, tested four at once (after
+//! Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
+//! BVHs", High-Performance Graphics 2017, section 3.1).
 
-use crate::hierarchy_child::{Child, Waiting};
+use crate::hierarchy_child::{Child, PendingChild};
 use crate::shaft::SIDES;
 use glam::{Vec3, Vec4};
 
-/// A grid of 256 places along each axis.
+/// A grid of 256 steps along each axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Grid {
     pub(crate) origin: [f32; 3],
-    /// From one place to the next.
+    /// Size of a step.
     pub(crate) step: [f32; 3],
 }
 
 impl Grid {
-    /// From corner to corner; the last place is never short of the high one.
+    /// Covers the box; the last grid point is never below the high corner.
     pub(crate) fn over(low: Vec3, high: Vec3) -> Grid {
         let step = (high - low) * ((1.0 + 4.0 * f32::EPSILON) / 255.0);
         Grid { origin: low.to_array(), step: step.to_array() }
     }
 
-    /// How many steps from the origin a coordinate is, 0 to 255.
+    /// The coordinate in steps from the origin, 0 to 255.
     pub(crate) fn steps(&self, axis: usize, coordinate: f32) -> f32 {
         let steps = (coordinate - self.origin[axis]) / self.step[axis];
-        // A grid without extent has one place.
+        // A grid without extent has one point.
         if steps.is_finite() { steps.clamp(0.0, 255.0) } else { 0.0 }
     }
 }
 
-/// Four places as numbers.
+/// Four grid coordinates as floats.
 #[inline(always)]
 pub(crate) fn lanes(places: [u8; 4]) -> Vec4 {
     Vec4::from_array(places.map(f32::from))
 }
 
-/// Boxes of a node.
+/// Number of boxes of a node.
 pub(crate) const WIDTH: usize = 8;
 
-/// Sides of the boxes of a node on its grid, in halves.
+/// One side of all boxes of a node on its grid, in halves.
 pub(crate) type Planes = [[u8; 4]; WIDTH / 4];
 
-/// Eight boxes, and what is in them.
+/// Eight boxes, and their content.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Node {
@@ -51,7 +52,7 @@ pub(crate) struct Node {
 }
 
 impl Node {
-    /// Of no boxes.
+    /// Without boxes.
     pub(crate) const EMPTY: Node = Node {
         planes: [[[0; 4]; WIDTH / 4]; 6],
         grid: Grid { origin: [0.0; 3], step: [0.0; 3] },
@@ -74,14 +75,15 @@ impl Node {
         Node { planes, grid, children }
     }
 
-    /// The children whose boxes are not wholly outside of one of the sides of a convex region (see [`crate::Shaft`]).
+    /// The children whose boxes are not entirely outside one side of a convex region (see
+    /// [`crate::Shaft`]).
     #[inline]
     pub(crate) fn reaching_into(&self, sides: &[(Vec3, f32); SIDES]) -> impl Iterator<Item = Child> {
         let mut lanes_in = u32::MAX;
         for (normal, offset) in sides {
             let mut inward = [Vec4::splat(*offset); WIDTH / 4];
             for axis in 0..3 {
-                // The corner that lies farthest in.
+                // The corner farthest inside.
                 let planes = &self.planes[if normal[axis] < 0.0 { axis } else { axis + 3 }];
                 let start = Vec4::splat(self.grid.origin[axis] * normal[axis]);
                 let step = Vec4::splat(self.grid.step[axis] * normal[axis]);
@@ -99,19 +101,19 @@ impl Node {
     }
 }
 
-/// A ray as the boxes see it.
+/// A ray prepared for box tests.
 pub(crate) struct Slabs {
     origin: [f32; 3],
-    /// One over the direction.
+    /// Reciprocal of the direction.
     inverse: [f32; 3],
-    /// Which planes of a node the ray crosses first, and last.
+    /// The planes of a node that the ray crosses first and last.
     first: [usize; 3],
     last: [usize; 3],
 }
 
 /// The children whose boxes a ray enters.
 pub(crate) struct Entered {
-    /// A bit for each.
+    /// One bit per child.
     lanes: u32,
     entries: [f32; WIDTH],
 }
@@ -119,7 +121,7 @@ pub(crate) struct Entered {
 impl Slabs {
     #[inline]
     pub(crate) fn new(origin: Vec3, direction: Vec3) -> Slabs {
-        // A ray along a plane of a box must not ask for zero times infinity.
+        // A ray parallel to a plane of a box must not compute zero times infinity.
         let inverse = direction
             .map(|component| if component.abs() < 1e-30 { 1e30_f32.copysign(component) } else { component.recip() });
         let down = direction.to_array().map(f32::is_sign_negative);
@@ -149,8 +151,8 @@ impl Slabs {
         Entered::new(lanes, std::array::from_fn(|lane| if lane < 4 { low[lane] } else { high[lane - 4] }))
     }
 
-    /// Along an axis: where a ray crosses the first place of a node's grid and how far it is from one place to the next, as distances
-    /// along the ray, and the planes that it crosses first and last.
+    /// For one axis: the distances along the ray to the first grid point of a node and per grid
+    /// step, and the planes that it crosses first and last.
     #[inline(always)]
     pub(crate) fn along<'n>(&self, axis: usize, node: &'n Node) -> (f32, f32, [&'n Planes; 2]) {
         let start = (node.grid.origin[axis] - self.origin[axis]) * self.inverse[axis];
@@ -160,31 +162,31 @@ impl Slabs {
 }
 
 impl Entered {
-    /// With a bit for each child, and how far away they are.
+    /// With a bit per child, and their entry distances.
     #[inline(always)]
     pub(crate) fn new(lanes: u32, entries: [f32; WIDTH]) -> Entered {
         Entered { lanes, entries }
     }
 
-    /// One that was not told yet.
+    /// Any child that was not returned yet.
     #[inline(always)]
-    pub(crate) fn next(&mut self, node: &Node) -> Option<Waiting> {
+    pub(crate) fn next(&mut self, node: &Node) -> Option<PendingChild> {
         if self.lanes == 0 {
             return None;
         }
         let lane = self.lanes.trailing_zeros() as usize % WIDTH;
         self.lanes &= self.lanes - 1;
-        Some(Waiting::new(node.children[lane], self.entries[lane]))
+        Some(PendingChild::new(node.children[lane], self.entries[lane]))
     }
 
-    /// Two that were told already and all others, the nearest last.
+    /// Returns the two that were found first and all others, the nearest last.
     #[inline(always)]
     pub(crate) fn sorted<'p>(
         mut self,
         node: &Node,
-        two: [Waiting; 2],
-        places: &'p mut [Waiting; WIDTH],
-    ) -> &'p [Waiting] {
+        two: [PendingChild; 2],
+        places: &'p mut [PendingChild; WIDTH],
+    ) -> &'p [PendingChild] {
         places[..2].copy_from_slice(&two);
         let mut count = 2;
         while let Some(next) = self.next(node) {
@@ -199,7 +201,7 @@ impl Entered {
         &places[..count.min(WIDTH)]
     }
 
-    /// Whether all were told.
+    /// Whether all were returned.
     #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
         self.lanes == 0
@@ -211,12 +213,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_node_fills_two_lines_of_cache() {
+    fn a_node_fills_two_cache_lines() {
         assert_eq!(size_of::<Node>(), 128);
     }
 
     #[test]
-    fn boxes_on_the_grid_hold_the_boxes_that_were_given() {
+    fn quantised_boxes_contain_the_given_boxes() {
         let of =
             |x: f32, y: f32, z: f32, size: f32| [Vec3::new(x, y, z), Vec3::new(x + size, y + 2.0 * size, z + 1e-6)];
         let boxes = [of(0.0, -1.0, 0.3, 0.37), of(0.11, 0.7, 0.3, 1e-4), of(-2.3, 0.2, 0.3, 3.1)];
@@ -232,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_ray_enters_stands_with_the_nearest_last() {
+    fn entered_children_are_sorted_nearest_last() {
         let of = |z: f32| [Vec3::new(-1.0, -1.0, z), Vec3::new(1.0, 1.0, z + 0.5)];
         let mut children = [Child::NONE; WIDTH];
         children[..3].copy_from_slice(&[Child::node(4), Child::node(1), Child::node(2)]);
@@ -240,9 +242,9 @@ mod tests {
         let mut entered = Slabs::new(Vec3::ZERO, Vec3::Z).enter(&node, 5.0);
         let [first, second] = [(); 2].map(|()| entered.next(&node).unwrap());
         assert_eq!((first.child(), second.child()), (Child::node(4), Child::node(1)));
-        let mut places = [Waiting::default(); WIDTH];
+        let mut places = [PendingChild::default(); WIDTH];
         let sorted = entered.sorted(&node, [first, second], &mut places);
-        let children: Vec<Child> = sorted.iter().map(|waiting| waiting.child()).collect();
+        let children: Vec<Child> = sorted.iter().map(|pending| pending.child()).collect();
         assert_eq!(children, [Child::node(4), Child::node(2), Child::node(1)]);
     }
 }

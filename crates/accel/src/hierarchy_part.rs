@@ -1,39 +1,39 @@
-//! Boxes of the binary tree that building makes, and what its leaves are.
+//! The binary tree made by builders, and the kinds of its leaves.
 
-use crate::hierarchy_child::{Child, LARGEST_LEAF};
+use crate::hierarchy_child::{Child, MAX_LEAF_ITEMS};
 use glam::Vec3;
 
-/// What it costs to open a box, in tests.
-pub(crate) const OPENING: f32 = 0.5;
+/// Cost of opening a box, in tests.
+pub(crate) const BOX_COST: f32 = 0.5;
 
-/// What a leaf is.
+/// The kind of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leaves {
-    /// Items that are tested one after the other.
+    /// Items that are tested one by one.
     Slots,
     /// Up to four triangles that are tested at once.
     Blocks,
 }
 
 impl Leaves {
-    /// What it costs to test so many items, in tests.
+    /// Cost of testing this number of items, in tests.
     #[inline]
     pub(crate) fn cost(self, count: u32) -> f32 {
         match self {
             Leaves::Slots => count as f32,
-            Leaves::Blocks => count.div_ceil(LARGEST_LEAF as u32) as f32,
+            Leaves::Blocks => count.div_ceil(MAX_LEAF_ITEMS as u32) as f32,
         }
     }
 }
 
-/// A box of the binary tree. The first of the two in it is the next part.
+/// A box of the binary tree. Its first child is the next part.
 #[derive(Clone, Copy)]
 pub(crate) struct Part {
     pub(crate) low: Vec3,
-    /// What a leaf holds.
+    /// The content of a leaf.
     pub(crate) leaf: Child,
     pub(crate) high: Vec3,
-    /// How many parts on from here the second box in it is; zero in leaves.
+    /// Offset to the second child; zero in leaves.
     pub(crate) right: u32,
 }
 
@@ -42,7 +42,7 @@ impl Part {
         Part { low, leaf, high, right: 0 }
     }
 
-    /// Of two boxes; where the second one is, is told later.
+    /// An inner box; the offset of its second child is set later.
     pub(crate) fn branch(low: Vec3, high: Vec3) -> Part {
         Part { low, leaf: Child::NONE, high, right: 0 }
     }

@@ -1,25 +1,27 @@
-//! Vector instructions for the steps of a ray, chosen when a hierarchy is built for the processor that runs the program.
+//! Vector instructions for the steps of a ray, selected for the processor when a hierarchy is
+//! built.
 //!
-//! What all processors of a kind have (SSE2, NEON) is what `glam` uses. AVX2 with fused multiplication and addition tests the eight
-//! boxes of a node at once. Either way only what is surely missed is left out, so results do not depend on the choice.
+//! `glam` uses the baseline of each architecture (SSE2, NEON). AVX2 with fused multiply-add tests
+//! the eight boxes of a node at once. Either way only certain misses are rejected, so results do
+//! not depend on the selection.
 
 use crate::hierarchy_block::Block;
-use crate::hierarchy_child::LARGEST_LEAF;
+use crate::hierarchy_child::MAX_LEAF_ITEMS;
 use crate::hierarchy_node::{Entered, Node, Slabs};
 use glam::DVec3;
 
-/// How a ray takes its steps.
+/// The implementation of a ray's steps.
 pub(crate) trait Vectors: Copy {
-    /// Which boxes of a node a ray enters before `farthest`.
+    /// The boxes of a node that a ray enters before `farthest`.
     fn enter(self, slabs: &Slabs, node: &Node, farthest: f32) -> Entered;
 
-    /// Asks for something from memory that is looked at soon.
+    /// Prefetches a value.
     fn prefetch<T: Fetched>(self, place: &T);
 }
 
-/// What is asked for early.
+/// Values that are prefetched.
 pub(crate) trait Fetched {
-    /// A word of it: where the processor cannot be asked, reading that brings the rest.
+    /// A word of it: where there is no prefetch instruction, reading the word loads its cache line.
     fn word(&self) -> u32;
 }
 
@@ -37,14 +39,14 @@ impl Fetched for Block {
     }
 }
 
-impl Fetched for [[DVec3; 3]; LARGEST_LEAF] {
+impl Fetched for [[DVec3; 3]; MAX_LEAF_ITEMS] {
     #[inline(always)]
     fn word(&self) -> u32 {
         self[0][0].x as u32
     }
 }
 
-/// What every processor has.
+/// The baseline of the architecture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Baseline;
 
@@ -60,7 +62,7 @@ impl Vectors for Baseline {
     }
 }
 
-/// What the processor has.
+/// The instructions of the processor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Processor {
     Baseline(Baseline),
@@ -94,13 +96,13 @@ mod avx2 {
     pub(crate) struct Avx2(pub(super) V3);
 
     impl Avx2 {
-        /// Calls what is inlined wholly with these instructions.
+        /// Calls a function that is inlined and compiled with these instructions.
         #[inline(always)]
         pub(crate) fn run<F: NullaryFnOnce>(self, steps: F) -> F::Output {
             self.0.vectorize(steps)
         }
 
-        /// Eight places on a grid as numbers.
+        /// Eight grid coordinates as floats.
         #[inline(always)]
         fn lanes(self, places: &[[u8; 4]; 2]) -> __m256 {
             let Avx2(simd) = self;

@@ -1,14 +1,14 @@
-//! The numbers by which this crate and its users name things.
+//! Identifiers of members, primitives and shaders.
 
 use radsight_ir::ModifierHandle;
 use std::sync::Arc;
 
-/// Names a surface of one scene that has a place.
+/// A local surface of one scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemberId(pub u32);
 
 impl MemberId {
-    /// The primitive that a surface is which holds no others.
+    /// The primitive of a surface that contains no others.
     #[inline]
     #[must_use]
     pub fn primitive(self) -> PrimitiveId {
@@ -16,16 +16,16 @@ impl MemberId {
     }
 }
 
-/// Names what a ray can hit: a surface of the scene, a triangle of a mesh, a surface of a scene that is placed in it. Each copy
-/// has a name of its own.
+/// Anything that a ray can hit: a surface of the scene, a triangle of a mesh, a surface of an
+/// instanced scene. Each copy has its own identifier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PrimitiveId(pub u64);
 
 impl PrimitiveId {
-    /// Names nothing.
+    /// No primitive.
     pub const NONE: PrimitiveId = PrimitiveId(u64::MAX);
 
-    /// The member that has this primitive's name, for one that no other holds.
+    /// The member of a primitive that belongs to no other.
     #[inline]
     #[must_use]
     pub fn member(self) -> MemberId {
@@ -33,11 +33,11 @@ impl PrimitiveId {
     }
 }
 
-/// Names what shades a surface. What it is, only the caller knows.
+/// The shader of a surface. Its meaning belongs to the caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ShaderId(pub u32);
 
-/// The shader of each modifier that surfaces of a scene name, and those of the scenes that it places.
+/// The shader of each modifier of the surfaces of a scene, and those of its instanced scenes.
 #[derive(Debug)]
 pub struct ShaderTable {
     of_modifier: Vec<ShaderId>,
@@ -45,17 +45,17 @@ pub struct ShaderTable {
 }
 
 impl ShaderTable {
-    /// `of_modifier` holds the shader of a surface without a modifier first, then one for each modifier handle; `octrees` the
-    /// tables of the octrees, by their handles.
+    /// `of_modifier` holds the shader of a surface without a modifier first, then one for each
+    /// modifier handle; `octrees` the tables of the octrees, by their handles.
     #[must_use]
     pub fn new(of_modifier: Vec<ShaderId>, octrees: Vec<Arc<ShaderTable>>) -> ShaderTable {
         ShaderTable { of_modifier, octrees }
     }
 
-    /// The shader of a modifier that a surface or a triangle of the scene has.
+    /// The shader of a modifier of a surface or triangle of the scene.
     ///
     /// # Panics
-    /// If the table is that of another scene.
+    /// If the table belongs to another scene.
     #[inline]
     #[must_use]
     pub fn of(&self, modifier: Option<ModifierHandle>) -> ShaderId {

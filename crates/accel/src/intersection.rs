@@ -1,44 +1,45 @@
-//! Where rays meet surfaces.
+//! Crossings and intersections.
 
 use crate::ids::{PrimitiveId, ShaderId};
 use glam::DVec3;
 use radsight_ir::{SurfaceHandle, Transform};
 
-/// Where a ray crosses a primitive.
+/// A ray's crossing of a primitive.
 #[derive(Clone, Copy, Debug)]
 pub struct Crossing {
     /// Along the ray, scene units.
     pub distance: f64,
-    /// What is crossed.
+    /// The primitive.
     pub primitive: PrimitiveId,
 }
 
-/// Where a ray meets a surface, with all that shading asks of the geometry.
+/// A ray's intersection with a surface, with all geometric data for shading.
 #[derive(Clone, Copy, Debug)]
 pub struct Intersection {
     /// Along the ray, scene units.
     pub distance: f64,
-    /// What is met.
+    /// The primitive.
     pub primitive: PrimitiveId,
-    /// The surface of the whole scene: a mesh or an instance where the ray hits something within one.
+    /// The surface of the outermost scene: a mesh or an instance if the hit is inside one.
     pub surface: SurfaceHandle,
-    /// What shades it.
+    /// The shader.
     pub shader: ShaderId,
     /// The point, in scene coordinates.
     pub point: DVec3,
-    /// Unit normal on the surface's front side, whatever side the ray comes from.
+    /// Unit normal on the surface's front side, for any side of incidence.
     pub front: DVec3,
-    /// What only meshes and instances have.
-    pub placed: Option<Placed>,
+    /// Only for meshes and instances.
+    pub instance: Option<InstanceData>,
 }
 
-/// What meshes and instances add to an intersection.
+/// Additional data for meshes and instances.
 #[derive(Clone, Copy, Debug)]
-pub struct Placed {
-    /// From the scene's coordinates to those in which the surface's modifiers stand; `None` where they are the same.
+pub struct InstanceData {
+    /// From the scene's coordinates to those of the surface's modifiers; `None` if they are equal.
     pub to_object: Option<Transform>,
-    /// Local coordinates of a mesh, the variables `Lu` and `Lv`; zero elsewhere.
+    /// Local coordinates of a mesh, the variables `Lu` and `Lv`; otherwise zero.
     pub uv: [f64; 2],
-    /// Interpolated minus geometric unit normal, scene coordinates, as the surface faces; textures add to it.
+    /// Interpolated minus geometric unit normal, scene coordinates, on the front side; textures add
+    /// to it.
     pub perturbation: DVec3,
 }

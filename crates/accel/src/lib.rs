@@ -1,12 +1,15 @@
-//! Finds where rays meet the surfaces of a scene: exact intersection under bounding volume hierarchies.
+//! Intersects rays with the surfaces of a scene: exact intersection under bounding volume
+//! hierarchies.
 //!
-//! Each mesh and each scene that is placed in another has one hierarchy, in its own coordinates, which all its copies share: a ray
-//! that meets the box of a copy goes on in there. [`PrimitiveId`]s number what a ray can hit through all copies: first the members,
-//! then the content of each mesh and instance, one after the other.
+//! Each mesh and each instanced scene has one hierarchy, in its own coordinates, which all its
+//! copies share: a ray that enters the box of a copy continues inside. [`PrimitiveId`]s number
+//! everything that a ray can hit, through all copies: first the members, then the content of each
+//! mesh and instance.
 //!
-//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; a ray that starts on a flat surface never meets it; no ray passes between
-//! polygons that share an edge; of surfaces that lie on each other Radiance's rule chooses one. Knows ids, not materials: what shades
-//! a surface is a [`ShaderId`] to it, and what a material is to the rule ([`Substance`]) it asks the caller.
+//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; a ray that starts on a flat surface never
+//! hits it; no ray passes between polygons that share an edge; of coincident surfaces Radiance's
+//! rule selects one. Knows ids, not materials: a surface has a [`ShaderId`], and the caller
+//! supplies the class of a material ([`Substance`]).
 //!
 //! ```
 //! use glam::DVec3;
@@ -61,7 +64,7 @@ pub use coincident::{Substance, SubstanceOf};
 pub use description::Identity;
 pub use geometry::Geometry;
 pub use ids::{MemberId, PrimitiveId, ShaderId, ShaderTable};
-pub use intersection::{Crossing, Intersection, Placed};
+pub use intersection::{Crossing, InstanceData, Intersection};
 pub use polygon::RayFrame;
 pub use ray::Ray;
 pub use shaft::Shaft;

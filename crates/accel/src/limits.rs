@@ -1,11 +1,12 @@
-//! The part of a ray in which hits count.
+//! The interval of a ray in which hits count.
 
 use std::ops::Range;
 
-/// A hit nearer than this share of the scene's largest coordinate is the surface that the ray starts from.
+/// A hit nearer than this fraction of the scene's largest coordinate is the surface from which the
+/// ray starts.
 pub(crate) const SELF_HIT: f64 = 1e-10;
 
-/// Which part of a ray counts, as distances along it.
+/// The interval of a ray, as distances along it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     pub(crate) nearest: f64,
@@ -18,7 +19,7 @@ impl Limits {
         self.nearest..self.farthest
     }
 
-    /// In the coordinates of something that is placed with this scale.
+    /// The same interval in the coordinates of an instance with this scale.
     pub(crate) fn seen_from(&self, scale: f64) -> Limits {
         Limits { nearest: self.nearest / scale, farthest: self.farthest / scale }
     }

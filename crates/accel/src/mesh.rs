@@ -16,18 +16,18 @@ use radsight_ir::{Mesh, MeshTriangle};
 #[derive(Debug)]
 pub(crate) struct MeshGeometry {
     hierarchy: Hierarchy,
-    /// The corners by slot, and the index of the triangle there.
+    /// The vertices by slot, and the index of the triangle.
     slots: Vec<([u32; 3], u32)>,
-    /// Where the corners are, by slot, if many rays are worth a copy; else empty.
+    /// The positions of the vertices by slot, if many rays justify a copy; otherwise empty.
     corners: Vec<[DVec3; 3]>,
     nearest: f64,
 }
 
-/// Where a mesh is hit: unit normals and local coordinates.
+/// The normals and local coordinates at a point of a mesh.
 pub(crate) struct MeshPoint {
     /// Of the triangle, counter-clockwise seen from the front.
     pub(crate) front: DVec3,
-    /// Interpolated between the vertices, where they have normals.
+    /// Interpolated between the vertex normals, if there are any.
     pub(crate) smooth: Option<DVec3>,
     pub(crate) uv: [f64; 2],
 }
@@ -47,7 +47,7 @@ impl MeshGeometry {
         MeshGeometry { hierarchy, slots, corners, nearest }
     }
 
-    /// Which triangle a primitive is.
+    /// The triangle of a primitive.
     pub(crate) fn triangle<'m>(&self, mesh: &'m Mesh, primitive: PrimitiveId) -> &'m MeshTriangle {
         &mesh.triangles[self.slots[primitive.0 as usize].1 as usize]
     }
@@ -61,7 +61,7 @@ impl MeshGeometry {
         self.hierarchy.bounds()
     }
 
-    /// The first triangle along the ray, `from` excluded; primitives are triangles, by slot.
+    /// The first triangle along the ray, except `from`; primitives are triangles, by slot.
     pub(crate) fn first(&self, mesh: &Mesh, ray: &Ray, from: Option<PrimitiveId>, limits: Limits) -> Option<Crossing> {
         let frame = RayFrame::new(ray);
         let mut limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
@@ -69,7 +69,7 @@ impl MeshGeometry {
         let search = Search { ray, limit: limits.farthest, corners: &self.corners };
         self.hierarchy.visit(search, |slot| {
             if let Some(crossing) = self.crossing(mesh, slot, ray, &frame, from, &limits)
-                && best.is_none_or(|best| self.displaces(best, crossing, ray))
+                && best.is_none_or(|best| self.replaces(best, crossing, ray))
             {
                 limits.farthest = crossing.distance + coincident::rounding(ray, crossing.distance);
                 best = Some(crossing);
@@ -79,8 +79,9 @@ impl MeshGeometry {
         best
     }
 
-    /// Whether a triangle is nearer than the best one so far: of those that lie on each other the last one in the mesh is met.
-    fn displaces(&self, best: Crossing, next: Crossing, ray: &Ray) -> bool {
+    /// Whether a triangle replaces the best one so far: of coincident ones the last one in the mesh
+    /// wins.
+    fn replaces(&self, best: Crossing, next: Crossing, ray: &Ray) -> bool {
         let order = |crossing: Crossing| self.slots[crossing.primitive.0 as usize].1;
         if (next.distance - best.distance).abs() > coincident::rounding(ray, best.distance) {
             return next.distance < best.distance;
@@ -88,7 +89,8 @@ impl MeshGeometry {
         order(next) > order(best)
     }
 
-    /// Calls `block` for each triangle within the limits, until it returns true; tells whether it did.
+    /// Calls `block` for each triangle within the limits, until it returns true; returns whether it
+    /// did.
     pub(crate) fn any(
         &self,
         mesh: &Mesh,
@@ -140,12 +142,12 @@ fn bounds(mesh: &Mesh, vertices: [u32; 3]) -> Bounds {
     Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
 }
 
-/// The unit normal of a triangle, on the side from which its vertices run counter-clockwise.
+/// The unit normal of a triangle, on the side from which its vertices are counter-clockwise.
 pub(crate) fn front(mesh: &Mesh, triangle: &MeshTriangle) -> DVec3 {
     polygon::normal(&corners(mesh, triangle.vertices))
 }
 
-/// What a mesh is like at a point of a triangle.
+/// The data of a mesh at a point of a triangle.
 pub(crate) fn mesh_point(mesh: &Mesh, triangle: &MeshTriangle, point: DVec3) -> MeshPoint {
     let corners = corners(mesh, triangle.vertices);
     let area = polygon::area_vector(&corners);
@@ -165,7 +167,7 @@ pub(crate) fn mesh_point(mesh: &Mesh, triangle: &MeshTriangle, point: DVec3) -> 
     found
 }
 
-/// The weights of the three corners at a point in their plane; `area` is twice the vector area.
+/// The barycentric coordinates of a point; `area` is twice the vector area.
 fn barycentric(corners: &[DVec3; 3], area: DVec3, point: DVec3) -> [f64; 3] {
     let squared = area.length_squared();
     let share = |a: DVec3, b: DVec3| (a - point).cross(b - point).dot(area) / squared;

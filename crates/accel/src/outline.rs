@@ -1,32 +1,34 @@
-//! Polygons of many vertices: which parts of their plane lie wholly within them, and which wholly outside.
+//! Polygons with many vertices: a grid of the parts of their plane that are entirely inside or
+//! outside.
 //!
-//! Whether a ray passes through a polygon takes a test of each of its edges, and a wall with holes has hundreds. A grid over the
-//! plane answers at once for all cells that no edge comes near. In the others, and at grazing angles, all edges are tested as
-//! ever, so that every ray is answered as without the grid.
+//! Testing a polygon takes a test of each edge, and a wall with holes has hundreds. A grid over the
+//! plane answers at once in all cells that no edge comes near. In the others, and at grazing
+//! angles, all edges are tested, so every ray has the same result as without the grid.
 
 use crate::polygon::area_vector;
 use crate::ray::Ray;
 use glam::DVec3;
 
-/// Polygons with fewer vertices are tested edge by edge.
+/// Minimum number of vertices for a grid.
 pub(crate) const MANY_VERTICES: u32 = 32;
 
-/// Cells along the longer side of a grid: about this many times the root of the number of vertices, within bounds.
+/// Number of cells along the longer side of a grid, relative to the square root of the number of
+/// vertices.
 const CELLS_PER_ROOT: f64 = 4.0;
-const MOST_CELLS: f64 = 256.0;
+const MAX_CELLS: f64 = 256.0;
 
-/// Vertices off the plane by a larger share of the polygon's size move the outline too far for a grid.
-const FLAT: f64 = 1e-7;
+/// Maximum distance of a vertex from the plane for a grid, relative to the polygon's size.
+const MAX_OFFSET: f64 = 1e-7;
 
-/// Rays at a smaller sine to the plane are answered by the edges.
-const GRAZING: f64 = 1e-4;
+/// For a smaller sine of the angle between ray and plane, the edges are tested.
+const MIN_GRAZING_SINE: f64 = 1e-4;
 
-/// How a cell lies to the polygon.
+/// The position of a cell relative to the polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cover {
     Outside,
     Inside,
-    /// An edge is in the cell or beside it.
+    /// An edge is in the cell or next to it.
     Edge,
 }
 
@@ -36,7 +38,7 @@ pub(crate) struct Outline {
     /// Twice the area vector.
     area: DVec3,
     first_vertex: DVec3,
-    /// The coordinates that are left when the polygon is projected along its largest area.
+    /// The coordinates of the projection along the axis of the largest area.
     axes: [usize; 2],
     origin: [f64; 2],
     cell: f64,
@@ -44,32 +46,32 @@ pub(crate) struct Outline {
     cells: Vec<Cover>,
 }
 
-/// What a grid says of a ray.
+/// The grid's result for a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Verdict {
-    /// The ray passes by.
-    Misses,
-    /// It meets the plane within the polygon, at this distance.
-    Meets(f64),
-    /// The edges have to tell.
+pub(crate) enum GridResult {
+    /// The ray misses.
+    Miss,
+    /// The ray hits the polygon at this distance.
+    Hit(f64),
+    /// The edges must be tested.
     Unknown,
 }
 
 impl Outline {
-    /// `None` for a polygon that has no area or is not flat.
+    /// `None` for a polygon without area or that is not flat.
     pub(crate) fn new(vertices: &[DVec3]) -> Option<Outline> {
         let area = area_vector(vertices);
         let normal = area.try_normalize()?;
         let (least, most) =
             vertices.iter().fold((vertices[0], vertices[0]), |(least, most), v| (least.min(*v), most.max(*v)));
         let size = (most - least).max_element();
-        if vertices.iter().any(|vertex| normal.dot(*vertex - vertices[0]).abs() > FLAT * size) {
+        if vertices.iter().any(|vertex| normal.dot(*vertex - vertices[0]).abs() > MAX_OFFSET * size) {
             return None;
         }
         let largest = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs()))?;
         let axes = [(largest + 1) % 3, (largest + 2) % 3];
         let sides = axes.map(|axis| most[axis] - least[axis]);
-        let cell = sides[0].max(sides[1]) / (CELLS_PER_ROOT * (vertices.len() as f64).sqrt()).min(MOST_CELLS);
+        let cell = sides[0].max(sides[1]) / (CELLS_PER_ROOT * (vertices.len() as f64).sqrt()).min(MAX_CELLS);
         if cell <= 0.0 || !cell.is_finite() {
             return None;
         }
@@ -96,7 +98,7 @@ impl Outline {
         [0, 1].map(|index| (point[self.axes[index]] - self.origin[index]) / self.cell)
     }
 
-    /// Fills cells by the parity of edges on one side of their middles.
+    /// Fills cells by the parity of edges on one side of their centres.
     fn fill(&mut self, corners: &[[f64; 2]]) {
         let mut crossings = Vec::new();
         for row in 0..self.counts[1] {
@@ -116,12 +118,12 @@ impl Outline {
         }
     }
 
-    /// Marks every cell that an edge comes near: those that it crosses, and those beside them.
+    /// Marks every cell that an edge crosses, and adjacent ones.
     fn mark_edges(&mut self, corners: &[[f64; 2]]) {
         for (a, b) in edges(corners) {
             let [low, high] = [a[1].min(b[1]), a[1].max(b[1])];
             for row in cells_around(low, high, self.counts[1]) {
-                // The part of the edge in this row and those beside it.
+                // The part of the edge in this row and adjacent ones.
                 let clipped = [row as f64 - 1.0, row as f64 + 2.0].map(|y| {
                     let share = if high > low { ((y - a[1]) / (b[1] - a[1])).clamp(0.0, 1.0) } else { 0.0 };
                     a[0] + share * (b[0] - a[0])
@@ -134,23 +136,23 @@ impl Outline {
         }
     }
 
-    /// Whether a ray passes through the polygon, and where.
-    pub(crate) fn verdict(&self, ray: &Ray) -> Verdict {
+    /// Whether a ray hits the polygon, and where.
+    pub(crate) fn classify(&self, ray: &Ray) -> GridResult {
         let slope = self.area.dot(ray.direction);
-        if slope.abs() < GRAZING * self.area.length() * ray.direction.length() {
-            return Verdict::Unknown;
+        if slope.abs() < MIN_GRAZING_SINE * self.area.length() * ray.direction.length() {
+            return GridResult::Unknown;
         }
         let distance = self.area.dot(self.first_vertex - ray.origin) / slope;
         let [x, y] = self.coordinates(ray.at(distance));
         let within = |at: f64, count: usize| at >= 0.0 && at < count as f64;
         if !within(x, self.counts[0]) || !within(y, self.counts[1]) {
-            // Far from everything, unless the place is no number.
-            return if x.is_finite() && y.is_finite() { Verdict::Misses } else { Verdict::Unknown };
+            // Far from everything, unless the coordinates are NaN.
+            return if x.is_finite() && y.is_finite() { GridResult::Miss } else { GridResult::Unknown };
         }
         match self.cells[y as usize * self.counts[0] + x as usize] {
-            Cover::Outside => Verdict::Misses,
-            Cover::Inside => Verdict::Meets(distance),
-            Cover::Edge => Verdict::Unknown,
+            Cover::Outside => GridResult::Miss,
+            Cover::Inside => GridResult::Hit(distance),
+            Cover::Edge => GridResult::Unknown,
         }
     }
 }
@@ -160,7 +162,7 @@ fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
     corners.iter().copied().zip(next.copied())
 }
 
-/// The cells between two places, and one more on each side.
+/// The cells between two coordinates, and one more on each side.
 fn cells_around(low: f64, high: f64, count: usize) -> std::ops::Range<usize> {
     (low - 1.0).max(0.0) as usize..((high + 2.0).max(0.0) as usize).min(count)
 }
@@ -170,7 +172,7 @@ mod tests {
     use super::*;
     use crate::polygon::{RayFrame, intersect};
 
-    /// A star of many points with a round hole, joined by a seam, in a plane that leans.
+    /// A star with many points and a round hole, joined by a seam, in a tilted plane.
     fn star_with_a_hole(points: usize) -> Vec<DVec3> {
         let turned = |x: f64, y: f64| DVec3::new(x, y, 3.0 + 0.4 * x - 0.7 * y);
         let angle = |index: usize| std::f64::consts::TAU * index as f64 / points as f64;
@@ -188,31 +190,31 @@ mod tests {
     }
 
     #[test]
-    fn grids_and_edges_answer_every_ray_alike() {
+    fn grid_and_edges_agree_for_every_ray() {
         let vertices = star_with_a_hole(80);
         let outline = Outline::new(&vertices).unwrap();
-        let (mut told, mut met) = (0, 0);
+        let (mut traced, mut met) = (0, 0);
         for index in 0..20_000 {
             let place = |step: f64| (f64::from(index) * step).fract();
             let target = DVec3::new(5.0 * place(0.754_877) - 2.5, 5.0 * place(0.569_840) - 2.5, 3.0);
             let origin = DVec3::new(8.0 * place(0.819_172) - 4.0, 8.0 * place(0.671_043) - 4.0, 9.0 * place(0.549_7));
             let Some(ray) = Ray::new(origin, target - origin) else { continue };
             let exact = intersect(&vertices, &ray, &RayFrame::new(&ray), f64::NEG_INFINITY..f64::INFINITY);
-            match outline.verdict(&ray) {
-                Verdict::Misses => assert_eq!(exact, None, "ray {index}"),
-                Verdict::Meets(distance) => {
+            match outline.classify(&ray) {
+                GridResult::Miss => assert_eq!(exact, None, "ray {index}"),
+                GridResult::Hit(distance) => {
                     met += 1;
                     assert_eq!(exact, Some(distance), "ray {index}");
                 }
-                Verdict::Unknown => continue,
+                GridResult::Unknown => continue,
             }
-            told += 1;
+            traced += 1;
         }
-        assert!(told > 12_000 && met > 2_000, "{told} told, {met} met");
+        assert!(traced > 12_000 && met > 2_000, "{traced} told, {met} met");
     }
 
     #[test]
-    fn polygons_that_are_not_flat_have_no_grid() {
+    fn nonplanar_polygons_have_no_grid() {
         let mut vertices = star_with_a_hole(40);
         vertices[3].z += 1e-3;
         assert!(Outline::new(&vertices).is_none());

@@ -1,13 +1,14 @@
-//! Flat polygons: convex, concave, and with holes that are joined by seams.
+//! Flat polygons: convex, concave, and with holes joined by seams.
 
 use crate::ray::Ray;
 use glam::DVec3;
 use std::ops::Range;
 
-/// A shear that takes the ray to the z axis, so that "does the ray pass through the polygon" is asked in two dimensions.
+/// A shear that maps the ray to the z axis, which reduces the test to two dimensions.
 ///
-/// Two polygons that share an edge project its ends to the same numbers, so no ray passes between them, nor through both
-/// (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013).
+/// Two polygons that share an edge project its ends to the same numbers, so no ray passes between
+/// them or through both (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1),
+/// 2013).
 #[derive(Clone, Copy, Debug)]
 pub struct RayFrame {
     u: DVec3,
@@ -37,7 +38,7 @@ impl RayFrame {
     }
 }
 
-/// Distance along the ray to the polygon's plane, where the ray passes through the polygon.
+/// Distance along the ray to the polygon's plane, if the ray passes through the polygon.
 #[inline]
 pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
     if !passes_through(vertices, ray.origin, frame) {
@@ -63,7 +64,8 @@ pub(crate) fn intersect_triangle(vertices: &[DVec3; 3], ray: &Ray, frame: &RayFr
     (distance > range.start && distance < range.end).then_some(distance)
 }
 
-/// Whether the line of the ray crosses the polygon: the parity of edges that cross the positive half axis.
+/// Whether the line of the ray crosses the polygon: the parity of edges that cross the positive
+/// half axis.
 #[inline]
 fn passes_through(vertices: &[DVec3], origin: DVec3, frame: &RayFrame) -> bool {
     let mut inside = false;
@@ -79,15 +81,16 @@ fn passes_through(vertices: &[DVec3], origin: DVec3, frame: &RayFrame) -> bool {
 /// Whether an edge crosses the positive half of the u axis.
 #[inline]
 fn crosses((u0, v0): (f64, f64), (u1, v1): (f64, f64)) -> bool {
-    // The sign of the crossing's u is that of this determinant over v1 − v0; swapping the ends changes both, and a crossing at
-    // zero counts for neither of the polygons that share the edge.
+    // The sign of the crossing's u is that of this determinant over v1 − v0. Swapping the ends
+    // changes both signs, and a crossing at zero counts for neither of the polygons that share the
+    // edge.
     let determinant = u0 * v1 - u1 * v0;
     let rises = v1 > v0;
-    // Nothing branches on what is as good as random.
+    // Branch-free, since the signs are unpredictable.
     ((v0 >= 0.0) != (v1 >= 0.0)) & ((rises & (determinant > 0.0)) | (!rises & (determinant < 0.0)))
 }
 
-/// Twice the vector area, taken about the first vertex to keep digits far from the origin (Newell).
+/// Twice the vector area, relative to the first vertex for precision far from the origin (Newell).
 #[inline]
 pub(crate) fn area_vector(vertices: &[DVec3]) -> DVec3 {
     let first = vertices[0];
@@ -101,7 +104,7 @@ pub(crate) fn area_vector(vertices: &[DVec3]) -> DVec3 {
     sum
 }
 
-/// Unit normal on the side from which the vertices run counter-clockwise.
+/// Unit normal on the side from which the vertices are counter-clockwise.
 #[inline]
 pub(crate) fn normal(vertices: &[DVec3]) -> DVec3 {
     area_vector(vertices).normalize_or(DVec3::Z)

@@ -4,7 +4,7 @@ use glam::DVec3;
 use radsight_ir::Transform;
 use std::ops::RangeInclusive;
 
-/// Lengths whose squares are as exact as they are.
+/// Lengths whose squares do not over- or underflow.
 const SAFE_LENGTHS: RangeInclusive<f64> = 1e-140..=1e150;
 
 /// A half line. The direction is a unit vector.
@@ -17,9 +17,9 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// A ray through `origin` along `direction`, which is normalised here; every program makes its rays in this one way, so
-    /// that a ray read from a stream is the same ray bit for bit. `None` when the direction has no length or a number is
-    /// not finite.
+    /// A ray from `origin` along `direction`, which is normalised here. Every program makes its
+    /// rays in this way, so a ray read from a stream has the same bits. `None` if the direction has
+    /// no length or a number is not finite.
     #[must_use]
     pub fn new(origin: DVec3, direction: DVec3) -> Option<Ray> {
         let length = direction.length();
@@ -29,7 +29,7 @@ impl Ray {
         origin.is_finite().then(|| Ray { origin, direction: direction / length })
     }
 
-    /// The same for a direction whose squares double precision cannot hold, zero and infinity among them.
+    /// The same for a direction whose squares over- or underflow, including zero and infinity.
     #[cold]
     fn of_extreme_direction(origin: DVec3, direction: DVec3) -> Option<Ray> {
         let largest = direction.abs().max_element();
@@ -44,7 +44,8 @@ impl Ray {
         self.origin + self.direction * distance
     }
 
-    /// The same ray in the coordinates of something that `to_scene` places; distances along it are those here over its scale.
+    /// The same ray in the coordinates of an instance with the transform `to_scene`; distances
+    /// along it are divided by its scale.
     #[inline]
     pub(crate) fn seen_from(&self, to_scene: &Transform) -> Ray {
         let to_local = to_scene.rotation.transpose();

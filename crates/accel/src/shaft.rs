@@ -1,28 +1,30 @@
-//! The pyramid of all rays between a point and a convex quadrangle.
+//! The pyramid of all rays between a point and a convex quadrilateral.
 //!
-//! Haines and Wallace, "Shaft Culling for Efficient Ray-Traced Radiosity", Eurographics Workshop on Rendering 1991.
+//! Haines and Wallace, "Shaft Culling for Efficient Ray-Traced Radiosity", Eurographics Workshop on
+//! Rendering 1991.
 
 use glam::{DVec3, Vec3};
 
-/// Four sides, the base and the plane through the apex.
+/// Four sides, the base, and the plane through the apex.
 pub(crate) const SIDES: usize = 6;
 
-/// The base among the sides.
+/// Index of the base.
 const BASE: usize = 4;
 
-/// Smallest sine of the angle between the quadrangle's plane and the direction to it.
-const LEAST_SINE: f64 = 1e-6;
+/// Smallest sine of the angle between the quadrilateral's plane and the direction to it.
+const MIN_SINE: f64 = 1e-6;
 
-/// A pyramid from a point to a convex quadrangle.
+/// A pyramid from a point to a convex quadrilateral.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaft {
     apex: DVec3,
-    /// Unit normals that point inwards, and their dot product with a point of the side from the apex.
+    /// Inward unit normals, and their dot product with a point of the side relative to the apex.
     sides: [(DVec3, f64); SIDES],
 }
 
 impl Shaft {
-    /// The shaft from a point to the corners of a convex quadrangle, in order; `None` if the point is nearly in its plane.
+    /// The shaft from a point to the vertices of a convex quadrilateral, in order; `None` if the
+    /// point is nearly in its plane.
     #[must_use]
     pub fn new(apex: DVec3, corners: [DVec3; 4]) -> Option<Shaft> {
         let corners = corners.map(|corner| corner - apex);
@@ -30,7 +32,7 @@ impl Shaft {
         let base = (corners[2] - corners[0]).cross(corners[3] - corners[1]).try_normalize()?;
         let base = if base.dot(center) > 0.0 { -base } else { base };
         let height = base.dot(center);
-        if -height < LEAST_SINE * center.length() {
+        if -height < MIN_SINE * center.length() {
             return None;
         }
         let mut sides = [(DVec3::ZERO, 0.0); SIDES];
@@ -43,14 +45,16 @@ impl Shaft {
         Some(Shaft { apex, sides })
     }
 
-    /// The sides about another point in single precision: normals, and offsets that are below zero outside.
+    /// The sides relative to another point in single precision: normals, and offsets that are
+    /// negative outside.
     pub(crate) fn about(&self, center: DVec3) -> [(Vec3, f32); SIDES] {
         let apex = self.apex - center;
         self.sides.map(|(normal, offset)| (normal.as_vec3(), (-normal.dot(apex) - offset) as f32))
     }
 
-    /// Whether all points are outside of one side. Those on a side count as outside, those on the base as inside.
-    pub(crate) fn leaves_out(&self, points: &[DVec3], tolerance: f64) -> bool {
+    /// Whether all points are outside one side. Points on a side count as outside, those on the
+    /// base as inside.
+    pub(crate) fn excludes(&self, points: &[DVec3], tolerance: f64) -> bool {
         self.sides.iter().enumerate().any(|(index, (normal, offset))| {
             let slack = if index == BASE { -tolerance } else { tolerance };
             points.iter().all(|point| normal.dot(*point - self.apex) - offset < slack)

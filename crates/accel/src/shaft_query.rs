@@ -1,6 +1,8 @@
-//! Shaft culling: one query of the hierarchy replaces all rays from a point to a flat cover of a light.
+//! Shaft culling: one query of the hierarchy replaces all rays from a point to a flat cover of a
+//! light.
 //!
-//! The query is conservative: it may report an occluder where there is none, never the other way round.
+//! The query is conservative: it may report an occluder where there is none, never the other way
+//! round.
 
 use crate::bounds::Bounds;
 use crate::geometry::Geometry;
@@ -9,7 +11,7 @@ use crate::shaft::Shaft;
 use radsight_ir::{Shape, ValidScene};
 
 impl Geometry {
-    /// Whether anything may reach into a shaft, other than the two primitives at its ends.
+    /// Whether anything overlaps a shaft, other than the two primitives at its ends.
     #[must_use]
     pub fn reaches_into(&self, scene: &ValidScene, shaft: &Shaft, ends: [Option<PrimitiveId>; 2]) -> bool {
         self.hierarchy.any_in(shaft, |slot| {
@@ -22,11 +24,11 @@ impl Geometry {
     fn is_outside(&self, scene: &ValidScene, shaft: &Shaft, member: MemberId) -> bool {
         match self.shapes[member.0 as usize] {
             Shape::Polygon { start, count } => {
-                shaft.leaves_out(&scene.vertices[start as usize..][..count as usize], self.tolerance)
+                shaft.excludes(&scene.vertices[start as usize..][..count as usize], self.tolerance)
             }
             shape => {
                 let bounds = self.bounds(scene, shape).map(Bounds::corners);
-                bounds.is_none_or(|corners| shaft.leaves_out(&corners, self.tolerance))
+                bounds.is_none_or(|corners| shaft.excludes(&corners, self.tolerance))
             }
         }
     }
@@ -65,14 +67,14 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_between_reaches_in() {
+    fn an_occluder_overlaps_the_shaft() {
         assert!(reaches_in(&[(DVec3::new(0.0, 0.0, 1.0), 0.1)]));
         assert!(reaches_in(&[(DVec3::new(0.55, 0.0, 1.0), 0.1)]));
         assert!(reaches_in(&[(DVec3::new(-0.9, 0.9, 2.0), 0.05)]));
     }
 
     #[test]
-    fn what_is_beside_behind_or_below_does_not() {
+    fn other_surfaces_do_not_overlap_the_shaft() {
         let beside = (DVec3::new(0.8, 0.0, 1.0), 0.1);
         let beyond = (DVec3::new(0.0, 0.0, 2.5), 0.3);
         let below = (DVec3::new(0.0, 0.0, -0.5), 0.3);
@@ -80,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ends_do_not_count() {
+    fn the_primitives_at_the_ends_are_ignored() {
         let (scene, geometry) = scene(&[(DVec3::new(0.0, 0.0, 1.0), 0.1)]);
         let shaft = Shaft::new(DVec3::ZERO, LAMP).unwrap();
         assert!(!geometry.reaches_into(&scene, &shaft, [None, Some(PrimitiveId(0))]));
@@ -91,9 +93,9 @@ mod tests {
         assert!(Shaft::new(DVec3::new(3.0, 0.0, 2.0), LAMP).is_none());
     }
 
-    /// No ray to the cover meets anything where nothing reaches in.
+    /// If nothing overlaps the shaft, no ray to the cover hits anything.
     #[test]
-    fn an_empty_shaft_lets_all_rays_through() {
+    fn no_ray_is_blocked_in_an_empty_shaft() {
         let mut state = 1_u32;
         let mut random = move || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

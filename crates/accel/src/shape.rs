@@ -5,13 +5,13 @@ use crate::{cone, disk, polygon, sphere};
 use glam::DVec3;
 use radsight_ir::{Scene, Shape};
 
-/// Whether all of a surface lies in one plane.
+/// Whether a surface is flat.
 #[must_use]
 pub fn is_flat(shape: Shape) -> bool {
     matches!(shape, Shape::Polygon { .. } | Shape::Ring(_))
 }
 
-/// The point moved onto the surface where that is cheap, and the unit normal on the front side.
+/// The point projected onto the surface where that is cheap, and the unit normal on the front side.
 #[inline]
 pub(crate) fn surface_point(scene: &Scene, shape: Shape, point: DVec3) -> (DVec3, DVec3) {
     match shape {
@@ -31,7 +31,7 @@ pub fn flat_normal(scene: &Scene, shape: Shape) -> Option<DVec3> {
     is_flat(shape).then(|| surface_point(scene, shape, DVec3::ZERO).1)
 }
 
-/// The box around a surface that holds no others; none for what has no place.
+/// The bounding box of a surface that contains no others; `None` for one at infinity.
 pub(crate) fn bounds_of_plain(scene: &Scene, shape: Shape) -> Option<Bounds> {
     match shape {
         Shape::Polygon { start, count } => {
@@ -56,7 +56,7 @@ pub(crate) fn bounds_of_plain(scene: &Scene, shape: Shape) -> Option<Bounds> {
     }
 }
 
-/// The corners of a polygon that has three.
+/// The vertices of a triangle.
 pub(crate) fn triangle_of(scene: &Scene, shape: Shape) -> Option<[DVec3; 3]> {
     let Shape::Polygon { start, count: 3 } = shape else { return None };
     scene.vertices[start as usize..][..3].try_into().ok()

@@ -5,9 +5,9 @@ use glam::DVec3;
 use radsight_ir::{Facing, Sphere};
 use std::ops::Range;
 
-/// Distance to the sphere. The discriminant is taken from the closest point of the line to the centre, which keeps its digits for a
-/// small sphere far away (Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
-/// Gems, 2019).
+/// Distance to the sphere. The discriminant uses the point of the line closest to the centre, which
+/// is precise for a small sphere far away (Haines, Günther, Akenine-Möller, "Precision Improvements
+/// for Ray/Sphere Intersection", Ray Tracing Gems, 2019).
 #[inline]
 pub(crate) fn intersect(sphere: &Sphere, ray: &Ray, range: Range<f64>) -> Option<f64> {
     let from_center = ray.origin - sphere.center;
@@ -18,7 +18,7 @@ pub(crate) fn intersect(sphere: &Sphere, ray: &Ray, range: Range<f64>) -> Option
         return None;
     }
     let half_chord = discriminant.sqrt();
-    // The root that does not cancel, and the other one from the product of both.
+    // The root without cancellation, and the other one from the product of both.
     let sum = if along > 0.0 { -along - half_chord } else { -along + half_chord };
     let product = from_center.length_squared() - sphere.radius * sphere.radius;
     let other = if sum != 0.0 { product / sum } else { 0.0 };
@@ -27,7 +27,7 @@ pub(crate) fn intersect(sphere: &Sphere, ray: &Ray, range: Range<f64>) -> Option
     Some(near).filter(inside).or(Some(far).filter(inside))
 }
 
-/// The point drawn onto the sphere, and the unit normal on the front side.
+/// The point projected onto the sphere, and the unit normal on the front side.
 pub(crate) fn surface_point(sphere: &Sphere, point: DVec3) -> (DVec3, DVec3) {
     let outward = (point - sphere.center).normalize_or(DVec3::Z);
     let front = match sphere.facing {

@@ -1,11 +1,11 @@
-//! Rays through the hierarchy: the first surface, and any that is in the way.
+//! Queries of the hierarchy: first hit and any hit.
 
 use crate::geometry::Geometry;
 use crate::hierarchy::Search;
 use crate::ids::{MemberId, PrimitiveId, ShaderTable};
 use crate::intersection::{Crossing, Intersection};
 use crate::limits::Limits;
-use crate::outline::{MANY_VERTICES, Verdict};
+use crate::outline::{GridResult, MANY_VERTICES};
 use crate::polygon::{self, RayFrame};
 use crate::ray::Ray;
 use crate::{coincident, cone, disk, sphere};
@@ -13,7 +13,7 @@ use radsight_ir::{Instance, MeshInstance, Scene, Shape, ValidScene};
 use std::ops::Range;
 
 impl Geometry {
-    /// The first surface along the ray, `from` excluded where it is flat.
+    /// The first surface along the ray, except `from` if it is flat.
     #[inline]
     #[must_use]
     pub fn first_hit(
@@ -27,13 +27,13 @@ impl Geometry {
         Some(self.hit(scene, shaders, ray, crossing))
     }
 
-    /// How far away the first surface along the ray is.
+    /// The distance of the first surface along the ray.
     #[must_use]
     pub fn distance(&self, scene: &Scene, ray: &Ray) -> Option<f64> {
         self.first_off(scene, ray, None).map(|crossing| crossing.distance)
     }
 
-    /// The first surface along the ray that does not lie on the one where it starts.
+    /// The first surface along the ray that is not coincident with the one where it starts.
     fn first_off(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>) -> Option<Crossing> {
         let mut limits = Limits { nearest: self.nearest, farthest: f64::INFINITY };
         loop {
@@ -49,7 +49,7 @@ impl Geometry {
         let frame = RayFrame::new(ray);
         let mut best: Option<Crossing> = None;
         let mut ties = Vec::new();
-        // What is farther than the best hit by less than the tolerance is looked at still.
+        // Hits farther than the best one by less than the tolerance are still considered.
         let mut tied_from = f64::INFINITY;
         self.hierarchy.visit(self.search(ray, limits.farthest), |index| {
             if let Some(crossing) = self.crossing(scene, MemberId(index), ray, &frame, from, &limits) {
@@ -74,7 +74,7 @@ impl Geometry {
         Search { ray, limit, corners: &self.corners }
     }
 
-    /// Where a ray first crosses a member before `farthest`.
+    /// The first crossing of a ray with a member before `farthest`.
     #[inline]
     #[must_use]
     pub fn intersect(
@@ -106,7 +106,7 @@ impl Geometry {
             return Some(Crossing { distance, primitive: member.primitive() });
         }
         let distance = match self.shapes[member.0 as usize] {
-            // A flat surface is never met again by a ray that starts on it.
+            // A ray never hits the flat surface from which it starts.
             Shape::Polygon { .. } | Shape::Ring(_) if from_here => None,
             Shape::Polygon { count: MANY_VERTICES.., .. } => self.polygon_crossing(scene, member, ray, frame, range),
             Shape::Polygon { start, count } => {
@@ -125,7 +125,7 @@ impl Geometry {
         Some(Crossing { distance, primitive: member.primitive() })
     }
 
-    /// Where a ray passes through a polygon of many vertices.
+    /// The crossing of a ray with a polygon with many vertices.
     fn polygon_crossing(
         &self,
         scene: &Scene,
@@ -135,14 +135,14 @@ impl Geometry {
         range: Range<f64>,
     ) -> Option<f64> {
         let Shape::Polygon { start, count } = self.shapes[member.0 as usize] else { return None };
-        let verdict = match self.outlines.binary_search_by_key(&member.0, |(member, _)| member.0) {
-            Ok(found) => self.outlines[found].1.verdict(ray),
-            Err(_) => Verdict::Unknown,
+        let classify = match self.outlines.binary_search_by_key(&member.0, |(member, _)| member.0) {
+            Ok(found) => self.outlines[found].1.classify(ray),
+            Err(_) => GridResult::Unknown,
         };
-        match verdict {
-            Verdict::Misses => None,
-            Verdict::Meets(distance) => (distance > range.start && distance < range.end).then_some(distance),
-            Verdict::Unknown => {
+        match classify {
+            GridResult::Miss => None,
+            GridResult::Hit(distance) => (distance > range.start && distance < range.end).then_some(distance),
+            GridResult::Unknown => {
                 polygon::intersect(&scene.vertices[start as usize..][..count as usize], ray, frame, range)
             }
         }
@@ -183,7 +183,8 @@ impl Geometry {
         (distance < limits.farthest).then_some(Crossing { distance, primitive })
     }
 
-    /// Calls `block` for each crossing between `origin` and `origin + direction·distance`, until it returns true.
+    /// Calls `block` for each crossing between `origin` and `origin + direction·distance`, until it
+    /// returns true.
     pub fn any_between(
         &self,
         scene: &ValidScene,
@@ -241,7 +242,7 @@ impl Geometry {
         }
     }
 
-    /// Calls `block` for each crossing of a plain member: a curved one may be in the way twice.
+    /// Calls `block` for each crossing of a plain member: a curved one can have two.
     fn any_crossing(
         &self,
         scene: &Scene,
@@ -298,7 +299,7 @@ impl Geometry {
     }
 }
 
-/// Tells `block` of crossings in a member whose first primitive is `first` and that is placed with this scale.
+/// Passes crossings of a member to `block`, with primitives offset by `first` and distances scaled.
 fn shifted(block: &mut dyn FnMut(Crossing) -> bool, first: u64, scale: f64) -> impl FnMut(Crossing) -> bool + use<'_> {
     move |Crossing { distance, primitive }| {
         block(Crossing { distance: distance * scale, primitive: PrimitiveId(first + primitive.0) })

@@ -1,4 +1,5 @@
-//! Distances, form factors and the choice among coincident surfaces against closed forms and against trying every surface.
+//! Distances, form factors and the choice among coincident surfaces, compared with closed forms and
+//! brute force.
 
 use glam::{DMat3, DVec3};
 use radsight_accel::{Builder, Geometry, PrimitiveId, Ray, ShaderId, ShaderTable, Substance};
@@ -9,7 +10,7 @@ use radsight_ir::{
 use radsight_sampling::cosine_hemisphere;
 use std::sync::Arc;
 
-/// Modifiers of even handles are opaque, others transparent: what they really are does not matter here.
+/// Modifiers with even handles count as opaque, others as transparent, whatever their materials.
 fn substance(_: &Scene, modifier: Option<ModifierHandle>) -> Substance {
     match modifier {
         None => Substance::Nothing,
@@ -66,7 +67,7 @@ fn table(scene: &Scene) -> ShaderTable {
     ShaderTable::new((0..=scene.modifiers.len() as u32).map(ShaderId).collect(), octrees)
 }
 
-/// Evenly spread numbers in 0…1 (Roberts' R₂ and its kin).
+/// Evenly distributed numbers in 0…1 (Roberts' R₂ and similar sequences).
 fn scattered(index: u32, dimension: usize) -> f64 {
     (f64::from(index + 1) * [0.819_172_513, 0.671_043_607, 0.549_700_478, 0.450_295_000][dimension]).fract()
 }
@@ -78,7 +79,7 @@ fn direction(index: u32) -> DVec3 {
 }
 
 #[test]
-fn a_sphere_is_met_where_the_closed_form_says() {
+fn a_sphere_is_hit_where_the_closed_form_says() {
     let mut scene = Scene::default();
     let sphere = Sphere { center: DVec3::new(1.0, 2.0, 3.0), radius: 0.5, facing: Facing::Outward };
     let handle = scene.spheres.add(sphere);
@@ -95,7 +96,7 @@ fn a_sphere_is_met_where_the_closed_form_says() {
 }
 
 #[test]
-fn a_cone_is_met_at_the_radius_of_its_height() {
+fn a_cone_is_hit_at_the_radius_of_its_height() {
     let mut scene = Scene::default();
     let cone = Cone { base: DVec3::ZERO, apex: DVec3::Z, base_radius: 2.0, apex_radius: 1.0, facing: Facing::Outward };
     let handle = scene.cones.add(cone);
@@ -104,14 +105,14 @@ fn a_cone_is_met_at_the_radius_of_its_height() {
     for height in [0.1, 0.5, 0.9] {
         let (distance, front, _) = built.first(DVec3::new(5.0, 0.0, height), -DVec3::X, None).expect("it is met");
         assert!((distance - (5.0 - (2.0 - height))).abs() < 1e-12);
-        // The wall rises as far as it comes in, so its normal is half way between outward and up.
+        // The slope of the wall is 1, so its normal is half way between outward and up.
         assert!(front.distance(DVec3::new(0.5_f64.sqrt(), 0.0, 0.5_f64.sqrt())) < 1e-12);
     }
     assert_eq!(built.distance(DVec3::new(5.0, 0.0, 1.1), -DVec3::X), None);
 }
 
 #[test]
-fn a_disk_has_the_form_factor_of_theory() {
+fn a_disk_has_its_analytic_form_factor() {
     // From a point of a surface that faces a parallel disk of radius r at height h: r²/(r² + h²).
     for (radius, height) in [(1.0, 1.0), (0.3, 1.0), (2.0, 0.5)] {
         let mut scene = Scene::default();
@@ -119,7 +120,7 @@ fn a_disk_has_the_form_factor_of_theory() {
         let handle = scene.rings.add(ring);
         add(&mut scene, None, Shape::Ring(handle));
         let built = Built::new(scene);
-        // The R₂ sequence (Roberts 2018): a grid could have the rim between two of its rows.
+        // The R₂ sequence (Roberts 2018): the rim could lie between two rows of a grid.
         let rays = 40_000;
         let found = (0..rays)
             .filter(|ray| {
@@ -134,7 +135,8 @@ fn a_disk_has_the_form_factor_of_theory() {
     }
 }
 
-/// Distance to a triangle by Cramer's rule (Möller and Trumbore, Journal of Graphics Tools 2(1), 1997).
+/// Distance to a triangle by Cramer's rule (Möller and Trumbore, Journal of Graphics Tools 2(1),
+/// 1997).
 fn to_triangle([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
     let (ab, ac) = (b - a, c - a);
     let p = direction.cross(ac);
@@ -168,7 +170,7 @@ fn agrees(found: Option<f64>, expected: Option<f64>) -> bool {
 }
 
 #[test]
-fn the_hierarchy_finds_what_trying_every_triangle_finds() {
+fn the_hierarchy_agrees_with_brute_force() {
     let triangles = soup(500);
     let mut scene = Scene::default();
     triangles.iter().for_each(|triangle| polygon(&mut scene, None, triangle));
@@ -201,7 +203,7 @@ fn mesh_of(triangles: &[[DVec3; 3]]) -> Mesh {
 }
 
 #[test]
-fn an_instance_of_a_mesh_is_met_where_its_moved_triangles_are() {
+fn an_instance_of_a_mesh_is_hit_at_its_transformed_triangles() {
     let triangles = soup(60);
     let placings = [0.5, 2.0].map(|scale| Transform {
         rotation: DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(scale),
@@ -238,20 +240,20 @@ fn an_instance_of_a_mesh_is_met_where_its_moved_triangles_are() {
 }
 
 #[test]
-fn a_ray_does_not_meet_the_flat_surface_that_it_starts_on() {
+fn a_ray_does_not_hit_its_own_flat_surface() {
     let square = |z: f64| [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, z));
     let mut scene = Scene::default();
     polygon(&mut scene, None, &square(0.0));
     polygon(&mut scene, None, &square(1.0));
     let built = Built::new(scene);
     let lower = built.geometry.members().find(|(_, surface)| surface.index() == 0).expect("a surface").0.primitive();
-    // A start that rounding has moved behind the surface would meet it.
+    // An origin that rounding has moved behind the surface would hit it.
     let origin = DVec3::new(0.1, 0.2, -1e-9);
     assert!(built.first(origin, DVec3::Z, Some(lower)).is_some_and(|(distance, ..)| distance > 0.5));
 }
 
 #[test]
-fn of_surfaces_on_each_other_the_opaque_one_and_then_the_last_defined_is_met() {
+fn of_coincident_surfaces_the_opaque_one_and_then_the_last_one_is_hit() {
     let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
     let met = |order: [usize; 2]| {
         let mut scene = Scene::default();

@@ -1,4 +1,4 @@
-//! What rays meet does not depend on how hierarchies are built.
+//! Hits do not depend on the builder.
 
 use glam::{DMat3, DVec3};
 use radsight_accel::{Builder, Geometry, Ray, ShaderId, ShaderTable, Substance};
@@ -8,7 +8,7 @@ use radsight_ir::{
 };
 use std::sync::Arc;
 
-/// Numbers in 0…1 (Marsaglia, "Xorshift RNGs", Journal of Statistical Software 8(14), 2003).
+/// Random numbers in 0…1 (Marsaglia, "Xorshift RNGs", Journal of Statistical Software 8(14), 2003).
 struct Numbers(u64);
 
 impl Numbers {
@@ -24,14 +24,14 @@ impl Numbers {
         DVec3::from_array(std::array::from_fn(|_| 2.0 * self.next() - 1.0))
     }
 
-    /// A triangle near a point; sizes differ a hundredfold.
+    /// A triangle near a point; sizes vary by a factor of a hundred.
     fn triangle(&mut self) -> [DVec3; 3] {
         let (center, size) = (self.point(), 0.003 * 100.0_f64.powf(self.next()));
         [(); 3].map(|()| center + size * self.point())
     }
 }
 
-/// Every third material is opaque, the others transparent or none.
+/// Every third material is opaque, the others are transparent or missing.
 fn substance(_: &Scene, modifier: Option<ModifierHandle>) -> Substance {
     match modifier.map(|handle| handle.index() % 3) {
         None => Substance::Nothing,
@@ -71,12 +71,13 @@ fn mesh(numbers: &mut Numbers, count: usize) -> Mesh {
     Mesh { file: String::new(), cube: Cube::default(), vertices, normals: Vec::new(), uvs: Vec::new(), triangles }
 }
 
-fn placed(numbers: &mut Numbers) -> Transform {
+fn random_transform(numbers: &mut Numbers) -> Transform {
     let rotation = DMat3::from_rotation_y(numbers.next()) * DMat3::from_rotation_x(numbers.next());
     Transform { rotation, scale: 0.2 + numbers.next(), translation: numbers.point() }
 }
 
-/// Triangles, of which some lie on each other with other materials, quadrilaterals on a common plane, spheres, meshes and instances.
+/// Triangles, some of them coincident with other materials, quadrilaterals in a common plane,
+/// spheres, meshes and instances.
 fn scene(numbers: &mut Numbers) -> Scene {
     let mut scene = Scene::default();
     let materials = modifiers(&mut scene);
@@ -99,17 +100,17 @@ fn scene(numbers: &mut Numbers) -> Scene {
     }
     let handle = scene.meshes.add(mesh(numbers, 700));
     for _ in 0..5 {
-        let placing = MeshInstance { mesh: handle, to_scene: placed(numbers) };
+        let placing = MeshInstance { mesh: handle, to_scene: random_transform(numbers) };
         let placing = scene.mesh_instances.add(placing);
         add(&mut scene, Some(materials[0]), Shape::Mesh(placing));
     }
     scene
 }
 
-/// What a ray meets first, by bits, and whether something is in the way before a distance.
-type Told = (Option<(u64, usize, ShaderId, [u64; 6])>, bool);
+/// The bits of the first hit, and whether there is an occluder before a distance.
+type TraceResult = (Option<(u64, usize, ShaderId, [u64; 6])>, bool);
 
-fn told(numbers: &mut Numbers, scene: &radsight_ir::ValidScene, geometry: &Geometry) -> Vec<Told> {
+fn traced(numbers: &mut Numbers, scene: &radsight_ir::ValidScene, geometry: &Geometry) -> Vec<TraceResult> {
     let octrees = scene.octrees.items().iter().map(|octree| table(&octree.scene, Vec::new())).collect();
     let shaders = table(scene, octrees);
     let tell = |_| {
@@ -130,14 +131,14 @@ fn table(scene: &Scene, octrees: Vec<Arc<ShaderTable>>) -> Arc<ShaderTable> {
 }
 
 #[test]
-fn rays_meet_the_same_bits_whoever_builds() {
+fn hits_are_equal_bits_with_every_builder() {
     let mut numbers = Numbers(0x9e37_79b9_7f4a_7c15);
     let inner = Arc::new(scene(&mut numbers));
     let mut outer = scene(&mut numbers);
     let octree = OctreeScene { file: String::new(), cube: Cube::default(), scene: inner };
     let octree = outer.octrees.add(octree);
     for _ in 0..4 {
-        let to_scene = placed(&mut numbers);
+        let to_scene = random_transform(&mut numbers);
         let handle = outer.instances.add(Instance { octree, to_scene });
         add(&mut outer, None, Shape::Instance(handle));
     }
@@ -149,14 +150,14 @@ fn rays_meet_the_same_bits_whoever_builds() {
     let listed =
         |geometry: &Geometry| geometry.listed_members().map(|(_, surface)| surface.index()).collect::<Vec<_>>();
     assert_eq!((listed(&quick), listed(&thorough)), (order(&quick), order(&quick)));
-    let [quick, thorough] = [quick, thorough].map(|geometry| told(&mut Numbers(7), &scene, &geometry));
+    let [quick, thorough] = [quick, thorough].map(|geometry| traced(&mut Numbers(7), &scene, &geometry));
     assert!(quick.iter().filter(|(hit, _)| hit.is_some()).count() > 1000);
     let differing = quick.iter().zip(&thorough).filter(|(one, other)| one != other).count();
     assert_eq!(differing, 0);
 }
 
 #[test]
-fn degenerate_arrangements_are_built_and_met() {
+fn degenerate_arrangements_are_built_and_hit() {
     let coincident: Vec<[DVec3; 3]> = vec![[DVec3::ZERO, DVec3::X, DVec3::Y]; 3000];
     let shrinking: Vec<[DVec3; 3]> = (0..900)
         .map(|index| [DVec3::ZERO, DVec3::X, DVec3::Y].map(|corner| corner * 0.5_f64.powf(f64::from(index) / 9.0)))

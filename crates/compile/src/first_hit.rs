@@ -38,7 +38,7 @@ impl FirstHit {
             perturbed_normal: hit.front,
             surface: hit.surface,
             material: hit.shader.0,
-            local: hit.placed.map_or([0.0; 2], |placed| placed.uv),
+            local: hit.instance.map_or([0.0; 2], |instance| instance.uv),
             primitive: hit.primitive,
         }
     }

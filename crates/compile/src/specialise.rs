@@ -56,6 +56,6 @@ fn trial_interaction(trial: u32) -> SurfaceInteraction {
         distance: scale * coordinate(8),
         cosine: cosine.abs(),
         behind: false,
-        placed: None,
+        instance: None,
     }
 }

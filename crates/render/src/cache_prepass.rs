@@ -1,4 +1,4 @@
-//! Gathering irradiance before the picture is made, where its rays will want it.
+//! The irradiance-cache pre-pass: gathers irradiance where the rays of the picture need it.
 
 use crate::cache_query::{CachePoint, CacheQuery, Caches, HemisphereGather};
 use crate::caching::gathering_limits;
@@ -13,87 +13,92 @@ use radsight_irradiance_cache::{Cache, Fit, Hemisphere, Limits, Record, Stored, 
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Rays that are surveyed together at first; later more, as fewer of them find something missing.
+/// Rays of the first batch; later batches are larger, as fewer rays find a gap.
 const FIRST_BATCH: usize = 64;
 const LARGEST_BATCH: usize = 4096;
 
-/// Places from which is looked around at once: few, since they do not know of each other.
+/// Cache points that gather in parallel: few, since they ignore each other's records.
 const GROUP: usize = 16;
 
-/// Looking around takes at most so many rays for each that is surveyed, and in small pictures at most so many in all: beyond that drawing
-/// single rays is the better use of time, and places that no record reaches do that.
+/// A gather uses at most this many rays for each pre-pass ray, and in small pictures at most this
+/// many in all. Beyond that single rays are more efficient, and points without records use them.
 const MOST_RAYS: usize = 64;
 const MOST_RAYS_OF_FEW: usize = 1 << 23;
 
-/// A place looks around with this share of the rays on which its irradiance shall rest, since those of its neighbours count too.
+/// Fraction of the requested rays in one gather, since the rays of neighbours count as well.
 const FIRST_SHARE: usize = 16;
 
-/// The first places do so with more, this share of them, to know what is bright.
+/// Fraction in the gathers of the first cache points, which find the bright directions.
 const FIRST_PLACES_SHARE: usize = 2;
 
-/// But with at least so many, which say how far away things are.
+/// Minimum number of rays of a gather, for the distances to other surfaces.
 const FEWEST_RAYS: usize = 32;
 
-/// Irradiance rests on at most so many times the rays that are asked for, where they leave too much noise; on more where the noise may be less than
-/// is usual, as many times as that is less. It rests on fewer, this share of them at least, where more noise is allowed than this.
+/// Limits of the number of rays in a fit, relative to the requested number. It is larger where the
+/// noise is too high or less noise is allowed than usual, and smaller where more noise is allowed
+/// than reached.
 const MOST_FURTHER: f64 = 4.0;
 const LEAST_RAYS: f64 = 0.25;
 const SPARING_NOISE: f64 = 0.01;
 const USUAL_NOISE: f64 = 0.03;
 const GREATEST_RIGOUR: f64 = 16.0;
 
-/// What is darker than this share of the typical irradiance need not be more exact than that is.
+/// Irradiance below this fraction of the typical value needs no more absolute accuracy.
 const DARK: f64 = 0.03;
 
-/// What records serve is counted over no more surveyed rays.
+/// Maximum number of pre-pass rays for counting what records serve.
 const MOST_COUNTED: usize = 1 << 16;
 
-/// How often the rays are surveyed: where the irradiance bends, records are trusted less far than they seemed at first.
+/// Number of passes over the rays: where the irradiance is not linear, records get a smaller reach
+/// than in the previous pass.
 const PREPASSES: usize = 3;
 
-/// The edges of caustics are approached in more steps, each with less noise.
+/// Number of passes with caustics, whose edges need more steps, each with less noise.
 const PREPASSES_FOR_CAUSTICS: usize = 6;
 
-/// Rounds of further rays where there are too few neighbours.
+/// Rounds of additional gathers where there are too few neighbours.
 const FURTHER_ROUNDS: usize = 3;
 
-/// What places see is surveyed from no more than so many of them, by so many rays from each.
+/// Cache points that trace sample rays to find the points of the second cache, and number of rays
+/// of each.
 const MOST_SAMPLE_PLACES: usize = 1024;
 const SAMPLE_LOOKS: usize = 16;
 
-/// With fewer rays than this it is not: their own paths cost less.
+/// With fewer rays than this there is no second cache: their own paths cost less.
 const FEWEST_TO_GO_BEYOND: usize = 256;
 
-/// There the error may be so many times as large, and the noise.
+/// Factor of error and noise of the second cache.
 const COARSER: f64 = 2.0;
 const NOISIER: f64 = 8.0;
 
-/// The share, one in so many, of the rays that may be spent on it.
+/// Fraction of the rays that may be used for the second cache, as its reciprocal.
 const SHARE_BEYOND: usize = 4;
 
-/// So many points are few: each gets so many times the rays that are asked for, as paths of one ray a bounce. Radiance
-/// takes about as long, since it sends as many rays on from every place that these find. More points share as many rays.
+/// Up to this many points are few. Each gets this many times the requested rays, as paths of one
+/// ray per bounce, since it has few neighbours. Radiance takes about as long, since every point hit
+/// sends as many rays again. More points share as many rays.
 const FEW_POINTS: f64 = 16.0;
 const RAYS_OF_A_POINT: f64 = 8.0;
 
-/// Irradiance of more than one bounce at no more than so many points is that of sensors, whose values are read one by
-/// one. Each gets so many times the rays that are asked for, which end at surfaces with cached irradiance of their own. That
-/// takes at least so many rays in all to pay.
+/// Up to this many points with more than one bounce are sensors, whose values are used one by one.
+/// Each gets this many times the requested rays, which end at surfaces with the second cache. This
+/// pays from the given total number of rays.
 const MOST_SENSORS: usize = 128;
 const RAYS_OF_A_SENSOR: f64 = 16.0;
 const FEWEST_SENSOR_RAYS: f64 = 16_384.0;
 
-/// So many rays in all tell what sensors see.
+/// Total number of sample rays of sensors for the second cache.
 const SENSOR_LOOKS: usize = 4096;
 
-/// Looks there are numbered apart.
+/// First gather number of sensors' sample rays.
 const FIRST_LOOK_BEYOND: u64 = 1 << 40;
 
-/// Says whether gathering is to be given up; once it is so it stays so.
+/// Whether gathering should be cancelled; once true, it stays true.
 pub(crate) type Stops<'s> = dyn Fn() -> bool + Sync + 's;
 
-/// Gathers for these rays, and says how many places are new. The result is a function of the plan and all rays so far: threads only share the
-/// work of a group. `None` if it was stopped: what was gathered is given up then, since half of it would be other irradiance.
+/// Gathers for these rays, and returns the number of new cache points. The result is a function of
+/// the plan and all rays so far; threads only share the work of a group. `None` if it was
+/// cancelled: partial results are discarded, since they would change the irradiance.
 pub(crate) fn gather<const BANDS: usize>(
     (plan, stops): (&RenderPlan, &Stops<'_>),
     gathered: &mut Option<GatheredIrradiance<BANDS>>,
@@ -136,41 +141,43 @@ fn gather_for<const BANDS: usize>(
     seen.cache.len() - before
 }
 
-/// Irradiance that is shared: at places that are seen from the eye, and at those which they see.
+/// Cached irradiance: for camera rays, and for final gather rays.
 #[derive(Debug)]
 pub(crate) struct GatheredIrradiance<const BANDS: usize> {
     seen: Level<BANDS>,
-    /// Coarser, since it counts only as a mean over many places. Paths from these places are followed ray by ray.
+    /// Coarser, since it is only averaged over many points. Paths from its own points are traced
+    /// ray by ray.
     beyond: Level<BANDS>,
-    /// What was found bright from either.
+    /// Bright directions found by both.
     bright: GuidingRecords,
-    /// Numbers of the rays for which it was gathered ([`ray_set`]): these want nothing more.
+    /// Hashes of the sets of rays for which it was gathered ([`ray_set`]); these need no further
+    /// gathers.
     served: Vec<u64>,
 }
 
-/// Irradiance at places from which equally many diffuse bounces lie behind, and what it was gathered from.
+/// The cache of one bounce, and the data from which it was gathered.
 #[derive(Debug)]
 struct Level<const BANDS: usize> {
     cache: Cache<BANDS>,
-    /// Standard error that may remain, as a share.
+    /// Allowed relative standard error.
     noise: f64,
-    /// How many of the first records were taken over from elsewhere; they do not look around again.
+    /// Number of first records that were merged from another cache; they do not gather again.
     taken_over: usize,
-    /// How many of the first records are known elsewhere by now.
+    /// Number of first records that are already saved.
     saved: usize,
-    /// Where each of the other records looked around.
+    /// The cache points of the other records.
     places: Vec<CachePoint<BANDS>>,
-    /// The hemisphere of a look, and that of the first places.
+    /// The hemisphere of a gather, and that of the first cache points.
     hemisphere: Hemisphere,
     first_hemisphere: Hemisphere,
-    /// Rays spent so far, and how many may be.
+    /// Rays used so far, and their maximum.
     rays: usize,
     budget: usize,
-    /// Looks so far: each has random numbers of its own.
+    /// Gathers so far: each has its own random numbers.
     looks: u64,
-    /// Rays that each of the newest records traces by itself at least, whatever its neighbours have traced.
+    /// Minimum number of own rays of each of the newest records, whatever their neighbours have.
     least_own_rays: f64,
-    /// How many times as many rays as others each of the newest records deserves ([`sample_allocation`]).
+    /// Relative number of rays of each of the newest records ([`sample_allocation`]).
     allocations: Vec<f64>,
 }
 
@@ -191,12 +198,12 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         }
     }
 
-    /// How many records there are.
+    /// Number of records.
     pub(crate) fn len(&self) -> usize {
         self.seen.cache.len() + self.beyond.cache.len()
     }
 
-    /// Adds it to the end of some bytes, where others will find it.
+    /// Appends it to some bytes.
     pub(crate) fn save(&mut self, bytes: &mut Vec<u8>) {
         self.seen.save(bytes);
         self.beyond.save(bytes);
@@ -204,7 +211,8 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         self.served.iter().for_each(|served| served.store(bytes));
     }
 
-    /// What others have found for this plan; `None` where the bytes are none of [`GatheredIrradiance::save`].
+    /// Restores saved irradiance for this plan; `None` if the bytes were not written by
+    /// [`GatheredIrradiance::save`].
     pub(crate) fn restored(plan: &RenderPlan, bytes: &mut StoredBytes<'_>) -> Option<Self> {
         let mut gathered = GatheredIrradiance::new(plan);
         gathered.seen.restore(bytes)?;
@@ -215,7 +223,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         Some(gathered)
     }
 
-    /// Adds what was found here since it was last saved, where nothing is known yet.
+    /// Adds the records gathered here since the last save, where no other record reaches.
     pub(crate) fn take_over(&mut self, own: GatheredIrradiance<BANDS>) {
         self.seen.take_over(own.seen);
         self.beyond.take_over(own.beyond);
@@ -227,7 +235,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         }
     }
 
-    /// The standard error that rays leave in it, as a share of all light that the places get: rms over all records.
+    /// The relative standard error due to rays, including direct light: rms over all records.
     pub(crate) fn noise(&self) -> f64 {
         let cache = &self.seen.cache;
         let typical = cache.typical();
@@ -239,7 +247,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         (squares / cache.len().max(1) as f64).sqrt()
     }
 
-    /// Where the eye has seen diffuse surfaces, and where these have.
+    /// The caches of the first and of the second bounce.
     pub(crate) fn caches(&self) -> Caches<'_, BANDS> {
         [Some(&self.seen.cache), Some(&self.beyond.cache)]
     }
@@ -282,7 +290,7 @@ impl<const BANDS: usize> Level<BANDS> {
         Some(())
     }
 
-    /// Adds the records of another level that nobody knew but that one. What it has spent counts here.
+    /// Adds the unsaved records of another level, and its rays to the total.
     fn take_over(&mut self, other: Level<BANDS>) {
         self.cache.merge(&other.cache, other.saved);
         self.settle();
@@ -291,18 +299,19 @@ impl<const BANDS: usize> Level<BANDS> {
         self.rays = other.rays;
     }
 
-    /// How many hemisphere samples may be taken for these.
+    /// Number of hemisphere samples allowed for these rays.
     fn allowance(&self, rays: &[Option<Ray>]) -> usize {
         let usual = MOST_RAYS_OF_FEW.max(MOST_RAYS * rays.len());
         (usual as f64 * self.rigour()) as usize
     }
 
-    /// How many times as small as usual the noise shall be, at least one.
+    /// Factor by which the allowed noise is smaller than usual, at least 1.
     fn rigour(&self) -> f64 {
         (USUAL_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(1.0, GREATEST_RIGOUR)
     }
 
-    /// Fills the cache for `count` surveyed rays; `cache_query` says what some of them want of it.
+    /// Fills the cache for `count` pre-pass rays; `cache_query` returns the cache queries of some
+    /// of them.
     fn gather(
         &mut self,
         (plan, stops): (&RenderPlan, &Stops<'_>),
@@ -346,7 +355,7 @@ impl<const BANDS: usize> Level<BANDS> {
         self.cache.rebuild_index();
     }
 
-    /// Looks around where surveyed rays want irradiance that is not there.
+    /// Gathers where pre-pass rays need irradiance and no record reaches.
     fn fill(
         &mut self,
         (plan, stops): (&RenderPlan, &Stops<'_>),
@@ -369,7 +378,8 @@ impl<const BANDS: usize> Level<BANDS> {
                 let knew_nothing = self.knows_nothing(bright);
                 let mut records = self.gather_at((plan, stops), (caches, bright), &uncovered);
                 if knew_nothing && !bright.is_empty() {
-                    // By chance these saw more or less of what is bright: now that it is known they see it again.
+                    // The first records may have missed bright directions by chance: they gather
+                    // again with guiding.
                     records = self.gather_at((plan, stops), (caches, bright), &uncovered);
                 }
                 for ((place, look), record) in uncovered.into_iter().zip(records) {
@@ -382,7 +392,7 @@ impl<const BANDS: usize> Level<BANDS> {
         }
     }
 
-    /// Finds out how much of what is surveyed each record from `first` on gives, and so how many rays it deserves.
+    /// Counts how often pre-pass rays use each record from `first` on, for the allocation of rays.
     fn count_served(
         &mut self,
         plan: &RenderPlan,
@@ -402,7 +412,7 @@ impl<const BANDS: usize> Level<BANDS> {
         self.allocations = sample_allocation(&served, plan.options.gathering.allocation_floor);
     }
 
-    /// Looks again from where irradiance rests on too few rays, and says from how many places.
+    /// Gathers again at records with too few rays, and returns their number.
     fn gather_again(
         &mut self,
         (plan, stops): (&RenderPlan, &Stops<'_>),
@@ -415,7 +425,7 @@ impl<const BANDS: usize> Level<BANDS> {
             .map(|(index, allocation)| self.gathers_missing(plan, index, typical, *allocation))
             .collect();
         let wanted = missing.iter().sum::<usize>() * self.hemisphere.len();
-        // Where there is not enough for all, all get the same share.
+        // If there are not enough rays for all, all get the same fraction.
         let gathering = &plan.options.gathering;
         let most = gathering.record_share * (self.cache.len() * gathering.rays()) as f64;
         let left = (self.budget as f64).min(most) - self.rays as f64;
@@ -436,7 +446,8 @@ impl<const BANDS: usize> Level<BANDS> {
         weak.len()
     }
 
-    /// How many more looks a record needs if its neighbours look as often again: the rays that all rest on grow as those of each.
+    /// Number of additional gathers that a record needs if its neighbours gather as often: the rays
+    /// of a fit grow in proportion.
     fn gathers_missing(&self, plan: &RenderPlan, index: usize, typical: f64, allocation: f64) -> usize {
         let (record, fit) = self.cache.fitted(index);
         let wanted = plan.options.gathering.rays() as f64;
@@ -449,7 +460,7 @@ impl<const BANDS: usize> Level<BANDS> {
         (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize
     }
 
-    /// Whether nobody has looked around yet, nor found anything bright.
+    /// Whether nothing was gathered yet, nor found bright.
     fn knows_nothing(&self, bright: &GuidingRecords) -> bool {
         self.places.is_empty() && bright.is_empty()
     }
@@ -474,7 +485,8 @@ impl<const BANDS: usize> Level<BANDS> {
                     let number = first + index as u64;
                     let look = HemisphereGather { hemisphere, sample: Some(*sample), number, bright: Some(known) };
                     let (record, around) = tracer.gather_at(place, &look, limits);
-                    // What is seen in each cell is in the record: of a million looks it would fill the memory.
+                    // The record contains the sums of the cells; keeping the cells of a million
+                    // gathers would fill the memory.
                     let HemisphereSamples { bright, rays, .. } = around;
                     Some((record.with_ungathered(tracer.direct_irradiance(place, number)), bright, rays))
                 },
@@ -492,7 +504,7 @@ impl<const BANDS: usize> Level<BANDS> {
         records
     }
 
-    /// Fits the irradiance to what is known by now.
+    /// Updates stale fits.
     fn settle(&mut self) {
         let stale = self.cache.stale();
         let fits: Vec<_> = stale.par_iter().map(|index| self.cache.fit(*index)).collect();
@@ -502,14 +514,15 @@ impl<const BANDS: usize> Level<BANDS> {
     }
 }
 
-/// What an error of irradiance is taken relative to: all that comes to a place, since that is seen of it.
+/// The irradiance to which an error is relative: the total, including direct light.
 fn weighed_against<const BANDS: usize>(fit: &Fit<BANDS>, typical: f64) -> f64 {
     fit.brightness().max(DARK * typical)
 }
 
-/// How many times as many rays as with equal noise everywhere each record deserves that serves so much of the picture. The squared noise of a record falls as one
-/// over its rays; what is seen of it in all is least, for so many rays in all, where these go with the root of what a record serves. They are scaled so that
-/// as much is seen as with equal noise.
+/// The allocation of rays to records by the parts of the picture that they serve, relative to equal
+/// noise everywhere. The squared noise of a record is proportional to one over its rays, so for a
+/// fixed total the visible noise is least with rays in proportion to the root of what a record
+/// serves. Scaled so that the visible noise equals that of equal noise everywhere.
 fn sample_allocation(served: &[f64], allocation_floor: f64) -> Vec<f64> {
     let least = allocation_floor * served.iter().sum::<f64>() / served.len().max(1) as f64;
     let roots = || served.iter().map(|served| (served + least).max(f64::MIN_POSITIVE).sqrt());
@@ -517,31 +530,31 @@ fn sample_allocation(served: &[f64], allocation_floor: f64) -> Vec<f64> {
     roots().map(|root| scale * root).collect()
 }
 
-/// Whether so many points are sensors with light of more than one bounce.
+/// Whether this many points are sensors with light of more than one bounce.
 fn are_sensors(plan: &RenderPlan, points: usize) -> bool {
     let options = &plan.options;
     options.quantity != Quantity::Radiance && options.ambient_bounces > 1 && points <= MOST_SENSORS
 }
 
-/// Whether what so many points see is worth a cache of its own.
+/// Whether a second cache pays for this many points.
 fn pays_to_go_beyond(plan: &RenderPlan, points: usize) -> bool {
     let of_sensors = least_own_rays(plan, points) * points as f64;
     points >= FEWEST_TO_GO_BEYOND || are_sensors(plan, points) && of_sensors >= FEWEST_SENSOR_RAYS
 }
 
-/// Rays that a record traces by itself at least, where so many points in all want irradiance.
+/// Minimum number of own rays of a record, for this total number of points.
 fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
     let factor = if are_sensors(plan, points) { RAYS_OF_A_SENSOR } else { RAYS_OF_A_POINT };
     rays_of_few(factor, plan.options.gathering.rays(), points)
 }
 
-/// So many times the rays that are asked for (`-ad`, `-as`) for each of few points, which have hardly a neighbour to share
-/// with; more points share as many.
+/// This multiple of the requested rays (`-ad`, `-as`) for each of few points, which have hardly any
+/// neighbours; more points share as many.
 fn rays_of_few(factor: f64, asked: usize, points: usize) -> f64 {
     factor * asked as f64 * (FEW_POINTS / points.max(1) as f64).min(1.0)
 }
 
-/// What these rays want of the irradiance in the cache, of what is asked.
+/// The cache queries of some rays.
 pub(crate) fn cache_query<const BANDS: usize>(
     plan: &RenderPlan,
     cache: &Cache<BANDS>,
@@ -569,12 +582,12 @@ pub(crate) fn cache_query<const BANDS: usize>(
 struct SecondaryGathers<const BANDS: usize> {
     from: Vec<CachePoint<BANDS>>,
     hemisphere: Hemisphere,
-    /// Of the rays that places rest on in the end.
+    /// Of the final number of rays of cache points.
     spread: RaySpacing,
 }
 
 impl<const BANDS: usize> SecondaryGathers<BANDS> {
-    /// From where some of these rays want irradiance that is not there.
+    /// The cache points from which some of these rays start.
     fn new(plan: &RenderPlan, cache: &Cache<BANDS>, rays: &[Option<Ray>], spread: RaySpacing) -> Self {
         let order = scattered(rays.len());
         let some = &order[..order.len().min(MOST_SAMPLE_PLACES)];
@@ -593,7 +606,7 @@ impl<const BANDS: usize> SecondaryGathers<BANDS> {
         self.from.len() * self.hemisphere.len()
     }
 
-    /// What some of them want of the irradiance in the cache, of what is asked.
+    /// The cache queries of some of these rays.
     fn cache_query(
         &self,
         plan: &RenderPlan,
@@ -620,7 +633,8 @@ impl<const BANDS: usize> SecondaryGathers<BANDS> {
     }
 }
 
-/// All indices, so that any first part of them is spread evenly: steps by the golden section (made coprime to the count).
+/// All indices in an order whose every prefix is evenly distributed: steps by the golden ratio
+/// (made coprime to the count).
 pub(crate) fn scattered(count: usize) -> Vec<usize> {
     let common = |mut a: usize, mut b: usize| {
         while b > 0 {
@@ -649,7 +663,7 @@ mod tests {
             assert!(rays_of_few(RAYS_OF_A_POINT, 2304, points) > 2304.0, "{points} points");
         }
         assert!(rays_of_few(RAYS_OF_A_POINT, 1000, 100_000) < 2.0);
-        // However many points there are, the rays of all of them are no more than those of a few.
+        // The total number of rays never exceeds that of a few points.
         assert!((1..1000).all(|points| points as f64 * rays_of_few(8.0, 100, points) <= 16.0 * 8.0 * 100.0 + 1e-6));
     }
 
@@ -673,7 +687,8 @@ mod tests {
         let sample_allocation = sample_allocation(&served, 0.1);
         let (rays, pixels) = (sample_allocation.iter().sum::<f64>(), served.iter().sum::<f64>());
         let seen: f64 = served.iter().zip(&sample_allocation).map(|(served, allocation)| served / allocation).sum();
-        // Even noise takes a ray each and shows as much as there are pixels.
+        // With equal noise each pixel has one ray, and the visible noise equals the number of
+        // pixels.
         assert!((0.79..0.81).contains(&(rays / served.len() as f64)), "{rays} rays");
         assert!((0.9..1.01).contains(&(seen / pixels)), "{seen} of {pixels}");
         assert!(sample_allocation.iter().all(|allocation| *allocation > 0.1));

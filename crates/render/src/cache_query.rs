@@ -1,4 +1,4 @@
-//! What rays ask of cached irradiance, and the points from which it is gathered.
+//! Queries of cached irradiance, and cache points.
 
 use crate::guiding::GuidingRecords;
 use crate::ray_spacing::RaySpacing;
@@ -9,43 +9,43 @@ use radsight_compile::Medium;
 use radsight_irradiance_cache::{Cache, Hemisphere};
 use radsight_sampling::RaySampler;
 
-/// Irradiance that is shared where no diffuse bounce lies behind, and where one does.
+/// The caches for points before and after the first diffuse bounce.
 pub(crate) type Caches<'c, const BANDS: usize> = [Option<&'c Cache<BANDS>>; 2];
 
-/// A point whose irradiance is wanted.
+/// A point whose irradiance is requested.
 #[derive(Clone, Debug)]
 pub(crate) struct CachePoint<const BANDS: usize> {
     pub(crate) point: DVec3,
-    /// Unit geometric normal on the side in question.
+    /// Unit geometric normal on the side of the request.
     pub(crate) normal: DVec3,
     pub(crate) primitive: Option<PrimitiveId>,
     pub(crate) medium: Medium<BANDS>,
-    /// What is cut away for the rays from here.
+    /// The antimatter subtraction for rays from here.
     pub(crate) cut: Subtraction,
-    /// Interreflections that the rays from here may follow.
+    /// Remaining number of interreflections for rays from here.
     pub(crate) bounces: u32,
-    /// How wide the ray is that found it, scene units: details below that are not seen.
+    /// Width of the ray that found it, scene units: smaller details are invisible.
     pub(crate) width: f64,
 }
 
 impl<const BANDS: usize> CachePoint<BANDS> {
-    /// Whether the irradiance here can be interpolated by now.
+    /// Whether the irradiance can be interpolated here.
     pub(crate) fn is_covered(&self, cache: &Cache<BANDS>) -> bool {
         cache.reaches(self.point, self.normal)
     }
 
-    /// Which look is the next one from here.
+    /// The number of the next gather from here.
     pub(crate) fn next_gather(&self, cache: &Cache<BANDS>) -> usize {
         cache.next_gather(self.point, self.normal)
     }
 }
 
-/// What a ray asks of the irradiance cache.
+/// A ray's query of the irradiance cache.
 #[derive(Clone, Debug)]
 pub(crate) enum CacheQuery<const BANDS: usize> {
-    /// Places whose irradiance is missing, and how wide the ray is that finds them.
+    /// Cache points without irradiance, and the spacing of the rays that found them.
     Missing(Vec<CachePoint<BANDS>>, RaySpacing),
-    /// The records that give it where it is not, with their shares in it.
+    /// The records with the irradiance of the other points, and their weights.
     Served(Vec<(u32, f64)>),
 }
 
@@ -74,18 +74,19 @@ impl<const BANDS: usize> CacheQuery<BANDS> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HemisphereGather<'h> {
     pub(crate) hemisphere: &'h Hemisphere,
-    /// The sample of each cell to look through, by the number of the look ([`Cache::next_gather`]); any place of it without one.
+    /// The sample of each cell, by the number of the gather ([`Cache::next_gather`]); a random
+    /// point of the cell if `None`.
     pub(crate) sample: Option<usize>,
-    /// Tells the rays from those of other looks.
+    /// Distinguishes the rays of gathers.
     pub(crate) number: u64,
-    /// Where light is expected, if that is known.
+    /// Known bright directions.
     pub(crate) bright: Option<&'h GuidingRecords>,
 }
 
-/// A ray that looks through a cell.
+/// The direction of a gather ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GatherDirection {
-    /// Unit, in the frame of the place, and in the scene.
+    /// Unit, in the local frame of the cache point, and in the scene.
     pub(crate) local: DVec3,
     pub(crate) direction: DVec3,
     pub(crate) sampler: RaySampler,

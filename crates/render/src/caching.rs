@@ -1,27 +1,29 @@
-//! How far cached irradiance is trusted.
+//! Options of the irradiance cache.
 
 use radsight_compile::RenderPlan;
 use radsight_irradiance_cache::Limits;
 
-/// Where records are farther apart than this makes them, too few are near each other to tell that they disagree.
+/// Maximum `-aa` with caustics: a larger one separates records so far that too few neighbours
+/// detect nonlinearity.
 const ACCURACY_FOR_CAUSTICS: f64 = 0.1;
 
-/// Where less noise is allowed than this, what bends in caustics must not remain either: less of the noise explains it, but this share at least.
+/// If less noise is allowed than this, nonlinearity in caustics must be found as well: a smaller
+/// part of the residual is explained by noise, down to this fraction.
 const COARSE_NOISE: f64 = 0.02;
 const LEAST_EXPLAINED: f64 = 0.02;
 
-/// Whether irradiance is shared between points at all.
+/// Whether the options use an irradiance cache.
 pub(crate) fn caches_irradiance(plan: &RenderPlan) -> bool {
     plan.options.ambient_bounces > 0 && plan.options.gathering.accuracy > 0.0 && plan.options.gathering.rays() > 1
 }
 
-/// By what share records may disagree around a point and still be trusted there.
+/// The maximum relative interpolation error at which records are still used.
 pub(crate) fn max_interpolation_error(plan: &RenderPlan) -> f64 {
     let gathering = &plan.options.gathering;
     if plan.has_caustics { gathering.caustic_error } else { gathering.most_residual }
 }
 
-/// How near and how far records are trusted: as Radiance does, from the scene's size.
+/// The limits of the reach of records: as in Radiance, from the scene's size.
 pub(crate) fn gathering_limits(plan: &RenderPlan) -> Limits {
     let gathering = &plan.options.gathering;
     let size = 2.0 * plan.bounding_sphere().1.max(f64::MIN_POSITIVE) / 3f64.sqrt();

@@ -1,18 +1,22 @@
-//! Caustics: light of lamps that meets diffuse surfaces by way of curved mirrors and refracting bodies.
+//! Caustics: light of lamps that reaches diffuse surfaces through curved mirrors and refracting
+//! bodies.
 //!
-//! Rays of the diffuse component meet a small lamp that way by chance only. Here the path is searched for: a random direction
-//! towards a specular surface gives a chain of reflections and refractions, and Newton's method turns the direction until the
-//! chain ends at a point of the lamp that was drawn before. The reciprocal of the probability with which that solution is found
-//! has an unbiased estimate: the number of further searches until one finds it again (specular manifold sampling; Zeltner,
-//! Georgiev and Jakob, "Specular Manifold Sampling for Rendering High-Frequency Caustics and Glints", ACM Transactions on
-//! Graphics 39(4), 2020, section 4). Every chain that rays can follow serves, since it is followed by tracing.
+//! Rays of the diffuse component hit a small lamp that way by chance only, so the path is found by
+//! a search. A random direction towards a specular surface starts a chain of reflections and
+//! refractions. Newton's method then changes the direction until the chain ends at a sampled point
+//! of the lamp. The reciprocal of the probability of finding that solution has an unbiased
+//! estimate: the number of further searches until it is found again (specular manifold sampling;
+//! Zeltner, Georgiev and Jakob, "Specular Manifold Sampling for Rendering High-Frequency Caustics
+//! and Glints", ACM Transactions on Graphics 39(4), 2020, section 4). Chains are evaluated by
+//! tracing, so every chain that rays can follow is supported.
 //!
-//! Where a lamp's image is large, as at a focus, rays in the random directions meet it often enough: these find the lamp where its
-//! image is no smaller than a share of the cones from which they are drawn, and solutions count where it is smaller. The image's
-//! size is a function of the path, so that every path belongs to one of the two.
+//! Where a lamp's image is large, as at a focus, random directions hit it often enough. Random rays
+//! count where the lamp's image is at least as large as a fraction of the cones from which they are
+//! drawn, and solutions count where it is smaller. The image's size is a function of the path, so
+//! every path belongs to exactly one of the two techniques.
 //!
-//! The path that is found is followed like any other, but counts only if it takes the chain that was solved for and ends at
-//! that lamp. What light sampling finds by itself, straight or through bodies, is left to it.
+//! The solved path is traced like any other, but counts only if it takes the same chain and ends at
+//! that lamp. Paths that light sampling finds, straight or through bodies, are left to it.
 
 use crate::direct::DirectSampler;
 use crate::mis::{CausticPath, Lobe, MisState};
@@ -32,44 +36,45 @@ use radsight_sampling::{DimensionSet, choose, unit_disk};
 use radsight_texture::strongest;
 use std::f64::consts::PI;
 
-/// Share of the searches that begin in any direction, since a chain may begin at a surface that is
-/// no reflector, such as a pane in front of one.
+/// Fraction of searches with a uniform initial direction, since a chain may begin at a surface that
+/// is not a reflector, such as a pane in front of one.
 const ANYWHERE: f64 = 0.125;
 
-/// A chain ends early at each of its surfaces with this probability.
+/// Probability of ending a chain early at each of its surfaces.
 const STOP: f64 = 0.15;
 
-/// A surface that reflects and transmits transmits with this probability.
+/// Probability of transmission at a surface that reflects and transmits.
 const TRANSMIT: f64 = 0.7;
 
-/// No longer chain is searched for.
+/// Maximum length of a chain.
 const MOST_EVENTS: usize = 8;
 
-/// Lights for which paths are searched at one point.
+/// Number of lights searched at one point.
 const LIGHTS_AT_A_POINT: usize = 4;
 
-/// Behind a scattered ray, which is one of many, so many points search.
+/// Probability of a search behind a scattered ray, which is one of many.
 const CHANCE_BEHIND_SCATTERING: f64 = 0.25;
 
-/// Random rays find a lamp whose image is drawn from more often than once in so many.
+/// Random rays find a lamp whose expected number of hits exceeds one in this many.
 const LARGE_IMAGE: f64 = 8.0;
 
-/// Newton's method: steps, halvings of a step that leads away, and the largest step as a tangent.
+/// Newton's method: steps, halvings of a diverging step, and the largest step as a tangent.
 const MOST_STEPS: u32 = 20;
 const MOST_HALVINGS: u32 = 6;
 const LONGEST_STEP: f64 = 0.5;
 
-/// A chain ends where it should within this share of the lamp's radius.
+/// A chain has converged within this fraction of the lamp's radius.
 const TOLERANCE: f64 = 1e-7;
 
-/// Two solutions are one if they differ by less than this share of the lamp's image.
+/// Two solutions are equal if they differ by less than this fraction of the lamp's image.
 const SAME: f64 = 1e-3;
 
-/// No solution is searched for again more often. It is found that seldom with a probability of
-/// exp(−`MOST_TRIALS`·p), where p is the probability that one search finds it.
+/// Maximum number of trials to find a solution again. They all fail with a probability of
+/// exp(−`MAX_TRIALS`·p), where p is the probability that one search finds it.
 const MOST_TRIALS: u32 = 4096;
 
-/// A point of a lamp, as rays pass it: the nearest offset of a ray from the lamp's middle in radii, on two axes across the ray.
+/// A point of a lamp, in terms of passing rays: the nearest offset of a ray from the lamp's centre
+/// in radii, on two axes across the ray.
 struct LampPoint<'l> {
     light: &'l Light,
     across: [DVec3; 2],
@@ -78,7 +83,7 @@ struct LampPoint<'l> {
 }
 
 impl<'l> LampPoint<'l> {
-    /// A point of a lamp from the unit square, seen from `from`; `None` for a lamp without size.
+    /// A point of a lamp from the unit square, seen from `from`; `None` for a lamp without extent.
     fn new(light: &'l Light, from: DVec3, [u, v]: [f64; 2]) -> Option<LampPoint<'l>> {
         let axis = match light.form {
             LightForm::Distant { direction, half_angle_sin_squared_half: half, .. } if half > 0.0 && half < 0.25 => {
@@ -92,14 +97,14 @@ impl<'l> LampPoint<'l> {
         is_usable.then(|| LampPoint { light, across: across.into(), offset: unit_disk(u, v).into() })
     }
 
-    /// The same for the middle ray of a bundle, and how it changes with the ray's direction.
+    /// The offset of the central ray of a bundle, and its derivative by the ray's direction.
     fn passed(&self, bundle: &RayBundle) -> Option<(DVec2, DMat2)> {
         let [middle, x, y] = bundle.ends().map(|end| self.miss(end));
         let middle = middle?;
         Some((middle, DMat2::from_cols((x? - middle) / bundle.step(), (y? - middle) / bundle.step())))
     }
 
-    /// From this point to where a ray passes the lamp, in the lamp's radii.
+    /// The vector from this point to the point where a ray passes the lamp, in the lamp's radii.
     fn miss(&self, ray: &Ray) -> Option<DVec2> {
         let [x, y] = self.across;
         let passed = match self.light.form {
@@ -121,13 +126,13 @@ impl<'l> LampPoint<'l> {
     }
 }
 
-/// The directions in which searches begin: within the cones of reflectors, and anywhere.
+/// The initial directions of searches: within the cones of reflectors, or uniform.
 struct SeedDirections<'p> {
     reflectors: &'p [Reflector],
     from: DVec3,
-    /// Of a surface that nothing passes.
+    /// Of an opaque surface.
     facing: Option<DVec3>,
-    /// What the cones of all reflectors are worth.
+    /// Sum of the weights of all cones.
     total: f64,
 }
 
@@ -139,7 +144,8 @@ impl<'p> SeedDirections<'p> {
         seeds
     }
 
-    /// The cones of all reflectors, with how often each is drawn from; none for a reflector that surrounds the point.
+    /// The cones of all reflectors, with their selection probabilities; `None` for a reflector that
+    /// surrounds the point.
     fn cones(&self) -> impl Iterator<Item = (Option<(DVec3, f64)>, f64)> {
         self.reflectors.iter().map(|reflector| {
             let cone = reflector.cone(self.from);
@@ -168,7 +174,7 @@ impl<'p> SeedDirections<'p> {
         Some(TangentPlane::new(axis).direction(DVec2::from(unit_disk(u, v)) * tangent))
     }
 
-    /// A direction of the sphere, or of the hemisphere that the surface faces, each as often as any other.
+    /// A uniform direction of the sphere, or of the hemisphere that the surface faces.
     fn anywhere(&self, [u, v]: [f64; 2]) -> DVec3 {
         let axis = self.facing.unwrap_or(DVec3::Z);
         let (x, y) = axis.any_orthonormal_pair();
@@ -178,7 +184,7 @@ impl<'p> SeedDirections<'p> {
         (x * (radius * cos) + y * (radius * sin) + axis * height).normalize()
     }
 
-    /// Density of [`Self::draw`], 1/sr.
+    /// Pdf of [`Self::draw`], 1/sr.
     fn pdf(&self, direction: DVec3) -> f64 {
         let anywhere = match self.facing {
             Some(normal) if normal.dot(direction) <= 0.0 => 0.0,
@@ -201,7 +207,8 @@ impl<'p> SeedDirections<'p> {
     }
 }
 
-/// Whether the image of a lamp is so large that random directions with this density, 1/sr, find it often enough.
+/// Whether the image of a lamp is so large that random directions with this pdf, 1/sr, find it
+/// often enough.
 fn is_large(magnification: f64, pdf: f64) -> bool {
     magnification / PI < LARGE_IMAGE * pdf
 }
@@ -211,7 +218,7 @@ struct Solution {
     /// Unit.
     direction: DVec3,
     events: Vec<SpecularEvent>,
-    /// Area on the lamp, in squared radii, for a solid angle about the direction, 1/sr.
+    /// Ratio of area on the lamp, in squared radii, to the solid angle of directions, 1/sr.
     magnification: f64,
 }
 
@@ -221,13 +228,13 @@ impl Solution {
         self.events == other.events && self.direction.distance(other.direction) < SAME * image
     }
 
-    /// Density of the direction for a point that is drawn uniformly from the lamp's disk, 1/sr.
+    /// Pdf of the direction for a uniform point of the lamp's disk, 1/sr.
     fn pdf(&self) -> f64 {
         self.magnification / PI
     }
 }
 
-/// Numbers for choices along a chain (SplitMix64).
+/// Random numbers for decisions along a chain (SplitMix64).
 struct Choices(u64);
 
 impl Choices {
@@ -240,7 +247,8 @@ impl Choices {
 }
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// Sends rays on to lamps that a point sees by way of specular surfaces, for its diffuse component.
+    /// Adds rays towards lamps that a point sees through specular surfaces, for its diffuse
+    /// component.
     pub(crate) fn sample_caustics(
         &mut self,
         path: &PathState<BANDS>,
@@ -262,7 +270,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let asked = lights.min(LIGHTS_AT_A_POINT);
         let share = asked as f64 / lights as f64;
         for step in 0..asked {
-            // Every light where they are few, else evenly spread ones.
+            // All lights if they are few, otherwise evenly spaced ones.
             let light = ((step as f64 + first) / share) as usize % lights;
             self.sample_caustic(path, direct, point, (&plan.lights[light], &seeds, chance * share));
         }
@@ -273,7 +281,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.sampler.take(DimensionSet::render(self.next_set - 1))
     }
 
-    /// Sends a ray in a random direction, which finds lamps whose images are large.
+    /// Adds a ray in a random direction, which finds lamps with large images.
     fn sample_large_images(
         &mut self,
         path: &PathState<BANDS>,
@@ -287,7 +295,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.scatter_caustic(path, direct, point, (direction, pdf * chance, Lobe::LargeImage(pdf)));
     }
 
-    /// Sends a ray on that only looks for a lamp behind a chain of specular surfaces.
+    /// Adds a ray that only counts lamps behind a chain of specular surfaces.
     fn scatter_caustic(
         &mut self,
         path: &PathState<BANDS>,
@@ -297,7 +305,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     ) {
         let value = point.eval(direction, 1.0, PdfRequest::Unused, &mut self.workspace.scratch).diffuse;
         let weight = value.map(|band| band / pdf);
-        // What the ray carries is little because the lamp is small: it matters as any diffuse ray does.
+        // The ray's throughput is small because the lamp is small, but it matters like any diffuse
+        // ray.
         let pdf_ratio = strongest(&point.ambient_reflectance()) / strongest(&weight);
         if pdf_ratio.is_finite() {
             let drawn = BsdfSample { direction, weight, pdf: Density::Continuous(0.0), pdf_ratio };
@@ -305,7 +314,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Whether a ray in a random direction of density `pdf` has found a lamp whose image is large.
+    /// Whether a random ray with the pdf `pdf` has found a lamp with a large image.
     pub(crate) fn is_large_image(
         &mut self,
         mis: &MisState,
@@ -322,7 +331,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         middle.passed(&bundle).is_none_or(|(_, slope)| is_large(slope.determinant().abs(), pdf))
     }
 
-    /// The same for one lamp, which is chosen with the probability `chance`.
+    /// The same for one lamp, which is selected with the probability `chance`.
     fn sample_caustic(
         &mut self,
         path: &PathState<BANDS>,
@@ -361,7 +370,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.solve(from, direction, events, goal)
     }
 
-    /// Whether nothing stands between a solution's chain and its lamp.
+    /// Whether a solution's chain has no occluder before its lamp.
     fn reaches(&mut self, from: (DVec3, Option<PrimitiveId>), found: &Solution, light: &Light) -> bool {
         let ray = Ray { origin: from.0, direction: found.direction };
         let Some((end, primitive)) = self.retraced(ray, from.1, found.events.iter().copied()) else { return false };
@@ -372,7 +381,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if light.radius.is_infinite() { next.is_none() } else { next.is_some_and(|hit| hit.surface == light.surface) }
     }
 
-    /// A chain of specular events that begins in a direction; `None` where light sampling finds what comes that way.
+    /// A chain of specular events from an initial direction; `None` if light sampling finds its
+    /// paths.
     fn random_chain(
         &mut self,
         (origin, mut from): (DVec3, Option<PrimitiveId>),
@@ -435,7 +445,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 }
 
-/// Whether light sampling follows lights over this event: through panes and over flat mirrors.
+/// Whether light sampling follows lights through this event: panes and flat mirrors.
 fn is_seen_by_light_sampling(shader: &Shader, event: SpecularEvent, flat: bool) -> bool {
     match shader.kind {
         Kind::Glass { .. } => event == SpecularEvent::Transmitted,

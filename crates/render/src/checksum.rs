@@ -1,9 +1,9 @@
-//! Numbers by which bytes and rays are known again.
+//! Hashes of bytes and rays.
 
 use crate::ray_spacing::RaySpacing;
 use radsight_accel::Ray;
 
-/// A number by which rays that were asked for are known again.
+/// A hash of a set of rays.
 pub(crate) fn ray_set(rays: &[Option<Ray>], spread: RaySpacing) -> u64 {
     let mut hash = Checksum::default();
     hash.add(rays.len() as u64);
@@ -20,7 +20,7 @@ pub(crate) fn ray_set(rays: &[Option<Ray>], spread: RaySpacing) -> u64 {
     hash.0
 }
 
-/// Of the bytes of a saved cache.
+/// A checksum of the bytes of a saved cache.
 pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     let mut sum = Checksum::default();
     let (words, rest) = bytes.as_chunks::<8>();
@@ -29,7 +29,7 @@ pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     sum.0
 }
 
-/// FNV-1a over words: it guards against accidents, not against anybody's will.
+/// FNV-1a over words: detects accidents, not attacks.
 struct Checksum(u64);
 
 impl Default for Checksum {

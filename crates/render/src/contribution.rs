@@ -1,6 +1,6 @@
-//! What a ray owes to the modifiers that it meets: the hook of `rcontrib`.
+//! Contributions of tracked modifiers to a ray, for `rcontrib`.
 //!
-//! Where no modifier is tracked, all of this is one pointer that is null.
+//! Without tracked modifiers all of this costs one null pointer.
 
 mod note;
 
@@ -8,16 +8,16 @@ use radsight_cal::Host;
 use radsight_compile::{RenderOptions, Shader};
 use radsight_texture::{BandValues, FunctionView, SurfaceInteraction, product};
 
-/// What a ray owes to one surface: emitted light that has come along the ray, or, of a surface that emits none, the share of the radiance
-/// there that would come or the radiance that has come from there.
+/// The contribution of one surface to a ray: emitted light that arrives along the ray or, for a
+/// surface that does not emit, its coefficient or the radiance that comes from it.
 ///
-/// It is the [`Host`] of functions that look at the ray where it met the surface, in scene coordinates.
+/// It is the [`Host`] of functions of the ray at the surface, in scene coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Contribution {
-    /// Which of the tracked modifiers, in the order of the options.
+    /// Index of the tracked modifier, in the order of the options.
     pub modifier: usize,
-    /// Red, green, blue, or the bands that are traced. Of an emitter W/(sr·m²), or W/m² where irradiance is asked for; else as
-    /// [`TrackedValue`](crate::TrackedValue) says.
+    /// Red, green, blue, or the traced bands. For an emitter W/(sr·m²), or W/m² for irradiance;
+    /// otherwise see [`TrackedValue`](crate::TrackedValue).
     pub value: BandValues,
     interaction: SurfaceInteraction,
 }
@@ -28,17 +28,17 @@ impl Host for Contribution {
     }
 }
 
-/// What the present ray owes.
+/// The contributions to the current ray.
 #[derive(Debug, Default)]
 pub(crate) struct Contributions<const BANDS: usize> {
     settled: Vec<DeferredContribution<BANDS>>,
-    /// What light sampling has found at a point whose share of the ray is not yet known.
+    /// Contributions found by light sampling at a point whose throughput is not yet known.
     owed: Vec<DeferredContribution<BANDS>>,
-    /// Surfaces whose radiance is wanted and that the ray has met, until all is followed that begins there.
+    /// Surfaces hit by the ray whose radiance is requested, until all rays from there are finished.
     open: Vec<Open<BANDS>>,
 }
 
-/// What is owed to one modifier.
+/// A contribution of one modifier.
 #[derive(Clone, Copy, Debug)]
 struct DeferredContribution<const BANDS: usize> {
     modifier: u32,
@@ -46,38 +46,38 @@ struct DeferredContribution<const BANDS: usize> {
     value: [f64; BANDS],
 }
 
-/// A surface that emits nothing and whose radiance is wanted.
+/// A surface that does not emit and whose radiance is requested.
 #[derive(Clone, Copy, Debug)]
 struct Open<const BANDS: usize> {
     modifier: u32,
     interaction: SurfaceInteraction,
-    /// What the ray had brought before.
+    /// The ray's radiance before.
     before: [f64; BANDS],
-    /// How many other rays waited; those beyond begin there.
+    /// Number of other pending rays at that time; those beyond start there.
     waiting: usize,
 }
 
 impl<const BANDS: usize> Contributions<BANDS> {
-    /// Memory for them, if they are wanted.
+    /// Allocates memory if contributions are requested.
     pub(crate) fn wanted(options: &RenderOptions) -> Option<Box<Contributions<BANDS>>> {
         (!options.tracked_modifiers.is_empty()).then(Box::default)
     }
 
-    /// Adds what has come from a surface along the whole ray.
+    /// Adds what arrives from a surface along the whole ray.
     pub(crate) fn add(&mut self, shader: &Shader, interaction: &SurfaceInteraction, value: [f64; BANDS]) {
         if let Some(modifier) = shader.tracked {
             self.push(modifier, interaction, value);
         }
     }
 
-    /// Adds what a light gives to a point on the way, until [`Contributions::settle`].
+    /// Adds the contribution of a light to a point of the path, until [`Contributions::settle`].
     pub(crate) fn defer(&mut self, shader: &Shader, interaction: &SurfaceInteraction, value: [f64; BANDS]) {
         if let Some(modifier) = shader.tracked {
             self.owed.push(DeferredContribution { modifier, interaction: *interaction, value });
         }
     }
 
-    /// Tells the share that the point has in the ray.
+    /// Multiplies deferred contributions by the throughput of their point.
     pub(crate) fn settle(&mut self, throughput: [f64; BANDS]) {
         let mut owed = std::mem::take(&mut self.owed);
         for deferred in owed.drain(..) {
@@ -86,20 +86,20 @@ impl<const BANDS: usize> Contributions<BANDS> {
         self.owed = owed;
     }
 
-    /// Tells what the ray has brought, now that no more than so many rays wait: what began at a surface and is followed to its end is
-    /// the radiance from there.
+    /// Finishes surfaces whose rays are done, given the ray's radiance and the number of pending
+    /// rays.
     pub(crate) fn close(&mut self, radiance: [f64; BANDS], waiting: usize) {
         while let Some(open) = self.open.pop_if(|open| waiting < open.waiting) {
             self.close_one(&open, radiance);
         }
     }
 
-    /// How many surfaces wait for what comes from there.
+    /// Number of unfinished surfaces.
     pub(crate) fn open(&self) -> usize {
         self.open.len()
     }
 
-    /// Tells what the ray has brought to all but the first `open` of them.
+    /// Finishes all but the first `open` surfaces with the ray's radiance.
     pub(crate) fn close_until(&mut self, open: usize, radiance: [f64; BANDS]) {
         while self.open.len() > open
             && let Some(last) = self.open.pop()
@@ -115,10 +115,10 @@ impl<const BANDS: usize> Contributions<BANDS> {
 
     fn push(&mut self, modifier: u32, interaction: &SurfaceInteraction, value: [f64; BANDS]) {
         if value.iter().any(|band| *band > 0.0) {
-            // Functions of the ray see it in the coordinates of the scene.
+            // Functions of the ray use the coordinates of the scene.
             self.settled.push(DeferredContribution {
                 modifier,
-                interaction: SurfaceInteraction { placed: None, ..*interaction },
+                interaction: SurfaceInteraction { instance: None, ..*interaction },
                 value,
             });
         }

@@ -1,4 +1,4 @@
-//! Direct light: from each light, a place on it, drawn with its true extent.
+//! Direct light: samples points on each light, over its true extent.
 
 use crate::specular_return::SpecularReturn;
 use crate::subtraction::SubtractionId;
@@ -17,45 +17,45 @@ use radsight_texture::{SurfaceInteraction, product};
 pub(crate) struct DirectSampler<'o> {
     pub(crate) point: DVec3,
     pub(crate) primitive: Option<PrimitiveId>,
-    /// How many rays are also drawn from the highlight, so that the two share the work.
+    /// Number of rays drawn from the highlight as well, for multiple importance sampling.
     pub(crate) highlight_draws: u32,
-    /// Whether one is drawn from the diffuse component that can find lights too.
+    /// Whether a ray is drawn from the diffuse component that can hit lights as well.
     pub(crate) shares_diffuse: bool,
-    /// Openings towards which that one may be sent.
+    /// Portals to which that ray may be directed.
     pub(crate) visible_portals: Option<&'o VisiblePortals<'o>>,
-    /// Images of lights towards which rays are sent, as well as into the highlight.
+    /// Images of lights to which rays are directed, in addition to the highlight.
     pub(crate) specular_return: Option<&'o SpecularReturn>,
-    /// Which lights are bright here, and where on a light the highlight is.
+    /// The receiver's response to lights, and where on a light the highlight is.
     pub(crate) reception: Reception,
     pub(crate) travelled: f64,
-    /// What fills the space around it.
+    /// The medium around the point.
     pub(crate) medium: MediumId,
-    /// What is cut for rays to the side of the normal, and to the other.
+    /// The subtraction for rays on the side of the normal, and on the other side.
     pub(crate) cuts: [SubtractionId; 2],
     /// Unit.
     pub(crate) normal: DVec3,
-    /// Whether the path to it has a drawn ray.
+    /// Whether the path to it contains a sampled ray.
     pub(crate) drawn: bool,
-    /// The unit normal of a matte point, which takes no light from behind it.
+    /// The unit normal of an opaque point, which receives no light from behind.
     pub(crate) facing: Option<DVec3>,
 }
 
-/// A light and its place in the plan's list.
+/// A light and its index in the plan.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NumberedLight<'p> {
     pub(crate) index: usize,
     pub(crate) light: &'p Light,
-    /// How many places on it are sampled at the point.
+    /// Number of points sampled on it.
     pub(crate) places: u32,
 }
 
 impl DirectSampler<'_> {
-    /// What is cut for a ray that leaves in this direction.
+    /// The subtraction for a ray in this direction.
     pub(crate) fn subtraction_towards(&self, direction: DVec3) -> SubtractionId {
         self.cuts[usize::from(self.normal.dot(direction) < 0.0)]
     }
 
-    /// Radiance that the point sends on from all lights.
+    /// Radiance reflected and transmitted by the point from all lights.
     pub(crate) fn sample<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
@@ -90,7 +90,8 @@ impl DirectSampler<'_> {
         sum
     }
 
-    /// Calls for each light that can give something here, with what stands between and a point of the unit square.
+    /// Calls `visit` for each light that can contribute, with its visibility class and a point of
+    /// the unit square.
     #[inline]
     pub(crate) fn for_each_light<'p, const BANDS: usize>(
         &self,
@@ -132,7 +133,7 @@ impl DirectSampler<'_> {
         }
     }
 
-    /// Whether nothing reaches into the shaft between the point and a light of which nothing was known before.
+    /// Whether nothing overlaps the shaft between the point and a light with unknown visibility.
     fn sees_all_of(&self, plan: &RenderPlan, light: &Light, between: &VisibilityClass) -> bool {
         if *between != VisibilityClass::Anything || !light.virtual_sources.is_empty() {
             return false;
@@ -141,8 +142,8 @@ impl DirectSampler<'_> {
         shaft.is_some_and(|shaft| !plan.geometry.reaches_into(&plan.scene, &shaft, [self.primitive, light.primitive]))
     }
 
-    /// Whether all of a distant light is behind a matte point. Skies are made of hundreds of suns,
-    /// half of them behind each wall.
+    /// Whether a distant light is entirely behind an opaque point. Skies consist of hundreds of
+    /// suns, half of them behind each wall.
     fn faces_away(&self, light: &Light) -> bool {
         match (self.facing, &light.form) {
             (Some(normal), LightForm::Distant { direction, half_angle_sin_squared_half, .. }) => {
@@ -153,13 +154,14 @@ impl DirectSampler<'_> {
         }
     }
 
-    /// What stands between the point and a light.
+    /// The visibility class of the point and a light.
     pub(crate) fn between<'p>(&self, plan: &'p RenderPlan, light: usize) -> &'p VisibilityClass {
         let receiver = self.primitive.and_then(|primitive| plan.receiver(primitive));
         receiver.map_or(&VisibilityClass::Anything, |receiver| &receiver.between[light])
     }
 
-    /// Draws some lights by what they promise here (unbiased: each is divided by how often it is drawn).
+    /// Samples some lights by importance (unbiased: each is divided by its expected number of
+    /// samples).
     fn sample_some<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
@@ -170,7 +172,7 @@ impl DirectSampler<'_> {
         let plan = tracer.plan;
         let cut = TreeCut::new(tree, &plan.lights, self.point, &self.reception);
         let draws = self.reception.draws;
-        // A number of the sequence has 24 bits, which so many lights would use up.
+        // A number of the sequence has 24 bits, too few for this many lights.
         let [coarse, fine, ..] = tracer.sampler.take(DimensionSet::render(first_set));
         let offset = coarse + fine * SEQUENCE_STEP;
         let mut places = [0.0; 4];
@@ -195,7 +197,8 @@ impl DirectSampler<'_> {
         sum
     }
 
-    /// What one place on one light gives; `expected` is how often the light is drawn on average.
+    /// The contribution of one sample of a light; `expected` is the expected number of samples of
+    /// the light.
     fn sample_light<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
@@ -213,7 +216,7 @@ impl DirectSampler<'_> {
         self.gather(tracer, light, &sample, between, expected, &bsdf_value)
     }
 
-    /// A place on a light that can give something.
+    /// A point of a light that can contribute.
     #[inline]
     pub(crate) fn place<const BANDS: usize>(
         &self,
@@ -229,7 +232,7 @@ impl DirectSampler<'_> {
         (light.fraction_in_radius(self.point, sample.direction, sample.distance) > 0.0).then_some(sample)
     }
 
-    /// What one place gives to a point that responds to it like this.
+    /// The contribution of a light sample to a point with this BSDF value.
     #[inline]
     pub(crate) fn gather<const BANDS: usize>(
         &self,
@@ -242,7 +245,7 @@ impl DirectSampler<'_> {
     ) -> [f64; BANDS] {
         let dark = [0.0; BANDS];
         let pdf = sample.pdf * expected;
-        // No drawn ray is followed to a light by way of a prism.
+        // No sampled ray reaches a light through a prism.
         let shares_diffuse = self.shares_diffuse && !light.is_redirected();
         let diffuse_share = if shares_diffuse {
             let by_cosine = bsdf_value.diffuse_pdf;
@@ -281,7 +284,7 @@ impl DirectSampler<'_> {
         given
     }
 
-    /// Notes what a light gives, where that is wanted.
+    /// Records a contribution if requested.
     fn note_light<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
@@ -293,8 +296,8 @@ impl DirectSampler<'_> {
         contributions.defer(tracer.plan.shader(light.surface), &self.interaction(light, sample), given);
     }
 
-    /// Radiance that comes from a light to a point in space, from one place on the light, scaled by `weight` of the direction to it and divided
-    /// by the density of the place.
+    /// Radiance from a light sample to a point in space, scaled by `weight` of its direction and
+    /// divided by the pdf of the sample.
     pub(crate) fn light_at<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
@@ -319,7 +322,8 @@ impl DirectSampler<'_> {
         given
     }
 
-    /// Radiance of the place in the direction of the point; of a glow, as much of it as has the point within its radius.
+    /// Radiance of the light sample towards the point; for a glow, the part that has the point
+    /// within its radius.
     pub(crate) fn radiance<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
@@ -329,7 +333,7 @@ impl DirectSampler<'_> {
         let plan = tracer.plan;
         let in_range = light.fraction_in_radius(self.point, sample.direction, sample.distance);
         if light.is_redirected() {
-            // What arrives is known when it has arrived.
+            // The arriving radiance is known only afterwards.
             return [in_range; BANDS];
         }
         let shader = plan.shader(light.surface);
@@ -340,7 +344,7 @@ impl DirectSampler<'_> {
         radiance.map(|band| in_range * band)
     }
 
-    /// How the place is met by a ray from the point.
+    /// The interaction of a ray from the point with the light.
     fn interaction(&self, light: &Light, sample: &LightSample) -> SurfaceInteraction {
         let ray = light.real_ray(self.point, sample.direction);
         if matches!(light.form, LightForm::Distant { .. }) {
@@ -355,7 +359,7 @@ impl DirectSampler<'_> {
     }
 }
 
-/// From so many places on a light on, one search for anything between is worth what it costs: about that of two shadow rays.
+/// Number of samples of a light from which a shaft query pays: it costs about two shadow rays.
 const SAMPLES_FOR_A_SHAFT: u32 = 8;
 
 /// The step between the numbers of a sample sequence.

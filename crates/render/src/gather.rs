@@ -1,4 +1,4 @@
-//! Looking around from a point for the irradiance that is no source's, and using what was found around.
+//! Gathers irradiance at a point, and uses cached irradiance.
 
 use crate::cache_query::{CachePoint, GatherDirection, HemisphereGather};
 use crate::caching::max_interpolation_error;
@@ -17,27 +17,28 @@ use radsight_light::Reception;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// Records are not nearer to each other than so many widths of the rays that see them; less, down to half of that, where less noise than this is allowed.
+/// Minimum distance between records, in widths of the rays that see them; smaller, down to half of
+/// it, if less noise than this is allowed.
 const LEAST_WIDTHS: f64 = 1.5;
 const FINE_NOISE: f64 = 0.0225;
 
-/// Unless there are caustics, which are as fine as can be seen.
+/// The same with caustics, which are as fine as visible.
 const LEAST_WIDTHS_IN_CAUSTICS: f64 = 0.3;
 
-/// What is seen after a bounce takes its irradiance from records whose reach is at most this share of the way to it: what is near fills so much of the
-/// view that it must be known better.
+/// After a bounce, irradiance comes from records with at most this reach relative to the distance:
+/// near surfaces fill so much of the view that they need more accuracy.
 const REACH_SEEN: f64 = 2.0;
 
-/// Steps of the golden section are spread evenly.
+/// Multiples of the golden ratio are distributed evenly modulo 1.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
-/// Hemisphere samples are numbered apart from those of the picture.
+/// Seed of hemisphere samples, different from those of the picture.
 const GATHERING_SEED: u64 = 0x6761_7468_6572;
 const DIRECT_SEED: u64 = 0x6469_7265_6374;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// What the point sends on of the irradiance that is shared or looked for here; `None` where a ray is to be drawn instead, and in a survey, which notes what
-    /// it wants.
+    /// The reflected radiance due to cached or gathered irradiance; `None` if a ray is to be
+    /// sampled instead, and in a pre-pass, which records cache queries.
     pub(crate) fn gathered(
         &mut self,
         path: &PathState<BANDS>,
@@ -90,7 +91,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         complete.then_some(radiance)
     }
 
-    /// The irradiance of a place, and what is around it.
+    /// The irradiance of a cache point, and its hemisphere samples.
     pub(crate) fn gather_at(
         &mut self,
         place: &CachePoint<BANDS>,
@@ -106,7 +107,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         (record.with_rays(around.rays).with_hits(&around.hits, offset), around)
     }
 
-    /// The irradiance of a place from the lights that light sampling finds, averaged over the bands, by one sample.
+    /// The irradiance of a cache point from the lights that light sampling finds, averaged over the
+    /// bands, by one sample.
     pub(crate) fn direct_irradiance(&mut self, place: &CachePoint<BANDS>, number: u64) -> f64 {
         let sampler = RaySampler::new(self.plan.options.seed ^ DIRECT_SEED, number);
         let medium = self.begin(sampler, place.medium);
@@ -131,14 +133,15 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         PI * direct.sample(self, &white).iter().sum::<f64>() / BANDS as f64
     }
 
-    /// By which way to look through a cell of the hemisphere.
+    /// The direction of a gather ray through a cell of the hemisphere.
     pub(crate) fn way(&self, place: &CachePoint<BANDS>, look: &HemisphereGather<'_>, cell: usize) -> GatherDirection {
         let first = look.number.wrapping_mul(look.hemisphere.len() as u64);
         let seed = self.plan.options.seed ^ GATHERING_SEED;
         let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));
         let within = match look.sample {
             None => sampler.take(DimensionSet::CAMERA),
-            // The points of one sequence in this cell: each STRATA of them take all its strata, and no two are the same.
+            // The points of one sequence in this cell: each STRATA consecutive ones visit all its
+            // strata, and no two are the same.
             Some(sample) => {
                 let of_cell = seed ^ ((cell as u64 + 1) << 32);
                 RaySampler::new(of_cell, sample as u64).take(DimensionSet::CAMERA)
@@ -149,7 +152,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         GatherDirection { local, direction: (x * local.x + y * local.y + z * local.z).normalize(), sampler }
     }
 
-    /// What comes from one direction. Light from sampled sources is no part of it: a link of no density gives it all to light sampling.
+    /// The radiance from one direction. Light of sampled sources is excluded: an MIS state with pdf
+    /// 0 leaves all of it to light sampling.
     pub(crate) fn look(
         &mut self,
         place: &CachePoint<BANDS>,

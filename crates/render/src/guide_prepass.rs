@@ -1,4 +1,5 @@
-//! Learning before a picture where single paths find light: random paths look for patches, and then for what each region gets of them.
+//! Learns the path guide before a picture: random paths find bright patches, then the contribution
+//! of each patch to each region.
 
 use crate::cache_prepass::{cache_query, scattered};
 use crate::cache_query::{CachePoint, CacheQuery};
@@ -18,59 +19,63 @@ use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI};
 use std::ops::Range;
 
-/// Paths are guided at points like those that so many rays see, and like those that rays from these see.
+/// Number of points at which the guide is learned: points that camera rays see, and points that
+/// rays from these see.
 const MOST_POINTS: usize = 1024;
 
-/// So many rays look from each point in each round, and in one before that tells whether a guide is needed.
+/// Rays per point in each round, and in a first round that decides whether a guide is needed.
 const LOOKS: usize = 6;
 const FIRST_LOOKS: usize = 2;
 
-/// Rounds, each guided by what was learned before, and how many bounces behind what they find count in each: a patch is told
-/// from chance by the light that comes to it straight.
+/// Rounds, each guided by the previous ones, by the number of further bounces of their paths:
+/// patches are best detected by direct light.
 const ROUNDS: [u32; 4] = [0, 1, u32::MAX, u32::MAX];
 
-/// Patches are looked for in so many rounds. The others teach regions: rays that were drawn before a patch was known say nothing of it.
+/// Rounds in which patches are searched. The others only train regions: rays drawn before a patch
+/// was known say nothing about it.
 const ROUNDS_FOR_PATCHES: usize = 2;
 
 /// Steps of expectation maximisation after each round.
 const STEPS: usize = 3;
 
-/// Paths are guided only where the mean square of what rays find is so many times the square of the mean.
+/// Paths are guided only if the mean square of the rays' results is this many times the square of
+/// the mean.
 const UNEVEN: f64 = 2.5;
 
-/// A guide that leaves more than this share of the mean square is not worth its time. What few rays say of the mean square without one
-/// is rather too low, since they have not found all.
+/// A guide must reduce the mean square below this fraction to be worth its cost. A few unguided
+/// rays underestimate the mean square, since they miss bright patches.
 const WORTHWHILE: f64 = 1.0;
 
-/// No more portals are looked at, so that there is room for patches.
+/// Maximum number of portals, to leave room for patches.
 const MOST_GUIDED_PORTALS: usize = MOST_PORTALS - ROUNDS_FOR_PATCHES * MOST_PATCHES;
 
-/// What is so many times the mean is bright.
+/// Results above this multiple of the mean are bright.
 const BRIGHT: f64 = 3.0;
 
-/// No sample teaches more than one of so many times the mean.
+/// Samples are limited to this multiple of the mean for learning.
 const MOST_TAUGHT: f64 = 100.0;
 
-/// Rays are numbered apart from others.
+/// Seed of the guide's rays.
 const GUIDE_SEED: u64 = 0x6775_6964_696e;
 const SECOND_SEED: u64 = 0x7365_636f_6e64;
 
-/// A ray that has looked.
+/// A traced guide ray.
 #[derive(Clone, Copy, Debug)]
 struct GuideRay {
     point: usize,
     direction: DVec3,
-    /// Density of the direction, 1/sr.
+    /// Pdf of the direction, 1/sr.
     pdf: f64,
-    /// Luminance, and what it makes of the irradiance: times cosine over density.
+    /// Luminance, and its contribution to the irradiance: times cosine over pdf.
     radiance: f64,
     irradiance: f64,
-    /// How far away it appears, and where, through panes and plane mirrors; `None` for what is infinitely far.
+    /// Apparent distance and position of the hit, through panes and plane mirrors; `None` at
+    /// infinity.
     found: Option<(f64, DVec3)>,
 }
 
 impl PathGuide {
-    /// Learns where rays like these find light by way of diffuse surfaces; `None` where they need no guide.
+    /// Learns where rays like these find light via diffuse surfaces; `None` if they need no guide.
     pub(crate) fn learn<const BANDS: usize>(
         plan: &RenderPlan,
         rays: &[Option<Ray>],
@@ -108,7 +113,7 @@ impl PathGuide {
         (with < WORTHWHILE * without).then_some(guide)
     }
 
-    /// Sends some rays from each point.
+    /// Traces some rays from each point.
     fn look<const BANDS: usize>(
         &self,
         plan: &RenderPlan,
@@ -158,7 +163,7 @@ impl PathGuide {
         Some(GuideRay { point: index, direction, pdf, radiance, irradiance: radiance * cosine / pdf, found })
     }
 
-    /// What each ray has found relative to the mean of its region among those that `all` have found.
+    /// The result of each ray relative to the mean over `all` rays of its region.
     fn relative<const BANDS: usize>(
         &self,
         points: &[CachePoint<BANDS>],
@@ -179,11 +184,11 @@ impl PathGuide {
         looked.iter().map(relative).collect()
     }
 
-    /// Takes what is bright for patches, beside the portals and those that are known.
+    /// Finds bright patches, besides portals and known ones.
     fn find_patches(&mut self, looked: &[GuideRay], relative: &[f64]) {
         let point = |(ray, relative): (&GuideRay, &f64)| {
             let (distance, position) = ray.found?;
-            // As a ray by the cosine would find it.
+            // The result of a ray sampled by the cosine.
             let radiance = relative * PI * ray.radiance / ray.irradiance.max(f64::MIN_POSITIVE);
             let area = distance * distance / (looked.len() as f64 * ray.pdf);
             area.is_finite().then_some(BrightPoint { position, radiance, area, surprise: relative * relative })
@@ -196,7 +201,7 @@ impl PathGuide {
         self.portals = Portals(portals);
     }
 
-    /// Learns the mixture of each region from what rays have found there.
+    /// Trains the mixture of each region with the results of its rays.
     fn teach<const BANDS: usize>(&mut self, points: &[CachePoint<BANDS>], looked: &[GuideRay], relative: &[f64]) {
         let unknown = Experience::new(self.portals.len());
         let mut experiences = vec![unknown; self.regions.len()];
@@ -211,19 +216,19 @@ impl PathGuide {
     }
 }
 
-/// The mean square of some numbers whose mean is 1.
+/// The mean square of numbers with mean 1.
 fn unevenness(relative: &[f64]) -> f64 {
     relative.iter().map(|relative| relative * relative).sum::<f64>() / relative.len().max(1) as f64
 }
 
-/// A unit direction over a unit normal, with the density of its cosine.
+/// A cosine-distributed unit direction around a unit normal, and its pdf.
 fn by_cosine(normal: DVec3, [u, v]: [f64; 2]) -> DVec3 {
     let [x, y, z] = Record::<1>::frame(normal);
     let [a, b, c] = cosine_hemisphere(u, v);
     (x * a + y * b + z * c).normalize()
 }
 
-/// Where these rays see diffuse surfaces, and where rays from there do.
+/// Points where these rays hit diffuse surfaces, and where rays from there do.
 fn guided_points<const BANDS: usize>(
     plan: &RenderPlan,
     rays: &[Option<Ray>],

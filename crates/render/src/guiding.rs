@@ -1,40 +1,45 @@
-//! Places that bring much light to points around which rays look: a window, a patch of sun on a wall, also as a mirror shows them.
+//! The guiding distribution of cache points: bright regions such as a window, or a patch of sun on
+//! a wall, also as seen in mirrors.
 //!
-//! Hemisphere samples hit a small bright region seldom, and then all of its light at once. What earlier rays found bright is kept here, as virtual
-//! places at the distance at which it appears. From there where rays look next, these places are counted in the cells of a fine hemisphere, and
-//! further rays are sent through cells that promise more light than the others find. All rays are weighted with the balance heuristic
-//! (Veach and Guibas, SIGGRAPH 1995), so nothing is counted twice, and a place that is not seen from here costs no more than its rays.
+//! Hemisphere samples hit a small bright region rarely, and then get all of its light at once.
+//! Bright hits are stored as virtual positions at their apparent distance. At a later cache point
+//! nearby, these positions are counted in the cells of a fine hemisphere, and additional rays are
+//! directed to cells that are much brighter than average. All rays are weighted by the balance
+//! heuristic (Veach and Guibas, SIGGRAPH 1995), so nothing is counted twice, and an occluded region
+//! costs only its rays.
 //!
-//! Guarantees: a function of what was noted, in its order. Rays are sent with the density that is claimed.
+//! Guarantees: a function of the recorded samples and their order. Rays are sampled with the pdf
+//! that is returned.
 
 use glam::DVec3;
 use radsight_irradiance_cache::{Hemisphere, Record};
 use std::f64::consts::PI;
 
-/// What a ray found that brings many times its share.
+/// A hit that contributes many times the average.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GuidingSample {
-    /// Where it appears.
+    /// Its apparent position.
     pub(crate) position: DVec3,
-    /// The share of the irradiance that it brought, times the squared distance over the cosine.
+    /// Its fraction of the irradiance, times the squared distance over the cosine.
     pub(crate) power: f64,
 }
 
-/// All that is known to be bright, and from where.
+/// All known bright samples, with the points that found them.
 #[derive(Debug)]
 pub(crate) struct GuidingRecords {
     looks: Vec<GuidingRecord>,
-    /// How many places they found.
+    /// Total number of samples.
     places: usize,
-    /// One look in so many is kept by now, beside the one that is, and how many were not since one was.
+    /// One in this many gathers is kept, besides the current one, and the number since the last one
+    /// that was kept.
     rarity: usize,
     passed: usize,
-    /// Squared distance within which it makes no difference from where a place was seen.
+    /// Squared distance within which the observer's position does not matter.
     blur: f64,
     hemisphere: Hemisphere,
 }
 
-/// From where was looked, and what was found.
+/// An observer point, and its samples.
 #[derive(Clone, Debug)]
 struct GuidingRecord {
     point: DVec3,
@@ -47,34 +52,34 @@ struct GuidingRecord {
 #[derive(Clone, Debug)]
 pub(crate) struct GuidingDistribution<'p> {
     hemisphere: &'p Hemisphere,
-    /// Rays through each cell, expected, and through it and those before.
+    /// Expected rays through each cell, and their prefix sums.
     rays: Vec<f64>,
     cumulative: Vec<f64>,
 }
 
-/// What brings more than so many times the mean radiance is bright.
+/// A hit is bright above this multiple of the mean radiance.
 pub(crate) const BRIGHT: f64 = 4.0;
 
-/// No more looks are kept, and no more places: every other look goes when there are more.
+/// Maximum number of gathers and of samples: with more, every other gather is dropped.
 const MOST_LOOKS: usize = 1024;
 const MOST_PLACES: usize = 1024;
 
-/// Of one look no more are kept.
+/// Maximum number of samples of one gather.
 const MOST_OF_A_LOOK: usize = 4;
 
-/// Looks that count less than this share of the one that counts most say nothing.
+/// Gathers with less than this fraction of the largest weight are ignored.
 const LEAST_SHARE: f64 = 0.05;
 
-/// Cells in which the places are counted.
+/// Number of cells for counting samples.
 const CELLS: usize = 2048;
 
-/// From so many looks around a point is told what is bright there, about.
+/// Number of neighbouring gathers used to estimate the guiding distribution.
 const LOOKS_AROUND: f64 = 16.0;
 
-/// Looks in another direction still count so much.
+/// Weight of gathers with another normal.
 const AVERTED: f64 = 0.05;
 
-/// Cells get rays of their own where they promise more than so many times what all promise in the mean.
+/// Cells above this multiple of the mean brightness get rays of their own.
 const OUTSTANDING: f64 = 2.0;
 
 impl Default for GuidingRecords {
@@ -90,7 +95,7 @@ impl GuidingRecords {
         self.places == 0
     }
 
-    /// Takes in what a further look has found from a point with this unit normal.
+    /// Records the bright hits of a gather from a point with this unit normal.
     pub(crate) fn note(&mut self, point: DVec3, normal: DVec3, bright: Vec<GuidingSample>) {
         self.passed += 1;
         if self.passed > self.rarity {
@@ -101,7 +106,7 @@ impl GuidingRecords {
         }
     }
 
-    /// Makes use of what was noted, and forgets every other look where there are too many.
+    /// Makes recorded samples available, and drops every other gather if there are too many.
     pub(crate) fn settle(&mut self) {
         while self.looks.len() > MOST_LOOKS || self.places > MOST_PLACES && self.looks.len() > 1 {
             let mut index = 0;
@@ -119,7 +124,8 @@ impl GuidingRecords {
         self.blur = LOOKS_AROUND / (2.0 * PI) * least.distance_squared(most) / self.looks.len() as f64;
     }
 
-    /// What a point with this unit normal sees of them, where that deserves at least one ray beside `around` others.
+    /// The guiding distribution of a point with this unit normal, if it is worth at least one ray
+    /// besides `around` others.
     pub(crate) fn seen_from(&self, point: DVec3, normal: DVec3, around: f64) -> Option<GuidingDistribution<'_>> {
         if self.is_empty() {
             return None;
@@ -163,7 +169,7 @@ impl GuidingRecords {
     }
 }
 
-/// A few of these places that stand for all of them: in even steps of their power, which they share.
+/// A few samples that represent all: in equal steps of their power, which they share.
 fn representatives(bright: &[GuidingSample]) -> Vec<GuidingSample> {
     let step = bright.iter().map(|place| place.power).sum::<f64>() / MOST_OF_A_LOOK as f64;
     if bright.len() <= MOST_OF_A_LOOK {
@@ -182,7 +188,7 @@ fn representatives(bright: &[GuidingSample]) -> Vec<GuidingSample> {
 }
 
 impl GuidingRecord {
-    /// How much it says of what is bright around a point with this unit normal.
+    /// The relevance of a gather for a point with this unit normal.
     fn weight(&self, point: DVec3, normal: DVec3, blur: f64) -> f64 {
         let turned = self.normal.dot(normal).max(AVERTED);
         turned / (self.point.distance_squared(point) + blur).max(f64::MIN_POSITIVE)
@@ -190,19 +196,20 @@ impl GuidingRecord {
 }
 
 impl GuidingDistribution<'_> {
-    /// Rays that go there.
+    /// Number of guided rays.
     pub(crate) fn rays(&self) -> u32 {
         self.cumulative.last().map_or(0, |rays| rays.round() as u32)
     }
 
-    /// The unit direction of ray `index`, for one `shift` of all rays from here and two coordinates of its own; +z on the normal.
+    /// The unit direction of ray `index`, for one random `shift` of all rays and two coordinates;
+    /// +z along the normal.
     pub(crate) fn draw(&self, index: u32, shift: f64, within: [f64; 2]) -> DVec3 {
         let at = f64::from(index) + shift;
         let cell = self.cumulative.partition_point(|rays| *rays <= at).min(self.cumulative.len() - 1);
         self.hemisphere.direction(cell, within)
     }
 
-    /// Rays per projected solid angle in a unit direction, +z on the normal, 1/sr.
+    /// Rays per projected solid angle in a unit direction, +z along the normal, 1/sr.
     pub(crate) fn pdf(&self, local: DVec3) -> f64 {
         self.rays[self.hemisphere.cell(local)] * self.rays.len() as f64 / PI
     }
@@ -213,7 +220,7 @@ mod tests {
     use super::*;
     use radsight_sampling::{DimensionSet, RaySampler};
 
-    /// Two places, one behind the other's horizon, as looks from a floor have found them.
+    /// Two positions, one behind the other's horizon, as found from a floor.
     fn known() -> GuidingRecords {
         let mut known = GuidingRecords::default();
         for index in 0..200 {
@@ -289,7 +296,7 @@ mod tests {
             known.settle();
             assert!(known.looks.len() <= MOST_LOOKS && known.places <= MOST_PLACES);
         }
-        // What is kept is spread over all that was noted.
+        // The kept gathers are distributed over all recorded ones.
         assert!(known.looks.first().is_some_and(|look| look.point.x < 200.0));
         assert!(known.looks.last().is_some_and(|look| look.point.x > 9_800.0));
     }

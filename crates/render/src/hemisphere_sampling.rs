@@ -1,4 +1,5 @@
-//! Sending rays that look for diffuse surroundings to where light is expected.
+//! Samples the hemisphere of a cache point by the cosine, towards portals and by the guiding
+//! distribution.
 
 use crate::cache_query::{CachePoint, GatherDirection, HemisphereGather};
 use crate::guiding::{BRIGHT, GuidingDistribution, GuidingSample};
@@ -13,21 +14,21 @@ use radsight_sampling::{DimensionSet, RaySampler};
 use radsight_texture::luminance;
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// Of hemisphere samples that are taken together, so many more are sent towards portals.
+/// Number of additional rays towards portals, relative to the hemisphere samples.
 const OUTWARD_SHARE: f64 = 0.25;
 
-/// Rays towards openings are numbered apart from the others.
+/// Seed of rays towards portals.
 const OUTWARD_SEED: u64 = 0x6f75_7477_6172;
 const BRIGHT_SEED: u64 = 0x6272_6967_6874;
 const SHIFT_SEED: u64 = 0x7368_6966_7400;
 
-/// What is seen at less than this cosine is not told from what is seen at it.
+/// Minimum cosine for the position of a bright hit.
 const GRAZING: f64 = 0.05;
 
-/// So many numbers are kept for the guided samples of each gather.
+/// Ray numbers reserved for the guided samples of each gather.
 const MOST_BRIGHT: u64 = 1 << 12;
 
-/// What the diffuse component sees of openings, where it can be sent there.
+/// The portals that the diffuse component sees, if rays can be directed there.
 pub(crate) fn visible_portals<'p, const BANDS: usize>(
     bsdf: &Bsdf<'_, BANDS>,
     (plan, guide): (&'p RenderPlan, Option<&'p PathGuide>),
@@ -42,7 +43,7 @@ pub(crate) fn visible_portals<'p, const BANDS: usize>(
     }
 }
 
-/// Draws from the diffuse component or towards an opening.
+/// Samples the diffuse component, or a direction towards a portal.
 pub(crate) fn sample_outward<const BANDS: usize>(
     bsdf: &Bsdf<'_, BANDS>,
 
@@ -65,18 +66,19 @@ pub(crate) fn sample_outward<const BANDS: usize>(
     Some(BsdfSample { direction, weight, pdf, pdf_ratio })
 }
 
-/// The strategies by which the hemisphere of a point is sampled, and how many rays each has.
+/// The techniques by which the hemisphere of a point is sampled, and their numbers of rays.
 struct GatherTechniques<'p> {
     /// By the cosine.
     around: f64,
-    /// Towards openings.
+    /// Towards portals.
     outward: f64,
     visible_portals: Option<VisiblePortals<'p>>,
     bright: Option<GuidingDistribution<'p>>,
 }
 
 impl GatherTechniques<'_> {
-    /// The share of a ray's own density, of rays by the cosine, in that of all rays that go its way.
+    /// The balance heuristic: the pdf of cosine-distributed rays over that of all rays in this
+    /// direction.
     fn balance(&self, way: &GatherDirection) -> f64 {
         let by_cosine = self.around * FRAC_1_PI;
         let visible_portals = self
@@ -88,23 +90,23 @@ impl GatherTechniques<'_> {
     }
 }
 
-/// A ray that has looked.
+/// A traced gather ray.
 #[derive(Clone, Copy, Debug)]
 struct GatherRay<const BANDS: usize> {
     cell: usize,
     way: GatherDirection,
-    /// With which its radiance counts in its cell.
+    /// The weight of its radiance in its cell.
     weight: f64,
     found: GatheredRadiance<BANDS>,
-    /// How far away what it found appears.
+    /// The apparent distance of its hit.
     distance: f64,
-    /// Where what it found comes from: how far away, and the unit normal there if it is known.
+    /// The origin of its light: the distance, and the unit normal if known.
     source: (f64, Option<DVec3>),
 }
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// What is seen from a place in each cell of the hemisphere, and what was bright. Rays go through each cell, and others where light is expected; each counts in the cell
-    /// into which it goes.
+    /// The radiance from each cell of the hemisphere of a cache point, and the bright hits. Each
+    /// cell has a ray, and further rays are guided; each counts in its own cell.
     pub(crate) fn sample_hemisphere(
         &mut self,
         place: &CachePoint<BANDS>,
@@ -128,7 +130,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         HemisphereSamples::new(place, around, &gather_rays)
     }
 
-    /// The directions that lead towards where light is expected.
+    /// The directions of the guided rays.
     fn further_directions(
         &self,
         place: &CachePoint<BANDS>,
@@ -169,7 +171,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     ) -> GatherRay<BANDS> {
         let found = self.look(place, way.direction, way.sampler);
         let seen = self.effective_distance();
-        // The sky appears where the way to it is free.
+        // The sky is visible only if the ray is unobstructed.
         let distance = if seen.is_finite() { seen } else { found.distance };
         GatherRay {
             cell,
@@ -181,8 +183,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Where light comes from that appears at a distance: through an opening it changes from place to place as if the opening
-    /// itself emitted it.
+    /// The origin of the light at an apparent distance: light through a portal varies with position
+    /// as if the portal emitted it.
     fn source(&self, way: &GatherDirection, distance: f64, aims: &GatherTechniques<'_>) -> (f64, Option<DVec3>) {
         let portal = aims.visible_portals.as_ref().and_then(|visible_portals| visible_portals.crossed(way.direction));
         match portal {
@@ -192,19 +194,19 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 }
 
-/// What is seen around a place.
+/// The gathered radiance of a cache point.
 #[derive(Debug)]
 pub(crate) struct HemisphereSamples<const BANDS: usize> {
-    /// One a cell of the hemisphere.
+    /// One per cell of the hemisphere.
     pub(crate) cells: Vec<GatheredRadiance<BANDS>>,
     pub(crate) bright: Vec<GuidingSample>,
     pub(crate) hits: Vec<GatherHit<BANDS>>,
-    /// Rays that looked.
+    /// Number of rays.
     pub(crate) rays: usize,
 }
 
 impl<const BANDS: usize> HemisphereSamples<BANDS> {
-    /// The first `around` gather_rays are one a cell.
+    /// The first `around` gather rays are one per cell.
     fn new(place: &CachePoint<BANDS>, around: usize, gather_rays: &[GatherRay<BANDS>]) -> Self {
         let mut cells: Vec<_> = gather_rays[..around].iter().map(|gather_ray| gather_ray.found).collect();
         cells.iter_mut().for_each(|cell| cell.radiance = [0.0; BANDS]);

@@ -1,10 +1,11 @@
 //! Traces rays through a valid scene.
 //!
-//! A [`RenderPlan`] decides once what a scene needs; a [`Renderer`] then answers rays from any number of threads. The value of a
-//! ray depends on the plan, the seed and the ray's number in its stream, never on threads or on other rays.
+//! A [`RenderPlan`] is compiled once for a scene; a [`Renderer`] then traces rays on any number of
+//! threads. The value of a ray depends on the plan, the seed and the ray's number in its stream,
+//! never on threads or on other rays.
 //!
-//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; finite lights are integrated over their true extent. Knows neither
-//! files, nor text, nor shared libraries, nor cameras.
+//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; finite lights are integrated over their
+//! true extent. Knows neither files, nor text, nor shared libraries, nor cameras.
 #![forbid(unsafe_code)]
 
 mod cache_prepass;

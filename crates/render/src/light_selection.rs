@@ -1,10 +1,10 @@
-//! How often a light is sampled.
+//! The expected number of samples of a light.
 
 use glam::DVec3;
 use radsight_compile::RenderPlan;
 use radsight_light::{LightId, Reception, TreeCut};
 
-/// How many places on a light are sampled at a point, on average.
+/// The expected number of samples of a light at a point.
 pub(crate) fn selection_pdf(plan: &RenderPlan, point: DVec3, reception: &Reception, id: LightId) -> f64 {
     match &plan.light_tree {
         Some(tree) if reception.draws > 0 => {

@@ -1,4 +1,4 @@
-//! Rays at the surfaces of bodies, of mist, and of what stands in for something else.
+//! Rays at the surfaces of dielectrics and mist, and at substitutes.
 
 use crate::direct::DirectSampler;
 use crate::trace::PathIntegrator;
@@ -11,11 +11,12 @@ use radsight_light::{Light, Reception};
 use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, bands, product};
 
-/// A ray in mist takes no more samples of a light than this, as in Radiance.
+/// Maximum number of samples of a light along a ray in mist, as in Radiance.
 const MAX_MIST_SAMPLES: f64 = 16.0;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// The segment as it arrives at a surface: dimmed by the medium that it crossed, which the surface may know better.
+    /// The path at a surface: attenuated by the medium that it crossed, which the surface may know
+    /// better.
     pub(crate) fn crossed(&mut self, path: &PathState<BANDS>, hit: &Intersection, shader: &Shader) -> PathState<BANDS> {
         let behind = path.ray.direction.dot(hit.front) > 0.0;
         let known = self.medium(path.medium);
@@ -37,7 +38,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         dimmed
     }
 
-    /// Colour of the pattern and perturbation of the front normal of the surface of a body.
+    /// The pattern's colour and the perturbed front normal of a dielectric.
     fn body_appearance(
         &mut self,
         path: &PathState<BANDS>,
@@ -48,7 +49,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         shader.body_appearance(&self.plan.scene, &interaction, &mut self.workspace.scratch)
     }
 
-    /// The segment after a distance in a medium; what the medium scatters into it is added to the ray's radiance.
+    /// The path after a distance in a medium; light that the medium scatters is added to the ray's
+    /// radiance.
     pub(crate) fn dimmed(&mut self, path: &PathState<BANDS>, medium: Medium<BANDS>, distance: f64) -> PathState<BANDS> {
         if medium.extinction == [0.0; BANDS] {
             return *path;
@@ -121,7 +123,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// A refracting body.
+    /// A dielectric interface.
     pub(crate) fn shade_dielectric(
         &mut self,
         path: &PathState<BANDS>,
@@ -133,7 +135,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let behind = direction.dot(hit.front) > 0.0;
         let (pattern, perturbation) = self.body_appearance(path, hit, shader);
         let met = boundary.refract(direction, hit.front, perturbation);
-        // As in Radiance, a body's normal points out of it.
+        // As in Radiance, the normal of a dielectric points outwards.
         self.note_normal(path, if behind { -met.normal } else { met.normal });
         if let Some((transmitted, factor)) = met.transmitted {
             let lights = self.medium(path.medium).lights;
@@ -181,9 +183,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// A light that looks like something else: a drawn ray finds its light, and behind it only lights that it does not stand for.
+    /// An illum. A sampled ray hits its light, and behind it counts only lights that it does not
+    /// represent.
     ///
-    /// `path` is dimmed by the medium in front of the surface, `unseen` is not yet.
+    /// `path` is attenuated by the medium in front of the surface, `unseen` is not yet.
     pub(crate) fn shade_illum(
         &mut self,
         [path, unseen]: [&PathState<BANDS>; 2],
@@ -208,7 +211,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.shade_substitute([&behind_illum(path), &behind_illum(unseen)], hit, substitute);
     }
 
-    /// What is seen in place of a surface.
+    /// The substitute of a surface.
     pub(crate) fn shade_substitute(
         &mut self,
         [path, unseen]: [&PathState<BANDS>; 2],
@@ -229,20 +232,22 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Whether a mirror's stand-in is met: a drawn ray that looks for lights by way of the mirror meets the mirror itself.
+    /// Whether the ray sees a mirror's substitute: a sampled ray that searches for lights through
+    /// the mirror hits the mirror itself.
     pub(crate) fn is_replaced(&self, path: &PathState<BANDS>, substitute: Substitution, behind: bool) -> bool {
         let lets_through = |id| self.plan.shader_at(id).kind.is_transparent();
         behind || path.mis.is_none() || matches!(substitute, Substitution::Shader(id) if lets_through(id))
     }
 }
 
-/// Places along a segment in mist: half of them where the light is near, by equal angles as seen from it (Kulla and Fajardo, Computer
-/// Graphics Forum 31, 2012), half where much of the light reaches the viewer.
+/// Samples points along a segment in mist: half of them near the light, equiangular (Kulla and
+/// Fajardo, Computer Graphics Forum 31, 2012), half by transmittance to the viewer.
 struct MediumSampler {
     distance: f64,
     /// Mean extinction, 1/scene unit.
     extinction: f64,
-    /// How far along the light's centre is nearest, and its distance there; none for a distant light.
+    /// The distance along the ray at which the light's centre is nearest, and its distance there;
+    /// `None` for a distant light.
     nearest: Option<(f64, f64)>,
 }
 
@@ -263,7 +268,8 @@ impl MediumSampler {
         MediumSampler { distance, extinction, nearest }
     }
 
-    /// A place from a number of the unit interval and another that chooses how; its density, 1/scene unit.
+    /// A point from a number of the unit interval and another that selects the technique; its pdf,
+    /// 1/scene unit.
     fn draw(&self, u: f64, choice: f64) -> (f64, f64) {
         let Some((along, beside)) = self.nearest else {
             let place = self.exponential(u);

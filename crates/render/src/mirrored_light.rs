@@ -1,7 +1,10 @@
-//! Images of lights in curved mirrors, as a camera sees them: bright points that rays through a pixel meet by chance only.
+//! Images of lights in curved mirrors, seen from a point: bright points that rays through a pixel
+//! hit by chance only.
 //!
-//! Rays in a grid over each mirror are followed to where they leave the last mirror; where one passes a light nearer than its neighbours do, Newton's method
-//! finds the ray that meets the light's middle (Hanika, Droske and Fascione 2015). What is not found is not lost, only found by chance as before.
+//! A grid of rays over each mirror is traced until they leave the last mirror. Where one passes a
+//! light nearer than its neighbours do, Newton's method finds the ray to the light's centre
+//! (Hanika, Droske and Fascione 2015). Images that are not found are not lost: random rays still
+//! hit them.
 
 use crate::retrace::{MOST_LIGHTS, MOST_MIRRORS, MirroredRay};
 use crate::specular_chain::SpecularEvent;
@@ -10,46 +13,48 @@ use crate::trace::PathIntegrator;
 use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
 
-/// Rays over all mirrors together, and the fewest over the side of one.
+/// Total number of rays over all mirrors, and minimum over the side of one.
 const MOST_RAYS: f64 = 1e5;
 const LEAST_SIDE: usize = 8;
 const MOST_SIDE: usize = 96;
 
-/// Newton's method takes no more steps, and ends within this share of a light's radius from its middle.
+/// Newton's method takes at most this many steps, and converges within this fraction of a light's
+/// radius.
 const MOST_STEPS: u32 = 12;
 const MET: f64 = 1e-3;
 
-/// Where it does not end, as between the facets of a mesh, so near is near enough.
+/// Accepted distance where it does not converge, as between the facets of a mesh, in radii of the
+/// light.
 const FARTHEST_MISS: f64 = 1.5;
 
-/// Two directions nearer to each other than this share of an image's size are one.
+/// Two directions closer than this fraction of an image's size are the same image.
 const SAME: f64 = 0.5;
 
-/// A light that is seen from a point by way of mirrors.
+/// A light that is seen from a point through mirrors.
 #[derive(Clone, Debug)]
 pub struct MirroredLight {
     light: usize,
     events: Vec<SpecularEvent>,
-    /// In which rays' distances from the light's middle are measured.
+    /// The plane in which rays' distances from the light's centre are measured.
     plane: TangentPlane,
     direction: DVec3,
-    /// About half the angle under which it is seen, as a tangent.
+    /// Approximate half angle of the image, as a tangent.
     size: f64,
 }
 
 impl MirroredLight {
-    /// Unit, towards the image's middle from the point from which it was looked for.
+    /// Unit direction from the observer to the image's centre.
     #[must_use]
     pub fn direction(&self) -> DVec3 {
         self.direction
     }
 }
 
-/// What one ray of the grid passes, by the number of mirrors before.
+/// Where one ray of the grid passes the light, by the number of mirrors before.
 type Passing = [Option<DVec2>; MOST_MIRRORS];
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// The lights that a point sees by way of curved mirrors, as far as they are found.
+    /// The images of lights in curved mirrors that are found from a point.
     pub(crate) fn mirrored_lights(&mut self, from: DVec3) -> Vec<MirroredLight> {
         let plan = self.plan;
         let mut found = Vec::new();
@@ -87,7 +92,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         distinct
     }
 
-    /// How far from a light's middle the rays of the grid pass, in its radii.
+    /// The distances of the rays of the grid from a light's centre, in its radii.
     fn passings(&self, light: usize, grid: &[Vec<MirroredRay>]) -> Vec<Passing> {
         let light = &self.plan.lights[light];
         let passing = |rays: &Vec<MirroredRay>| {
@@ -103,7 +108,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         grid.iter().map(passing).collect()
     }
 
-    /// Newton's method from a direction to the middle of a light.
+    /// Newton's method from a direction to the centre of a light.
     fn mirrored_light(
         &mut self,
         from: DVec3,
@@ -129,7 +134,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         best.filter(|(miss, _)| *miss <= FARTHEST_MISS).map(|(_, image)| image)
     }
 
-    /// Where a ray passes a mirrored light, in radii of the light from its middle; `None` where it takes another way.
+    /// Where a ray passes a mirrored light, in radii of the light from its centre; `None` if it
+    /// takes another path.
     pub(crate) fn offset_from(&mut self, image: &MirroredLight, ray: &Ray) -> Option<DVec2> {
         let end = self.retrace(*ray, None, image.events.iter().copied())?;
         let (place, radius) = passing_place(&self.plan.lights[image.light], &image.plane, &end)?;
@@ -137,7 +143,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 }
 
-/// The cells of a grid of `side`² whose rays pass nearer than those of their neighbours, and behind how many mirrors.
+/// The cells of a grid of `side`² whose rays pass nearer than those of their neighbours, and after
+/// how many mirrors.
 fn nearest(passings: &[Passing], side: usize) -> Vec<(usize, usize)> {
     let distance = |index: usize, mirrors: usize| passings[index][mirrors].map(DVec2::length_squared);
     let is_least = |index: usize, mirrors: usize, own: f64| {

@@ -1,4 +1,5 @@
-//! How a ray was drawn, to weigh the emission that it finds against the sampling of that light.
+//! The state for multiple importance sampling: how a ray was sampled, to weight emission that it
+//! hits against light sampling.
 
 use crate::light_selection::selection_pdf;
 use crate::specular_chain::SpecularChain;
@@ -8,69 +9,70 @@ use radsight_compile::RenderPlan;
 use radsight_ir::SurfaceHandle;
 use radsight_light::{Light, LightForm, LightId, Reception};
 
-/// The longest chain of mirrors that is compared with those of mirrored lights.
+/// Maximum length of a chain of mirrors that is compared with virtual sources.
 const MAX_CHAIN: usize = 4;
 
-/// A ray's last draw from a lobe, and what happened since.
+/// A ray's last sampled direction, and what happened since.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MisState {
-    /// Density with which the direction was drawn, 1/sr.
+    /// Pdf of the direction, 1/sr.
     pub(crate) pdf: f64,
-    /// Where it was drawn, the direction, and what is made of light there.
+    /// The receiver, the direction, and the response there.
     pub(crate) receiver: DVec3,
     pub(crate) direction: DVec3,
     pub(crate) reception: Reception,
-    /// The primitive there.
+    /// The primitive of the receiver.
     pub(crate) primitive: Option<PrimitiveId>,
-    /// From what it was drawn.
+    /// The sampling technique.
     pub(crate) lobe: Lobe,
-    /// How many times as often it was drawn as by the lobe alone.
+    /// Ratio of the pdf to that of the lobe alone.
     pub(crate) pdf_ratio: f64,
     /// Distance since then.
     pub(crate) length: f64,
-    /// Mirrors passed since then.
+    /// Mirrors since then.
     mirrors: [Option<SurfaceHandle>; MAX_CHAIN],
     passed: usize,
     reachability: Reachability,
-    /// Whether an illum was passed that stands for what is behind it, so that only lights that shine through count.
+    /// Whether an illum was passed that represents what is behind it, so that only lights that
+    /// shine through count.
     pub(crate) behind_illum: bool,
 }
 
-/// The chain that a path has to take, and the emitter where it has to end.
+/// The chain that a path must take, and the emitter where it must end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CausticPath {
     pub(crate) chain: SpecularChain,
     pub(crate) light: SurfaceHandle,
 }
 
-/// What a direction was drawn from.
+/// A sampling technique of directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Lobe {
     Diffuse,
     Highlight,
     /// The direction was solved for: only this path counts.
     Caustic(CausticPath),
-    /// From directions with this density, 1/sr, to find large images of lamps behind specular surfaces.
+    /// A random direction with this pdf, 1/sr, for large images of lamps behind specular surfaces.
     LargeImage(f64),
 }
 
 impl Lobe {
-    /// Whether only lamps behind specular surfaces are looked for.
+    /// Whether only lamps behind specular surfaces count.
     pub(crate) fn seeks_caustics(self) -> bool {
         matches!(self, Lobe::Caustic(_) | Lobe::LargeImage(_))
     }
 }
 
-/// Whether sampling a light could have found the same path.
+/// Whether light sampling could have found the same path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reachability {
-    /// Straight, but for mirrors and panes.
+    /// Straight, except for mirrors and panes.
     Straight,
-    /// Through a refracting body, as shadow rays go too.
+    /// Through a dielectric, as for shadow rays.
     Refracted,
-    /// In a way that no light sampling finds.
+    /// Light sampling cannot find it.
     Lost,
-    /// In a way that light sampling finds with all its weight.
+    /// Light sampling finds it with full weight.
     Covered,
 }
 
@@ -98,12 +100,12 @@ impl MisState {
         }
     }
 
-    /// Whether only lamps behind specular surfaces are looked for.
+    /// Whether only lamps behind specular surfaces count.
     pub(crate) fn seeks_caustics(&self) -> bool {
         self.lobe.seeks_caustics()
     }
 
-    /// The only path that counts, where the direction was solved for.
+    /// The only path that counts, if the direction was solved for.
     pub(crate) fn caustic(&self) -> Option<CausticPath> {
         match self.lobe {
             Lobe::Caustic(path) => Some(path),
@@ -128,25 +130,26 @@ impl MisState {
         }
     }
 
-    /// After anything that light sampling does not see through.
+    /// After a surface that light sampling cannot pass.
     pub(crate) fn lost(&mut self) {
         if self.reachability != Reachability::Covered {
             self.reachability = Reachability::Lost;
         }
     }
 
-    /// After what light sampling sees through in its own way.
+    /// After a surface that light sampling handles by itself.
     pub(crate) fn covered(&mut self) {
         self.reachability = Reachability::Covered;
     }
 
-    /// How much of the emission of a surface counts that was found after another `distance` under `cosine`: what light sampling leaves.
+    /// The MIS weight of emission that was hit after another `distance` under `cosine`.
     pub(crate) fn share(&self, plan: &RenderPlan, surface: SurfaceHandle, distance: f64, cosine: f64) -> f64 {
         let mut lights = plan.lights_of(surface).peekable();
         if lights.peek().is_none() {
             return 1.0;
         }
-        // As in Radiance, diffuse interreflection finds no sampled light by way of a curved mirror: direct light is for lights.
+        // As in Radiance, diffuse interreflection does not count sampled lights through curved
+        // mirrors: direct light is for light sampling.
         let stray = if self.lobe != Lobe::Diffuse && !self.behind_illum { 1.0 } else { 0.0 };
         match self.reachability {
             Reachability::Lost => return stray,
@@ -164,7 +167,8 @@ impl MisState {
         if length > light.max_distance {
             return 1.0;
         }
-        // The distance factor of a spotlight belongs to its use as a sampled light; the same light must be found both ways.
+        // The distance factor of a spotlight belongs to its use as a sampled light; both techniques
+        // must have the same light.
         let focal = light.focal_factor(length);
         let straight = match self.reachability {
             Reachability::Refracted => self.straight_view(plan, light),
@@ -174,7 +178,8 @@ impl MisState {
         if light.misses(self.receiver) {
             return focal;
         }
-        // Near the surface of a round glow only some of it may be near enough, and none of the rest is found, as in Radiance.
+        // Near the surface of a round glow only a part of it may be within its radius; the rest
+        // counts in neither technique, as in Radiance.
         let is_direct = light.virtual_sources.is_empty();
         let in_range = if is_direct { light.fraction_in_radius(self.receiver, self.direction, length) } else { 1.0 };
         let focal = focal * in_range;
@@ -182,7 +187,7 @@ impl MisState {
             return 0.0;
         }
         let other = light.pdf(self.receiver, self.direction, length, cosine, &self.reception.peak);
-        // A ray without a density leaves the light to its sampling, if that can find it there.
+        // Without a pdf all of the light is left to light sampling, if that can find it there.
         if other <= 0.0 {
             return focal;
         }
@@ -193,7 +198,7 @@ impl MisState {
         focal * self.pdf / (self.pdf + other)
     }
 
-    /// Distance and cosine at which the drawn direction would meet the light if nothing bent it.
+    /// Distance and cosine at which the sampled direction would hit the light without refraction.
     fn straight_view(&self, plan: &RenderPlan, light: &Light) -> Option<(f64, f64)> {
         if !light.virtual_sources.is_empty() {
             return None;

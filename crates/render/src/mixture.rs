@@ -1,4 +1,4 @@
-//! Surfaces that are part one material, part another.
+//! Mixtures of two materials.
 
 use crate::trace::PathIntegrator;
 use crate::trace::path_state::PathState;
@@ -7,8 +7,8 @@ use radsight_compile::{Kind, MixtureKind, Shader};
 use radsight_texture::SurfaceInteraction;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// Both parts, each with its share, as Radiance does; where one has no material, the ray goes on. The segment comes with and without
-    /// what lies between its origin and the surface.
+    /// Traces both parts, each with its weight, as in Radiance; if one has no material, the ray
+    /// continues. The path is given with and without the medium in front of the surface.
     pub(crate) fn shade_mixture(
         &mut self,
         [path, unseen]: [&PathState<BANDS>; 2],
@@ -19,7 +19,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let plan = self.plan;
         let scene = shader.textures.home.scene(&plan.scene);
         let share = mixture.share.at(scene, interaction, &mut self.workspace.scratch);
-        // After a fault of the function the surface is as if it had no material.
+        // After an error of the function the surface has no material.
         let mut passing = if share.is_some() { 0.0 } else { 1.0 };
         let weights = share.map_or([0.0; 2], |share| [share, 1.0 - share]);
         for (weight, id) in weights.into_iter().zip(mixture.arms) {

@@ -1,4 +1,4 @@
-//! Points on lights about which a model is asked at once.
+//! A batch of light samples for one evaluation of a reflectance model.
 
 use glam::DVec3;
 use radsight_light::LightSample;
@@ -13,11 +13,11 @@ pub(crate) struct ModelBatch {
     pub(crate) pdfs: Vec<f64>,
 }
 
-/// A place that was drawn on a light.
+/// A sampled point of a light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub(crate) light: usize,
     pub(crate) sample: LightSample,
-    /// How many were drawn on it.
+    /// Number of samples of this light.
     pub(crate) of: u32,
 }

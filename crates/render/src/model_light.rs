@@ -1,6 +1,7 @@
-//! Direct light on a reflectance model from elsewhere: all places on all lights are put to the model at once.
+//! Direct light on a reflectance model from a plugin: all light samples are evaluated in one batch.
 //!
-//! A call to a plugin crosses a border that costs as much as a small model itself; one call a hit makes that small.
+//! A call of a plugin costs as much as a small model itself; one call per hit makes this
+//! negligible.
 
 use crate::direct::DirectSampler;
 use crate::model_batch::Place;
@@ -9,7 +10,7 @@ use radsight_brdf::Brdf;
 use radsight_bsdf::{Bsdf, BsdfValue, model_bands, of_model};
 
 impl DirectSampler<'_> {
-    /// Radiance that the point sends on from all lights.
+    /// Radiance reflected and transmitted by the point from all lights.
     pub(crate) fn sample_all_of_model<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,

@@ -1,9 +1,10 @@
-//! The way from a point through a prism to a place on a near light.
+//! The path from a point through a prism to a point of a near light.
 //!
-//! A prism bends each ray by where and how it is met, so a near light has no image in one place. The point of the prism's plane is looked for through
-//! which the ray meets a given place on the light, by Newton's iteration from where Radiance's virtual source would have it (Hanika, Droske and
-//! Fascione, "Manifold Next Event Estimation", Computer Graphics Forum 34(4), 2015). How the place moves with that point gives the density of
-//! the direction.
+//! A prism refracts each ray by its position and direction, so a near light has no single virtual
+//! source. Newton's method finds the point of the prism's plane through which a ray hits a given
+//! point of the light, starting from Radiance's virtual source (Hanika, Droske and Fascione,
+//! "Manifold Next Event Estimation", Computer Graphics Forum 34(4), 2015). The derivative of the
+//! light's point by the prism's point gives the pdf of the direction.
 
 use crate::direct::DirectSampler;
 use crate::trace::PathIntegrator;
@@ -14,46 +15,47 @@ use radsight_compile::{Kind, PrismKind};
 use radsight_light::{Light, LightSample, Redirection, VirtualSource};
 use radsight_texture::SurfaceInteraction;
 
-/// Steps; a smooth prism takes three or four.
+/// Maximum number of steps; a smooth prism takes three or four.
 const MOST_STEPS: usize = 12;
 
-/// A step that leads away is halved so often.
+/// Maximum number of halvings of a diverging step.
 const MOST_HALVINGS: usize = 4;
 
-/// How near to its place the ray must come, as a share of its length.
+/// Tolerance of the end point, relative to the path length.
 const TOLERANCE: f64 = 1e-6;
 
-/// By what share of its distance the point is moved to see how the place follows.
+/// Step of the numerical derivative, relative to the distance.
 const STEP: f64 = 1e-5;
 
-/// A prism of which the place on the light hardly follows the point, by less than this share, aims at the light by itself.
+/// If the light's point changes by less than this fraction of the prism's point, the prism aims at
+/// the light by itself.
 const AIMED: f64 = 1e-4;
 
-/// The ways from a receiver through a face of a prism to the plane of a light.
+/// The paths from a receiver through a face of a prism to the plane of a light.
 struct PrismManifold<'a> {
     prism: &'a PrismKind,
     redirection: Redirection,
     receiver: DVec3,
     travelled: f64,
-    /// Unit, of the prism's plane, and two in it.
+    /// Unit normal of the prism's plane, and two tangents.
     normal: DVec3,
     across: [DVec3; 2],
-    /// The place on the light, and the unit normal there.
+    /// The point of the light, and the unit normal there.
     place: DVec3,
     light_normal: DVec3,
     light_across: [DVec3; 2],
 }
 
-/// One of them.
+/// One path.
 #[derive(Clone, Copy, Debug)]
 struct ManifoldPoint {
-    /// From the place to where the light's plane is met, in that plane.
+    /// From the requested point to the intersection with the light's plane, in that plane.
     miss: DVec2,
     length: f64,
 }
 
 impl PrismManifold<'_> {
-    /// The way through a point of the prism's plane.
+    /// The path through a point of the prism's plane.
     fn through(&self, point: DVec3, scratch: &mut Scratch) -> Option<ManifoldPoint> {
         let before = point - self.receiver;
         let distance = before.length();
@@ -70,15 +72,15 @@ impl PrismManifold<'_> {
         Some(ManifoldPoint { miss: DVec2::new(missed.dot(x), missed.dot(y)), length: distance + after })
     }
 
-    /// How the place that is met moves with the point.
+    /// The derivative of the end point by the prism's point.
     fn derivative(&self, point: DVec3, way: &ManifoldPoint, scratch: &mut Scratch) -> Option<DMat2> {
         let step = STEP * point.distance(self.receiver);
         let [x, y] = self.across.map(|axis| self.through(point + axis * step, scratch));
         Some(DMat2::from_cols((x?.miss - way.miss) / step, (y?.miss - way.miss) / step))
     }
 
-    /// The point through which the way meets the place, from a first guess; with the way, and how many times as large a piece of the light's plane is as the
-    /// piece of the prism's through which it is met.
+    /// The point through which the path reaches the requested end, from an initial guess; with the
+    /// path, and the ratio of areas of the light's plane and the prism's.
     fn solve(&self, guess: DVec3, scratch: &mut Scratch) -> Option<(DVec3, ManifoldPoint, f64)> {
         let mut point = guess;
         let mut way = self.through(point, scratch)?;
@@ -104,7 +106,8 @@ impl PrismManifold<'_> {
 }
 
 impl DirectSampler<'_> {
-    /// A place on a flat near light, seen through the one prism that is between; `None` where no way is found.
+    /// A point of a flat near light, seen through the one prism between; `None` if no path is
+    /// found.
     pub(crate) fn connect_through_prism<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,

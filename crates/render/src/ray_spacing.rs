@@ -1,6 +1,6 @@
-//! How far apart rays are.
+//! The spacing of rays.
 
-/// How far apart neighbouring rays are.
+/// The spacing of neighbouring rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RaySpacing {
     /// Distance of their origins, scene units.
@@ -10,10 +10,10 @@ pub struct RaySpacing {
 }
 
 impl RaySpacing {
-    /// Rays that have nothing to do with each other.
+    /// Unrelated rays.
     pub const UNKNOWN: RaySpacing = RaySpacing { width: 0.0, angle: 0.0 };
 
-    /// Distance of neighbouring rays where they have gone so far, scene units.
+    /// Distance between neighbouring rays after this distance, scene units.
     pub(crate) fn at(&self, distance: f64) -> f64 {
         self.width + self.angle * distance
     }

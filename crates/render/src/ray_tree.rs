@@ -1,7 +1,7 @@
-//! The rays that came of a ray: the hook of `rtrace -ot`.
+//! The tree of rays that a ray causes, for `rtrace -ot`.
 //!
-//! Where they are not wanted, all of this is one pointer that is null. Rays are noted as they are sent on, each below the one from which it comes;
-//! what each has brought is summed up when the first is answered.
+//! If no tree is requested, all of this costs one null pointer. Rays are recorded when they are
+//! created, each below its parent; values are summed up when the first ray is finished.
 
 mod note;
 
@@ -11,72 +11,74 @@ use radsight_compile::{FirstHit, RayTreeOutput, RenderOptions};
 use radsight_ir::SurfaceHandle;
 use radsight_texture::{BandValues, luminance, product};
 
-/// What a ray brings or what counts of it, as a colour and, where spectra are traced, band by band.
+/// The value of a ray or its coefficient, as a colour and, in spectral rendering, by band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayValue {
     /// Red, green and blue.
     pub color: [f64; 3],
-    /// The value in each band where spectra are traced.
+    /// The value in each band in spectral rendering.
     pub spectrum: Option<BandValues>,
 }
 
-/// One of the rays that came of a ray, or that ray itself.
+/// A ray of the tree.
 #[derive(Clone, Copy, Debug)]
 pub struct TreeRay {
-    /// How many rays are above it.
+    /// Number of its ancestors.
     pub depth: usize,
-    /// Where it began and its direction.
+    /// Its origin and direction.
     pub ray: Ray,
-    /// Where it ended; the distance is from its own origin.
+    /// Its end; the distance is from its own origin.
     pub hit: Option<FirstHit>,
-    /// Radiance that it brought, W/(sr·m²), before the medium dims it that it crosses.
+    /// Its radiance, W/(sr·m²), before attenuation by the medium that it crosses.
     pub value: RayValue,
-    /// How much of its value is in that of the first ray.
+    /// The fraction of its value in that of the first ray.
     pub coefficient: RayValue,
-    /// The product of the largest component of each coefficient on the way, 1 at most, as Radiance weighs rays.
+    /// The product of the largest component of each coefficient along the path, at most 1, as in
+    /// Radiance.
     pub weight: f64,
-    /// What of its value came by way of a mirror image at its end.
+    /// The part of its value due to a mirror image at its end.
     pub mirrored: RayValue,
-    /// The rest of its value.
+    /// The other part of its value.
     pub unmirrored: RayValue,
-    /// Distance to what is seen in the mirror image, scene units; infinite for nothing.
+    /// Distance to the mirror image, scene units; infinite for nothing.
     pub mirrored_distance: f64,
-    /// Distance to what is seen otherwise, through panes and flat refraction, scene units; infinite for nothing.
+    /// Distance to the other part, through panes and flat refraction, scene units; infinite for
+    /// nothing.
     pub unmirrored_distance: f64,
-    /// That of the two from where more than half of the value comes.
+    /// Whichever of the two contributes more than half of the value.
     pub effective_distance: f64,
 }
 
-/// Names a ray of a tree.
+/// Identifies a ray of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NodeId(u32);
 
 impl NodeId {
-    /// Nothing is above the first ray, and no ray has a name where none is told.
+    /// The parent of the first ray, and every ray if no tree is requested.
     pub(crate) const NONE: NodeId = NodeId(u32::MAX);
 }
 
-/// How a ray leaves the end of the one above it.
+/// How a ray leaves the end of its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BounceType {
-    /// As if nothing had been met.
+    /// Without interaction.
     Passed,
-    /// Through the surface, without being scattered.
+    /// Through the surface, without scattering.
     Transmitted { image: Image },
-    /// Reflected without being scattered.
+    /// Reflected without scattering.
     Mirrored { image: Image },
-    /// Drawn from a lobe.
+    /// Sampled from a lobe.
     Drawn,
     /// Towards a light.
     Shadow,
 }
 
-/// Where that appears which is seen by way of a surface.
+/// The apparent position of what is seen through a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Image {
-    /// At the distance of both rays: the surface is flat and smooth.
+    /// At the total distance of both rays: the surface is flat and smooth.
     InPlace,
-    /// Anywhere; the distance is told as that of the surface.
+    /// Undefined; the distance is that of the surface.
     AtSurface,
 }
 
@@ -86,14 +88,15 @@ impl Image {
     }
 }
 
-/// The rays of the present tree.
+/// The rays of the current tree.
 #[derive(Debug)]
 pub(crate) struct RayTree<const BANDS: usize> {
     told: RayTreeOutput,
     nodes: Vec<Node<BANDS>>,
-    /// The share in the first ray of what the next shadow rays bring to their point, and the ray that met it.
+    /// The coefficient of the next shadow rays relative to the first ray, and the ray that ends at
+    /// their point.
     lit: ([f64; BANDS], NodeId),
-    /// The shadow ray in hand.
+    /// The current shadow ray.
     shadow: NodeId,
 }
 
@@ -103,27 +106,28 @@ struct Node<const BANDS: usize> {
     bounce: BounceType,
     ray: Ray,
     hit: Option<FirstHit>,
-    /// Share in the first ray, at its origin and at its end.
+    /// Coefficient relative to the first ray, at its origin and at its end.
     start: [f64; BANDS],
     arrival: [f64; BANDS],
-    /// What the first ray gets of what was found at its end, and of what the medium on the way scatters.
+    /// The contribution to the first ray of emission at its end, and of light scattered by the
+    /// medium along it.
     own: [f64; BANDS],
     haze: [f64; BANDS],
     target: Option<Target>,
 }
 
-/// Where a shadow ray goes.
+/// The target of a shadow ray.
 #[derive(Clone, Copy, Debug)]
 struct Target {
     light: SurfaceHandle,
     /// Whether only mirrors and prisms lead there.
     virtual_form: bool,
-    /// Luminance that it brings where nothing is in the way.
+    /// Its luminance without occlusion.
     importance: f64,
 }
 
 impl<const BANDS: usize> RayTree<BANDS> {
-    /// Memory for it, if it is wanted.
+    /// Allocates memory if a tree is requested.
     pub(crate) fn wanted(options: &RenderOptions) -> Option<Box<RayTree<BANDS>>> {
         let tree = |told| {
             Box::new(RayTree { told, nodes: Vec::new(), lit: ([0.0; BANDS], NodeId::NONE), shadow: NodeId::NONE })
@@ -131,13 +135,13 @@ impl<const BANDS: usize> RayTree<BANDS> {
         options.ray_tree.map(tree)
     }
 
-    /// Forgets the tree before.
+    /// Removes the previous tree.
     pub(crate) fn clear(&mut self) {
         self.nodes.clear();
         self.shadow = NodeId::NONE;
     }
 
-    /// Notes a ray that is sent on with a share in the first one.
+    /// Records a new ray with its coefficient relative to the first one.
     pub(crate) fn begin(&mut self, above: NodeId, bounce: BounceType, ray: Ray, share: [f64; BANDS]) -> NodeId {
         let id = NodeId(self.nodes.len() as u32);
         self.nodes.push(Node {
@@ -158,21 +162,21 @@ impl<const BANDS: usize> RayTree<BANDS> {
         self.nodes.get_mut(id.0 as usize)
     }
 
-    /// Notes where a ray ended; the first word counts.
+    /// Records the end of a ray; only the first call counts.
     pub(crate) fn end(&mut self, id: NodeId, hit: FirstHit) {
         if let Some(node) = self.node(id) {
             node.hit.get_or_insert(hit);
         }
     }
 
-    /// Notes the normal with textures where a ray ended.
+    /// Records the perturbed normal at the end of a ray.
     pub(crate) fn note_normal(&mut self, id: NodeId, normal: DVec3) {
         if let Some(hit) = self.node(id).and_then(|node| node.hit.as_mut()) {
             hit.perturbed_normal = normal;
         }
     }
 
-    /// Notes what is left of a ray's value after the medium that it crosses, and what the first ray gets from there.
+    /// Records the attenuation of a ray by its medium, and the light scattered there.
     pub(crate) fn dim(&mut self, id: NodeId, left: [f64; BANDS], haze: [f64; BANDS]) {
         if let Some(node) = self.node(id) {
             node.arrival = product(node.start, left);
@@ -180,14 +184,15 @@ impl<const BANDS: usize> RayTree<BANDS> {
         }
     }
 
-    /// Notes what the first ray gets from where a ray ended.
+    /// Records a contribution from the end of a ray to the first ray.
     pub(crate) fn add(&mut self, id: NodeId, brought: [f64; BANDS]) {
         if let Some(node) = self.node(id) {
             node.own = std::array::from_fn(|band| node.own[band] + brought[band]);
         }
     }
 
-    /// Light is looked for where a ray met a point; what comes counts with this share in the first ray.
+    /// Begins light sampling at the end of a ray; `share` is the coefficient of the point relative
+    /// to the first ray.
     pub(crate) fn light(&mut self, share: [f64; BANDS], id: NodeId) {
         self.lit = (share, id);
     }
@@ -198,7 +203,8 @@ impl<const BANDS: usize> Node<BANDS> {
         self.hit.map_or(f64::INFINITY, |hit| hit.distance)
     }
 
-    /// Whether it is told: shadow rays that meet nothing but their light are only where that is asked for, and those that meet nothing never.
+    /// Whether it is part of the output: unobstructed shadow rays are optional, and shadow rays
+    /// that hit nothing are never output.
     fn is_told(&self, told: RayTreeOutput) -> bool {
         match (&self.target, &self.hit) {
             (None, _) => true,
@@ -209,9 +215,9 @@ impl<const BANDS: usize> Node<BANDS> {
     }
 }
 
-/// Which rays are below each.
+/// The children of each ray.
 struct Below {
-    /// By ray; the last is the end of all.
+    /// By ray; the last element is the end of all.
     starts: Vec<usize>,
     rays: Vec<usize>,
 }
@@ -219,7 +225,7 @@ struct Below {
 impl Below {
     fn new<const BANDS: usize>(nodes: &[Node<BANDS>]) -> Below {
         let mut order: Vec<usize> = (1..nodes.len()).collect();
-        // As in Radiance: shadow rays last, those first that promise most.
+        // As in Radiance: shadow rays last, the most important first.
         let rank = |id: usize| nodes[id].target.map_or(f64::NEG_INFINITY, |target| -target.importance);
         order.sort_by(|a, b| nodes[*a].above.0.cmp(&nodes[*b].above.0).then(rank(*a).total_cmp(&rank(*b))));
         let starts = (0..=nodes.len()).map(|id| order.partition_point(|ray| (nodes[*ray].above.0 as usize) < id));
@@ -231,14 +237,14 @@ impl Below {
     }
 }
 
-/// What a ray brings, with all that comes of it.
+/// The value of a ray, including its descendants.
 #[derive(Clone, Copy, Debug)]
 struct Sum<const BANDS: usize> {
-    /// What the first ray gets.
+    /// The contribution to the first ray.
     given: [f64; BANDS],
-    /// The same of the mirror image at its end.
+    /// The part of it due to the mirror image at its end.
     given_mirrored: [f64; BANDS],
-    /// Radiance that it brings, and by way of the mirror image at its end.
+    /// Its radiance, and the part due to the mirror image at its end.
     value: [f64; BANDS],
     mirrored: [f64; BANDS],
     mirrored_distance: f64,
@@ -248,11 +254,11 @@ struct Sum<const BANDS: usize> {
     is_missed: bool,
 }
 
-/// Radiance heeds the medium's dimming in a ray's weight only where it is stronger than this.
+/// Radiance includes the medium's attenuation in a ray's weight only if it is stronger than this.
 const DIMMING_THAT_WEIGHS: f64 = 0.1;
 
 impl<const BANDS: usize> Sum<BANDS> {
-    /// By ray. Rays come after those above them.
+    /// By ray. Children come after their parents.
     fn all(nodes: &[Node<BANDS>], below: &Below) -> Vec<Sum<BANDS>> {
         let mut sums: Vec<Sum<BANDS>> = vec![Sum::NOTHING; nodes.len()];
         for id in (0..nodes.len()).rev() {
@@ -282,7 +288,7 @@ impl<const BANDS: usize> Sum<BANDS> {
         let mut brightest = [0.0; 2];
         for (bounce, child) in below.iter().map(|child| (nodes[*child].bounce, &sums[*child])) {
             if bounce == BounceType::Shadow {
-                // The point has what they bring.
+                // The point includes their values.
                 continue;
             }
             sum.given = added(sum.given, child.given);
@@ -314,7 +320,7 @@ impl<const BANDS: usize> Sum<BANDS> {
         sum
     }
 
-    /// As Radiance tells the distance of a ray.
+    /// The distance of a ray as defined by Radiance.
     fn distance(&self) -> f64 {
         let by_mirror = luminance(&self.mirrored) > 0.5 * luminance(&self.value);
         if by_mirror { self.mirrored_distance } else { self.unmirrored_distance }
@@ -322,7 +328,7 @@ impl<const BANDS: usize> Sum<BANDS> {
 }
 
 impl<const BANDS: usize> Node<BANDS> {
-    /// What the weight of a ray below is multiplied by.
+    /// The ratio of a child's weight to that of the ray.
     fn weight_onward(&self, below: &Node<BANDS>) -> f64 {
         let strongest = |of: [f64; BANDS]| of.into_iter().fold(0.0, f64::max);
         let left = strongest(divided(self.arrival, self.start));
@@ -338,7 +344,7 @@ fn added<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
     std::array::from_fn(|band| a[band] + b[band])
 }
 
-/// Where nothing of a band counts, nothing is known of it.
+/// 0 where a band has no coefficient, since its value is unknown.
 fn divided<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
     std::array::from_fn(|band| if b[band] > 0.0 { a[band] / b[band] } else { 0.0 })
 }

@@ -1,4 +1,4 @@
-//! Rays in, radiance out.
+//! Traces rays and returns their radiance.
 
 use crate::cache_prepass::{GatheredIrradiance, gather};
 use crate::caching::caches_irradiance;
@@ -14,7 +14,7 @@ use radsight_accel::Ray;
 use radsight_compile::RenderPlan;
 use rayon::prelude::*;
 
-/// Answers rays.
+/// Renders a plan.
 #[derive(Debug)]
 pub struct Renderer {
     plan: RenderPlan,
@@ -22,7 +22,8 @@ pub struct Renderer {
     guide: Option<PathGuide>,
 }
 
-/// Irradiance that was gathered before the rays are answered, in as many bands as are traced; `None` before any was.
+/// Irradiance that was gathered before tracing, in as many bands as are traced; `None` before the
+/// first gather.
 #[derive(Debug)]
 enum CachedIrradiance {
     Grey(Option<GatheredIrradiance<1>>),
@@ -32,7 +33,7 @@ enum CachedIrradiance {
     WideSpectrum(Option<GatheredIrradiance<72>>),
 }
 
-/// The memory with which one thread answers rays.
+/// The working memory of one thread.
 #[derive(Debug)]
 pub struct RayWorker<'r>(Bands<'r>);
 
@@ -45,7 +46,7 @@ enum Bands<'r> {
     WideSpectrum(Box<PathIntegrator<'r, 72>>),
 }
 
-/// The same for whichever number of bands it is.
+/// Calls the same code for any number of bands.
 macro_rules! in_bands {
     ($of:expr, $kind:ident($inner:ident) => $done:expr) => {
         match $of {
@@ -58,11 +59,11 @@ macro_rules! in_bands {
     };
 }
 
-/// Rays that one thread takes at a time.
+/// Rays of a thread's unit of work.
 const CHUNK: usize = 1024;
 
 impl Renderer {
-    /// Renders according to a plan.
+    /// Renders with a plan.
     #[must_use]
     pub fn new(plan: RenderPlan) -> Renderer {
         let shared = match plan.bands {
@@ -81,14 +82,16 @@ impl Renderer {
         &self.plan
     }
 
-    /// Gathers irradiance where rays like these will want it, if the options ask for sharing (`-aa`), and says from how many points. What was
-    /// gathered for other rays before is kept. The rays should be
-    /// spread over all that will be asked for later: one a pixel is plenty. Details that are smaller than their `spread` are not looked for.
+    /// Gathers irradiance for rays like these, if the options cache it (`-aa`), and returns the
+    /// number of new cache points. Irradiance gathered before is kept. The rays should be
+    /// distributed over all that will be traced later: one per pixel is plenty. Details smaller
+    /// than `spread` are ignored.
     pub fn gather_irradiance(&mut self, rays: &[Option<Ray>], spread: RaySpacing) -> usize {
         self.gather_irradiance_until(rays, spread, &|| false).expect("nobody stops it")
     }
 
-    /// The same until `stops`, which is asked often and on all threads: it gives `None` then, and nothing is gathered any more, neither before nor now.
+    /// The same with cancellation: `stops` is called often and on all threads. Once it returns
+    /// true, the result is `None`, and all irradiance gathered so far is discarded.
     pub fn gather_irradiance_until(
         &mut self,
         rays: &[Option<Ray>],
@@ -102,9 +105,9 @@ impl Renderer {
         in_bands!(&mut self.shared, CachedIrradiance(gathered) => gather((plan, stops), gathered, rays, spread))
     }
 
-    /// Learns where rays like these find light by way of diffuse surfaces, if they find it by chance only: patches of sun, spots of
-    /// lamps, gaps between slats. Single paths of all rays that follow are sent there more often; their mean is
-    /// the same. Says how many such places there are; 0 leaves everything as it is.
+    /// Learns where rays like these find light via diffuse surfaces, if that is left to chance:
+    /// patches of sun, spots of lamps, gaps between slats. All later independent paths are guided
+    /// there, with the same mean. Returns the number of such patches; with 0 nothing changes.
     pub fn guide_paths(&mut self, rays: &[Option<Ray>], spread: RaySpacing) -> usize {
         self.guide = None;
         if self.plan.options.ambient_bounces > 0 {
@@ -114,18 +117,21 @@ impl Renderer {
         self.guide.as_ref().map_or(0, PathGuide::len)
     }
 
-    /// The irradiance that was gathered or loaded so far, as bytes that [`Renderer::load_irradiance_cache`] reads; `None` before any was. `scene` is a number by
-    /// which the scene is known again, such as `radsight_ir::Scene::fingerprint`.
+    /// The irradiance gathered or loaded so far, as bytes for [`Renderer::load_irradiance_cache`];
+    /// `None` before the first gather. `scene` identifies the scene, such as
+    /// `radsight_ir::Scene::fingerprint`.
     pub fn save_irradiance_cache(&mut self, scene: u64) -> Option<Vec<u8>> {
         let plan = &self.plan;
         in_bands!(&mut self.shared, CachedIrradiance(gathered) => save(plan, gathered, scene))
     }
 
-    /// Takes over irradiance that was saved, and says how many records there are then. What was gathered here since the last time it was saved or loaded stays
-    /// where the saved one reaches nothing. Where all was saved before, rays get the same answers from it as before, bit for bit.
+    /// Loads saved irradiance, and returns the resulting number of records. Irradiance gathered
+    /// here since the last save or load is kept where no loaded record reaches. If everything was
+    /// saved before, rays have the same values as before, bit for bit.
     ///
     /// # Errors
-    /// Where the bytes are not of a cache for this scene and these options. The renderer is as it was then.
+    /// If the bytes are not a cache of this scene and these options. The renderer is then
+    /// unchanged.
     pub fn load_irradiance_cache(&mut self, bytes: &[u8], scene: u64) -> Result<usize, CacheError> {
         let plan = &self.plan;
         in_bands!(&mut self.shared, CachedIrradiance(gathered) => load(plan, gathered, bytes, scene))
@@ -137,8 +143,8 @@ impl Renderer {
         caches_irradiance(&self.plan)
     }
 
-    /// The standard error that rays left in gathered irradiance, as a share of it: rms over the points it was gathered from. `None` where none is shared. What
-    /// sharing bends away from the truth comes on top.
+    /// The relative standard error of gathered irradiance due to rays: rms over its cache points.
+    /// `None` if none is cached. Interpolation bias is not included.
     #[must_use]
     pub fn irradiance_noise(&self) -> Option<f64> {
         in_bands!(&self.shared, CachedIrradiance(gathered) => gathered.as_ref().map(GatheredIrradiance::noise))
@@ -159,7 +165,8 @@ impl Renderer {
         })
     }
 
-    /// Answers a batch of rays on all threads; the first has number `first_index`. A gap has its number and no answer.
+    /// Traces a batch of rays on all threads; the first has number `first_index`. A gap has a
+    /// number and no value.
     #[must_use]
     pub fn trace_all(&self, first_index: u64, rays: &[Option<Ray>]) -> Vec<Option<Traced>> {
         rays.par_chunks(CHUNK)
@@ -185,7 +192,7 @@ fn tracer<'r, const BANDS: usize>(
     PathIntegrator::new(plan, caches).guided_by(guide)
 }
 
-/// A guide in the bands of the irradiance.
+/// A path guide in the bands of the irradiance.
 fn learn<const BANDS: usize>(
     plan: &RenderPlan,
     _: &Option<GatheredIrradiance<BANDS>>,
@@ -196,45 +203,48 @@ fn learn<const BANDS: usize>(
 }
 
 impl RayWorker<'_> {
-    /// Answers ray number `index` of its stream by what it owes to each modifier that is tracked, in the order in which it met them.
+    /// Traces ray number `index` of its stream and passes the contribution of each tracked
+    /// modifier, in the order of hits.
     pub fn contributions(&mut self, index: u64, ray: &Ray, visit: impl FnMut(Contribution)) {
         let _ = self.trace(index, ray);
         in_bands!(&mut self.0, Bands(tracer) => tracer.take_contributions(visit))
     }
 
-    /// Answers ray number `index` of its stream, and tells all rays that came of it where the options ask for that: each after those that came of
-    /// it, so that the last is the ray itself.
+    /// Traces ray number `index` of its stream. Returns its tree if the options request it,
+    /// children before their parents; the last one is the ray itself.
     pub fn tree(&mut self, index: u64, ray: &Ray) -> (Traced, Vec<TreeRay>) {
         let traced = self.trace(index, ray);
         let told = in_bands!(&mut self.0, Bands(tracer) => tracer.take_tree());
         (traced, told)
     }
 
-    /// The lights that a point sees by way of curved mirrors, as far as they are found; scene units.
+    /// The images of lights in curved mirrors that are found from a point; scene units.
     #[must_use]
     pub fn mirrored_lights(&mut self, from: DVec3) -> Vec<MirroredLight> {
         in_bands!(&mut self.0, Bands(tracer) => tracer.mirrored_lights(from))
     }
 
-    /// Where a ray passes a mirrored light: its place across the light from the light's middle, in radii of the light. `None` where it
-    /// takes another way than by the same number of mirrors.
+    /// Where a ray passes a mirrored light: its offset from the light's centre across the light, in
+    /// radii of the light. `None` if it takes another path than over the same number of mirrors.
     #[must_use]
     pub fn offset_from(&mut self, image: &MirroredLight, ray: &Ray) -> Option<DVec2> {
         in_bands!(&mut self.0, Bands(tracer) => tracer.offset_from(image, ray))
     }
 
-    /// Sees nothing of the rays that follow beyond a distance, scene units, before they are reflected.
+    /// Ignores everything on later rays beyond a distance, scene units, up to their first
+    /// reflection.
     pub fn limit_distance(&mut self, distance: f64) {
         in_bands!(&mut self.0, Bands(tracer) => tracer.limit = distance)
     }
 
-    /// Answers ray number `index` of its stream.
+    /// Traces ray number `index` of its stream.
     #[must_use]
     pub fn trace(&mut self, index: u64, ray: &Ray) -> Traced {
         in_bands!(&mut self.0, Bands(tracer) => tracer.trace(index, ray))
     }
 
-    /// Answers ray number `index` of its stream by single paths, without irradiance that was gathered before: more noise, and no bias.
+    /// Traces ray number `index` of its stream as an independent path, without cached irradiance:
+    /// more noise, and no bias.
     #[must_use]
     pub fn trace_uncached(&mut self, index: u64, ray: &Ray) -> Traced {
         in_bands!(&mut self.0, Bands(tracer) => {

@@ -1,4 +1,4 @@
-//! Rays that take a known way by way of mirrors and refracting bodies.
+//! Rays along a known chain of mirrors and dielectrics.
 
 use crate::specular_chain::SpecularEvent;
 use crate::trace::PathIntegrator;
@@ -8,24 +8,24 @@ use radsight_bsdf::{Bsdf, BsdfContext, Scatterer, through_pane};
 use radsight_compile::{Kind, Shader};
 use radsight_texture::{SurfaceInteraction, mirrored, reflect, shading_normal};
 
-/// A ray passes no more surfaces that do nothing to it.
+/// Maximum number of surfaces without effect on a ray.
 const MAX_PASSED: u32 = 64;
 
-/// With more lights than this, looking for each by way of mirrors costs more than it saves.
+/// With more lights than this, searching each through mirrors costs more than it saves.
 pub(crate) const MOST_LIGHTS: usize = 256;
 
-/// A ray that looks for lights is followed over no more mirrors, and no more mirrors and panes.
+/// Maximum number of mirrors, and of mirrors and panes, of a ray that searches for lights.
 pub(crate) const MOST_MIRRORS: usize = 3;
 const MOST_EVENTS: usize = 8;
 
-/// A ray behind mirrors, with its way there.
+/// A ray behind mirrors, with its chain.
 pub(crate) struct MirroredRay {
     pub(crate) ray: Ray,
     pub(crate) events: Vec<SpecularEvent>,
 }
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// The ray that a ray has become after these interactions; `None` where it has no such way.
+    /// The ray after these interactions; `None` if it does not have them.
     pub(crate) fn retrace(
         &mut self,
         ray: Ray,
@@ -35,7 +35,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.retraced(ray, from, events).map(|(ray, _)| ray)
     }
 
-    /// The same, with where it was last reflected or refracted.
+    /// The same, with its last point of reflection or refraction.
     pub(crate) fn retraced(
         &mut self,
         mut ray: Ray,
@@ -51,7 +51,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         Some((ray, from))
     }
 
-    /// The rays that a ray becomes behind its first mirror, its second, and so on.
+    /// The ray behind its first mirror, its second, and so on.
     pub(crate) fn mirrored_rays(
         &mut self,
         (origin, mut from): (DVec3, Option<PrimitiveId>),
@@ -74,7 +74,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         rays
     }
 
-    /// What becomes of a ray that looks for mirrors at a surface: panes let it through, anything else reflects it if it does.
+    /// One step of a ray that searches for mirrors: panes transmit it, other surfaces reflect it if
+    /// they are mirrors.
     fn mirrored_step(&mut self, ray: &Ray, hit: &Intersection) -> Option<(SpecularEvent, DVec3)> {
         let shader = self.plan.shader_at(hit.shader);
         let event = match shader.kind {
@@ -84,7 +85,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.specular_direction(ray, hit, shader, event).map(|direction| (event, direction))
     }
 
-    /// The first surface that does anything to a ray.
+    /// The first surface with an effect on a ray.
     pub(crate) fn next_visible(&self, mut ray: Ray, mut from: Option<PrimitiveId>) -> Option<Intersection> {
         for _ in 0..MAX_PASSED {
             let hit = self.plan.first_hit(&ray, from)?;
@@ -100,7 +101,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         None
     }
 
-    /// Where a ray goes on from a surface; `None` where it does not in this way.
+    /// The direction of a ray after a specular event; `None` if the surface does not have it.
     pub(crate) fn specular_direction(
         &mut self,
         ray: &Ray,

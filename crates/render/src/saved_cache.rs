@@ -1,8 +1,9 @@
-//! The irradiance cache as bytes: saved for other runs, and taken over from them.
+//! Saves and loads the irradiance cache as bytes.
 //!
-//! The bytes begin with what the irradiance depends on: the scene, by a number that the caller makes of it, and the options that decide
-//! which light is counted. A cache of another scene or other options is refused. Options that decide how well it is found (`-ad`, `-as`,
-//! `-aa`, `-ar`, `-lw` and their kin) may differ, as in Radiance: what is cached is as good as it was made.
+//! The bytes begin with everything on which the irradiance depends: an identifier of the scene
+//! given by the caller, and the options that affect the expected value. A cache of another scene or
+//! other options is refused. Options that affect only the accuracy (`-ad`, `-as`, `-aa`, `-ar`,
+//! `-lw` and similar) may differ, as in Radiance.
 
 use crate::cache_prepass::GatheredIrradiance;
 use crate::checksum::checksum;
@@ -10,24 +11,24 @@ use radsight_compile::{RenderOptions, RenderPlan};
 use radsight_irradiance_cache::{Stored, StoredBytes};
 use std::fmt;
 
-/// What the bytes begin with; the number changes with what follows.
+/// First bytes, with the version of the format.
 const MAGIC: &[u8] = b"radsight irradiance cache 1\n";
 
 /// Why a saved irradiance cache cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CacheError {
-    /// The bytes are none of an irradiance cache, or of one of another version.
+    /// The bytes are not an irradiance cache, or one of another version.
     Unknown,
-    /// They are cut short or changed.
+    /// They are truncated or changed.
     Damaged,
-    /// It was made of another scene.
+    /// It belongs to another scene.
     OtherScene,
     /// It was made with another option.
     OtherOptions {
-        /// As it was.
+        /// The option in the cache.
         saved: String,
-        /// As it is here.
+        /// The option here.
         here: String,
     },
 }
@@ -47,7 +48,7 @@ impl fmt::Display for CacheError {
 
 impl std::error::Error for CacheError {}
 
-/// The bytes of what was gathered.
+/// The bytes of gathered irradiance.
 pub(crate) fn save<const BANDS: usize>(
     plan: &RenderPlan,
     gathered: &mut Option<GatheredIrradiance<BANDS>>,
@@ -65,8 +66,8 @@ pub(crate) fn save<const BANDS: usize>(
     Some(bytes)
 }
 
-/// Takes over what was saved, and keeps what was gathered here since this was last saved or loaded where it has nothing. Says how many records
-/// there are then.
+/// Loads a saved cache, and keeps irradiance gathered here since the last save or load where no
+/// loaded record reaches. Returns the resulting number of records.
 pub(crate) fn load<const BANDS: usize>(
     plan: &RenderPlan,
     gathered: &mut Option<GatheredIrradiance<BANDS>>,
@@ -86,7 +87,7 @@ pub(crate) fn load<const BANDS: usize>(
     if saved_scene != scene {
         return Err(CacheError::OtherScene);
     }
-    // The same scene and options have as many bands.
+    // Equal scenes and options have equal numbers of bands.
     if u32::restore(&mut stored) != Some(BANDS as u32) {
         return Err(CacheError::Damaged);
     }
@@ -102,7 +103,7 @@ pub(crate) fn load<const BANDS: usize>(
     Ok(records)
 }
 
-/// The options that decide which light is counted, one a line.
+/// The options that affect the expected value, one per line.
 fn settings(options: &RenderOptions) -> String {
     let RenderOptions { ambient_value, medium, sampling, .. } = options;
     let color = |color: radsight_ir::Rgb| color.0.map(|band| band.to_string()).join(" ");
@@ -121,7 +122,7 @@ fn settings(options: &RenderOptions) -> String {
     .join("\n")
 }
 
-/// Tells the first option that differs.
+/// The first option that differs.
 fn check_settings(saved: &str, here: &str) -> Result<(), CacheError> {
     let mut lines = saved.lines().zip(here.lines());
     match lines.find(|(saved, here)| saved != here) {
@@ -142,7 +143,7 @@ mod tests {
         let error = check_settings(&settings(&options), &settings(&other)).unwrap_err();
         assert_eq!(error.to_string(), "it was made with \"-ab 2\", expected \"-ab 3\"");
         assert_eq!(check_settings(&settings(&options), &settings(&options)), Ok(()));
-        // What decides how well irradiance is found may differ.
+        // Options that affect only the accuracy may differ.
         let mut finer = options.clone();
         finer.gathering.divisions *= 2;
         finer.seed += 1;

@@ -1,8 +1,10 @@
-//! What a shadow ray brings from a light: through panes straight on, through refracting bodies bent, through mist dimmed.
+//! Transmittance of shadow rays: straight through panes, refracted by dielectrics, attenuated by
+//! mist.
 //!
-//! Where nothing in the scene bends or dims, the order of what stands between does not matter, and one search for anything in the way is
-//! enough. Else the ray is followed from surface to surface as any other. A refracted shadow ray brings light if it still ends on the
-//! light that it was sent to: Radiance's rule, which lights what is behind panes of dielectric and leaves caustics out.
+//! If nothing in the scene refracts or attenuates, the order of occluders does not matter, and an
+//! any-hit query suffices. Otherwise the ray is traced from surface to surface. A refracted shadow
+//! ray counts if it still ends on its light: Radiance's rule, which lights surfaces behind
+//! dielectric panes and omits caustics.
 
 use crate::direct::DirectSampler;
 use crate::ray_tree::{BounceType, Image};
@@ -17,19 +19,19 @@ use radsight_ir::Shape;
 use radsight_light::{Light, LightSample, Redirection, VirtualSource};
 use radsight_texture::{SurfaceInteraction, bands, product, reflect};
 
-/// A shadow ray that crosses more surfaces than this is taken to be lost.
+/// A shadow ray that crosses more surfaces than this is lost.
 const MAX_CROSSINGS: u32 = 1000;
 
-/// What a surface in the way does to a shadow ray.
+/// The effect of a surface on a shadow ray.
 enum ShadowEvent<const BANDS: usize> {
     Blocked,
-    /// It goes on in this direction, weakened.
+    /// It continues in this direction, attenuated.
     SpecularBounce(DVec3, [f64; BANDS]),
-    /// It goes on in another medium.
+    /// It continues in another medium.
     Into(Medium<BANDS>, DVec3, [f64; BANDS]),
 }
 
-/// A shadow ray on its way.
+/// A shadow ray with its state.
 struct ShadowRay<const BANDS: usize> {
     ray: Ray,
     from: Option<PrimitiveId>,
@@ -37,14 +39,14 @@ struct ShadowRay<const BANDS: usize> {
     cut: SubtractionId,
     through: [f64; BANDS],
     travelled: f64,
-    /// How many of the light's mirrors are behind it.
+    /// Number of the light's mirrors behind it.
     virtual_form: usize,
-    /// Whether it was bent, so that it may miss.
+    /// Whether it was refracted, so that it may miss its light.
     bent: bool,
 }
 
 impl<const BANDS: usize> ShadowRay<BANDS> {
-    /// Goes on behind a surface that is not there.
+    /// Continues behind a surface without effect.
     fn pass(&mut self, hit: &Intersection, cut: SubtractionId) {
         self.through = product(self.through, self.medium.shadow_transmission(hit.distance));
         self.ray.origin = hit.point;
@@ -54,7 +56,7 @@ impl<const BANDS: usize> ShadowRay<BANDS> {
 }
 
 impl DirectSampler<'_> {
-    /// Radiance that arrives from a place on a light which sends `radiance` in a straight line.
+    /// The radiance that arrives from a point of a light that emits `radiance`.
     pub(crate) fn arriving<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
@@ -63,7 +65,7 @@ impl DirectSampler<'_> {
         between: &VisibilityClass,
         radiance: [f64; BANDS],
     ) -> [f64; BANDS] {
-        // A light that the point itself lies on is not met by a ray from there.
+        // A ray does not hit the light on which it starts.
         if sample.distance <= tracer.plan.geometry.tolerance() {
             return [0.0; BANDS];
         }
@@ -76,7 +78,7 @@ impl DirectSampler<'_> {
         self.walk(tracer, light, sample, radiance)
     }
 
-    /// Whether only surfaces that block can be in the way, in a medium that does nothing.
+    /// Whether all possible occluders are opaque, in a medium without effect.
     fn is_clear<const BANDS: usize>(&self, tracer: &PathIntegrator<'_, BANDS>, between: &VisibilityClass) -> bool {
         let plan = tracer.plan;
         let blocks = |member: &MemberId| {
@@ -166,7 +168,7 @@ impl DirectSampler<'_> {
         dark
     }
 
-    /// Passes a mirror or a prism on the way to the light; false where nothing goes on.
+    /// Passes a mirror or a prism on the path to the light; false if the ray ends.
     fn virtual_source<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
@@ -193,7 +195,8 @@ impl DirectSampler<'_> {
         walk.through.iter().any(|band| *band > 0.0)
     }
 
-    /// What a surface does that is neither the light nor a mirror on the way; `target` is the light where it is aimed at itself.
+    /// The effect of a surface that is neither the light nor a mirror on the path; `target` is the
+    /// light if the ray is aimed at it directly.
     fn cross<'p, const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'p, BANDS>,
@@ -267,7 +270,7 @@ impl DirectSampler<'_> {
         }
     }
 
-    /// How much of the light comes through where nothing bends: 1 in each band where nothing is in the way.
+    /// Transmittance to the light without refraction: 1 in each band if nothing is in between.
     fn visibility<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
@@ -320,7 +323,7 @@ impl DirectSampler<'_> {
         product(bands(*reflectance), pattern.color)
     }
 
-    /// One straight piece of a shadow ray, up to the primitive `target`.
+    /// One straight segment of a shadow ray, up to the primitive `target`.
     fn segment<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
@@ -334,7 +337,7 @@ impl DirectSampler<'_> {
         let mut through = [1.0; BANDS];
         let travelled = self.travelled;
         let scratch = &mut tracer.workspace.scratch;
-        // What lies on the target may hide it.
+        // A surface coincident with the target may hide it.
         let tolerance = plan.geometry.tolerance();
         let mut passed = plan.see_through.then(Passed::default);
         let mut is_blocked = false;
@@ -388,7 +391,8 @@ impl DirectSampler<'_> {
         }
     }
 
-    /// [`DirectSampler::segment`] where surfaces that let light through lie on each other: only one of them is there for the ray.
+    /// [`DirectSampler::segment`] where transmitting surfaces are coincident: only one of them
+    /// affects the ray.
     #[cold]
     fn one_by_one<const BANDS: usize>(
         &self,
@@ -418,7 +422,7 @@ impl DirectSampler<'_> {
     }
 }
 
-/// Where a shadow ray crossed surfaces, to notice two in one place.
+/// The surfaces crossed by a shadow ray, to detect coincident ones.
 #[derive(Default)]
 struct Passed {
     distances: [f64; MOST_PASSED],
@@ -426,7 +430,7 @@ struct Passed {
     is_tied: bool,
 }
 
-/// Surfaces behind so many on a shadow ray are not compared with each other.
+/// Maximum number of surfaces on a shadow ray that are compared with each other.
 const MOST_PASSED: usize = 16;
 
 impl Passed {
@@ -440,7 +444,7 @@ impl Passed {
     }
 }
 
-/// Sends a shadow ray on that met a prism on its way to the light; false where nothing goes on.
+/// Redirects a shadow ray at a prism on the path to its light; false if the ray ends.
 fn redirect<const BANDS: usize>(
     tracer: &mut PathIntegrator<'_, BANDS>,
     walk: &mut ShadowRay<BANDS>,
@@ -465,7 +469,7 @@ fn redirect<const BANDS: usize>(
     true
 }
 
-/// What comes straight through a surface; `None` where it blocks.
+/// The straight transmittance of a surface; `None` if it is opaque.
 fn straight<const BANDS: usize>(
     plan: &RenderPlan,
     shader: &Shader,
@@ -478,14 +482,15 @@ fn straight<const BANDS: usize>(
     if !shader.lets_light_through() {
         return None;
     }
-    // Only what lets light through heeds `-bv-`: in Radiance what is opaque casts shadows from behind too.
+    // `-bv-` affects transmitting surfaces only: in Radiance opaque ones cast shadows from behind
+    // as well.
     let behind = ray.direction.dot(hit.front) > 0.0;
     if behind && plan.hides_its_back(shader) {
         return Some([1.0; BANDS]);
     }
     let interaction = SurfaceInteraction::at(ray, hit, travelled);
     if let Kind::Mixture(mixture) = &shader.kind {
-        // After a fault of the function the surface is as if it had no material.
+        // After an error of the function the surface has no material.
         let Some(share) = mixture.share.at(shader.textures.home.scene(&plan.scene), &interaction, scratch) else {
             return Some([1.0; BANDS]);
         };
@@ -513,7 +518,7 @@ fn straight<const BANDS: usize>(
     }
 }
 
-/// What a shadow ray brings that met its light.
+/// The radiance of a shadow ray that hits its light.
 fn arrive<const BANDS: usize>(
     tracer: &mut PathIntegrator<'_, BANDS>,
     walk: &ShadowRay<BANDS>,
@@ -537,7 +542,7 @@ fn arrive<const BANDS: usize>(
     product(product(found, walk.through), walk.medium.shadow_transmission(hit.distance))
 }
 
-/// What a shadow ray brings that left the scene.
+/// The radiance of a shadow ray that leaves the scene.
 fn leave<const BANDS: usize>(
     tracer: &mut PathIntegrator<'_, BANDS>,
     walk: &ShadowRay<BANDS>,

@@ -1,18 +1,18 @@
-//! The chain of mirrors and refracting bodies between a path's first point and its present one.
+//! The chain of mirrors and dielectrics between a path's origin and its current point.
 
-/// A longer chain is not followed backwards.
+/// Maximum length of a chain that is traced backwards.
 const MAX_INTERACTIONS: u8 = 16;
 
-/// Perfectly specular interactions, in the order in which a path had them.
+/// Perfectly specular interactions, in path order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) struct SpecularChain {
-    /// One bit each, 1 for a reflection; the last is the lowest.
+    /// One bit each, 1 for a reflection; the last is the least significant.
     reflected: u16,
     length: u8,
     is_lost: bool,
 }
 
-/// What becomes of a ray at a perfectly specular interaction.
+/// A perfectly specular interaction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SpecularEvent {
     Reflected,
@@ -20,7 +20,7 @@ pub(crate) enum SpecularEvent {
 }
 
 impl SpecularEvent {
-    /// What a surface does instead.
+    /// The other interaction of a surface.
     pub(crate) fn other(self) -> SpecularEvent {
         match self {
             SpecularEvent::Reflected => SpecularEvent::Transmitted,
@@ -30,7 +30,7 @@ impl SpecularEvent {
 }
 
 impl SpecularChain {
-    /// The chain after one more interaction.
+    /// The chain extended by one interaction.
     pub(crate) fn after(self, event: SpecularEvent) -> SpecularChain {
         SpecularChain {
             reflected: self.reflected << 1 | u16::from(event == SpecularEvent::Reflected),
@@ -52,17 +52,19 @@ impl SpecularChain {
             && u32::from(self.reflected) >> (self.length - start.length) == u32::from(start.reflected)
     }
 
-    /// The chain after an interaction that cannot be taken backwards.
+    /// The chain after an interaction that cannot be reversed.
     pub(crate) fn lost(self) -> SpecularChain {
         SpecularChain { is_lost: true, ..self }
     }
 
-    /// Its interactions from the first to the last; `None` where there are none, or one cannot be taken.
+    /// Its interactions from the first to the last; `None` if there are none, or one cannot be
+    /// reversed.
     pub(crate) fn forwards(self) -> Option<impl Iterator<Item = SpecularEvent> + Clone> {
         self.is_known().then(|| (0..self.length).rev().map(move |bit| self.event(bit)))
     }
 
-    /// Its interactions from the last to the first; `None` where there are none, or one cannot be taken.
+    /// Its interactions from the last to the first; `None` if there are none, or one cannot be
+    /// reversed.
     pub(crate) fn backwards(self) -> Option<impl Iterator<Item = SpecularEvent> + Clone> {
         self.is_known().then(|| (0..self.length).map(move |bit| self.event(bit)))
     }

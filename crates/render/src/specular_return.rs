@@ -1,14 +1,18 @@
-//! Light that comes back to a retroreflector by way of curved mirrors and refracting bodies.
+//! Light that returns to a retroreflector through curved mirrors and dielectrics.
 //!
-//! A lobe about the way back sends light to lamps beside the eye. By way of curved mirrors and through refracting bodies no light sampling finds these
-//! lamps, and the lobe meets a small one by chance only. But a ray that takes such a way and ends near a lamp is known: where the point is seen by
-//! way of specular surfaces, the way back through them; else a ray towards a lamp that meets a mirror. Two rays beside it give the linear map
-//! from directions at the point to places at each lamp, and its inverse turns the lamp's outline into a disk of directions: the lamp's
-//! image. Directions are drawn from these disks with a density in closed form and followed as any other, so that the map need not be exact for
-//! the estimate to be unbiased; draws from the lobe stay, and the balance heuristic weighs both (Veach and Guibas 1995, eq. 9).
+//! A retroreflective lobe sends light to lamps next to the eye. Through curved mirrors and
+//! dielectrics no light sampling finds these lamps, and the lobe hits a small one by chance only.
+//! But a ray along such a path that ends near a lamp is known: if the point is seen through
+//! specular surfaces, the reversed path; otherwise a ray towards a lamp that hits a mirror. Two
+//! adjacent rays give the linear map from directions at the point to positions at each lamp. Its
+//! inverse maps the lamp's outline to a disk of directions: the lamp's image. Directions are
+//! sampled from these disks with a pdf in closed form and traced like any others, so the map need
+//! not be exact for the estimate to be unbiased. The lobe is sampled as well, and the balance
+//! heuristic weights both (Veach and Guibas 1995, eq. 9).
 //!
-//! This is a manifold walk of two Newton steps (Hanika, Droske and Fascione 2015; Zeltner, Georgiev and Jakob 2020) in the space of
-//! directions, taken for whole lamps at once. Since no root is looked for, none can be missed or found twice.
+//! This is a manifold walk of two Newton steps (Hanika, Droske and Fascione 2015; Zeltner, Georgiev
+//! and Jakob 2020) in the space of directions, for whole lamps at once. Since it does not depend on
+//! a root, none can be missed or found twice.
 
 use crate::retrace::MOST_LIGHTS;
 use crate::specular_chain::{SpecularChain, SpecularEvent};
@@ -21,31 +25,34 @@ use radsight_sampling::{choose, unit_disk};
 use radsight_texture::strongest;
 use std::f64::consts::PI;
 
-/// Tangent of the angle at which rays beside another leave it: less than an image's size, more than rounding.
+/// Tangent of the angle between a ray and its adjacent rays: less than an image's size, more than
+/// rounding errors.
 const BESIDE: f64 = 1e-6;
 
-/// An image farther from the traced ray than this, as a tangent, or larger, is not drawn from: the map is not linear there.
+/// Maximum distance of an image from the traced ray, and maximum size, as tangents: beyond it the
+/// map is not linear.
 const FARTHEST: f64 = 1.0;
 
-/// How many directions are drawn from the images of lamps.
+/// Number of directions sampled from the images of lamps.
 const DRAWS: u32 = 4;
 
-/// Rays towards no more lamps are looked at closer.
+/// Maximum number of rays towards lamps that are refined.
 const MOST_SEEDS: usize = 4;
 
-/// An image that is worth less than this share of all is left to the lobe.
+/// Images with less than this fraction of the total weight are left to the lobe.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// A ray to the middle of an image that ends within this share of the light's radius from its middle is good enough.
+/// A ray to the centre of an image is accurate if it ends within this fraction of the light's
+/// radius from its centre.
 const NEAR: f64 = 0.1;
 
-/// Images are this much larger than the map makes them, since it is not quite linear.
+/// Factor by which images are enlarged, since the map is not exactly linear.
 const MARGIN: f64 = 1.15;
 
-/// Newton's method takes no more steps.
+/// Maximum number of Newton steps.
 const MOST_STEPS: u32 = 4;
 
-/// A lamp where the lobe is below this share of its peak is not looked for.
+/// Lamps where the lobe is below this fraction of its peak are ignored.
 const FAINT: f64 = 1e-9;
 
 /// Directions from a point to the images of lamps in specular surfaces.
@@ -57,23 +64,23 @@ pub(crate) struct SpecularReturn {
 /// A disk of directions, in the tangent plane of one of them.
 #[derive(Debug)]
 struct LightImage {
-    /// Of which light, by its place in the plan.
+    /// Index of the light in the plan.
     light: usize,
     frame: TangentPlane,
     center: DVec2,
-    /// From the unit disk to the tangent plane, without the centre; and back.
+    /// From the unit disk to the tangent plane, without the centre; and its inverse.
     map: DMat2,
     inverse: DMat2,
-    /// Draws more where the lobe is higher.
+    /// Places more samples where the lobe is higher.
     warp: DiskWarp,
-    /// How often it is chosen.
+    /// Selection probability.
     chance: f64,
-    /// Times the warp's density, that of all draws in the tangent plane.
+    /// The pdf of all samples in the tangent plane, without the warp's pdf.
     density: f64,
 }
 
 impl LightImage {
-    /// The point of the unit disk that a unit direction comes from; `None` outside of the image.
+    /// The point of the unit disk of a unit direction; `None` outside the image.
     fn place(&self, direction: DVec3) -> Option<DVec2> {
         let cosine = direction.dot(self.frame.axis);
         let at = self.inverse * (self.frame.components(direction) / cosine - self.center);
@@ -81,7 +88,7 @@ impl LightImage {
     }
 }
 
-/// The plane that touches the unit sphere of directions at one of them.
+/// The tangent plane of the unit sphere of directions at one of them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TangentPlane {
     axis: DVec3,
@@ -105,12 +112,12 @@ impl TangentPlane {
 }
 
 impl SpecularReturn {
-    /// How many directions are drawn.
+    /// Number of sampled directions.
     pub(crate) const fn draws(&self) -> u32 {
         DRAWS
     }
 
-    /// A unit direction; draw number `draw` of [`Self::draws`] chooses among the images evenly with the others.
+    /// Samples a unit direction; number `draw` of [`Self::draws`], stratified over the images.
     pub(crate) fn draw(&self, draw: u32, u: [f64; 3]) -> Option<DVec3> {
         let choice = (f64::from(draw) + u[2]) / f64::from(DRAWS);
         let (chosen, _) = choose(self.images.iter().map(|image| image.chance), choice)?;
@@ -119,7 +126,7 @@ impl SpecularReturn {
         Some(image.frame.direction(image.center + image.map * at))
     }
 
-    /// Expected number of draws of [`Self::draw`] per solid angle about a unit direction, 1/sr.
+    /// Expected number of samples of [`Self::draw`] per solid angle in a unit direction, 1/sr.
     pub(crate) fn density(&self, direction: DVec3) -> f64 {
         let density = |image: &LightImage| {
             let Some(at) = image.place(direction) else { return 0.0 };
@@ -130,13 +137,13 @@ impl SpecularReturn {
         self.images.iter().map(density).sum()
     }
 
-    /// Whether the middle of an image lies in one of the same light that is known: it was found from another side.
+    /// Whether the centre of an image lies in a known image of the same light: it was found twice.
     fn holds(&self, other: &LightImage) -> bool {
         let direction = other.frame.direction(other.center);
         self.images.iter().any(|image| image.light == other.light && image.place(direction).is_some())
     }
 
-    /// Divides the draws in proportion to what each image is worth; `None` without images.
+    /// Distributes the samples in proportion to the weights of the images; `None` without images.
     fn settled(mut self) -> Option<SpecularReturn> {
         let total: f64 = self.images.iter().map(|image| image.chance).sum();
         for image in &mut self.images {
@@ -147,7 +154,7 @@ impl SpecularReturn {
     }
 }
 
-/// Where a ray and two beside it end after the same interactions.
+/// The ends of a ray and of two adjacent ones after the same interactions.
 pub(crate) struct RayBundle {
     pub(crate) frame: TangentPlane,
     pub(crate) middle: Ray,
@@ -155,12 +162,13 @@ pub(crate) struct RayBundle {
 }
 
 impl RayBundle {
-    /// The ends of the ray and of the two beside it, each [`Self::step`] away in the tangent plane.
+    /// The ends of the ray and of the two adjacent ones, each [`Self::step`] away in the tangent
+    /// plane.
     pub(crate) fn ends(&self) -> [&Ray; 3] {
         [&self.middle, &self.beside[0], &self.beside[1]]
     }
 
-    /// Distance in the tangent plane between the ray and those beside it.
+    /// Distance in the tangent plane between the ray and the adjacent ones.
     pub(crate) const fn step(&self) -> f64 {
         BESIDE
     }
@@ -183,7 +191,8 @@ impl RayBundle {
     }
 }
 
-/// Where a ray passes the middle of a light, in the plane through it across `plane`'s axis, and the light's radius there.
+/// Where a ray passes the centre of a light, in the plane through it perpendicular to `plane`'s
+/// axis, and the light's radius there.
 pub(crate) fn passing_place(light: &Light, plane: &TangentPlane, ray: &Ray) -> Option<(DVec2, f64)> {
     let along = ray.direction.dot(plane.axis);
     let (place, radius) = match light.form {
@@ -207,19 +216,20 @@ pub(crate) fn passing_place(light: &Light, plane: &TangentPlane, ray: &Ray) -> O
     (along > 0.0).then(|| (plane.components(place), radius))
 }
 
-/// A point whose highlight looks for lamps.
+/// A point whose highlight searches for lamps.
 struct ReturnPoint<'b, const BANDS: usize> {
     from: (DVec3, Option<PrimitiveId>),
     bsdf: &'b Bsdf<'b, BANDS>,
     peak: LobePeak,
-    /// A lamp where the lobe is no higher is not looked for.
+    /// Lamps where the lobe is not higher are ignored.
     least: f64,
 }
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// The images of lamps in specular surfaces that a point sees about the way back; `None` where there are none.
+    /// The images of lamps in specular surfaces that a point sees around the retroreflected
+    /// direction; `None` if there are none.
     ///
-    /// `chain` is how the point itself is seen from the path's beginning.
+    /// `chain` is the chain between the path's origin and the point.
     pub(crate) fn specular_return(
         &mut self,
         chain: SpecularChain,
@@ -253,7 +263,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         found.settled()
     }
 
-    /// A way to somewhere near a light by way of mirrors: the direction of its middle, if a mirror is there.
+    /// A path close to a light through mirrors: the direction of its centre, if it hits a mirror.
     fn mirrored_way(&mut self, light: &Light, point: &ReturnPoint<'_, BANDS>) -> Option<(DVec3, Vec<SpecularEvent>)> {
         let (at, _) = point.from;
         let (direction, distance) = match light.form {
@@ -268,7 +278,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         is_before_the_light.then(|| rays.pop()).flatten().map(|last| (direction, last.events))
     }
 
-    /// Adds the images of all lights by way of these interactions about a direction.
+    /// Adds the images of all lights through these interactions around a direction.
     fn add_images(
         &mut self,
         found: &mut SpecularReturn,
@@ -292,7 +302,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Whether the ray to the middle of an image ends near enough to the middle of its light.
+    /// Whether the ray to the centre of an image ends near enough to the centre of its light.
     fn is_met(
         &mut self,
         (at, primitive): (DVec3, Option<PrimitiveId>),
@@ -306,7 +316,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         passed.is_some_and(|(place, radius)| place.length() <= NEAR * radius)
     }
 
-    /// The image of the same light from a bundle about its own middle: Newton's method; `None` where that does not converge.
+    /// The image of the same light from a bundle around its own centre: Newton's method; `None` if
+    /// it does not converge.
     fn refined(
         &mut self,
         point: &ReturnPoint<'_, BANDS>,
@@ -341,7 +352,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         Some(RayBundle { frame, middle, beside })
     }
 
-    /// The images of all lights that a bundle ends near, each with what it is worth.
+    /// The images of all lights that a bundle ends near, with their weights.
     fn images(&mut self, bundle: &RayBundle, point: &ReturnPoint<'_, BANDS>) -> Vec<LightImage> {
         let mut images = Vec::new();
         for (index, light) in self.plan.lights.iter().enumerate() {
@@ -351,7 +362,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         images
     }
 
-    /// A light's image with what it is worth; `None` where that is nothing.
+    /// A light's image with its weight; `None` for 0.
     fn image(
         &mut self,
         bundle: &RayBundle,
@@ -361,7 +372,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let frame = bundle.frame;
         let map = map * MARGIN;
         let inverse = map.inverse();
-        // The lobe at the middle of the image and where it is nearest to the way back.
+        // The lobe at the centre of the image and where it is nearest to the retroreflected
+        // direction.
         let outgoing = point.bsdf.outgoing;
         let back = frame.components(outgoing) / outgoing.dot(frame.axis).max(FARTHEST / 2.0);
         let step = inverse * (back - center);
@@ -391,7 +403,7 @@ mod tests {
         LightImage { light: 0, frame, center, map, inverse: map.inverse(), warp, chance, density: 0.0 }
     }
 
-    /// Two ellipses that overlap, and one far away.
+    /// Two overlapping ellipses, and one far away.
     fn images() -> SpecularReturn {
         let round = DMat2::from_diagonal(DVec2::splat(0.1));
         let long = DMat2::from_cols(DVec2::new(0.02, 0.15), DVec2::new(-0.05, 0.01));
@@ -405,7 +417,7 @@ mod tests {
         let images = images();
         let axis = DVec3::new(0.3, -0.2, 0.9).normalize();
         let smooth = |direction: DVec3| 1.0 + direction.x - 2.0 * direction.y * direction.z;
-        // ∫ smooth over all images, by draws and by a grid in the tangent plane.
+        // ∫ smooth over all images, by sampling and by a grid in the tangent plane.
         let points = 1 << 18;
         let mut by_draws = 0.0;
         for index in 0..points {

@@ -1,28 +1,29 @@
-//! What antimatter has cut away for a ray.
+//! The antimatter subtraction of a ray.
 
 mod antimatter;
 
 use radsight_accel::ShaderId;
 
-/// What is cut for a ray, and what bodies it is within.
+/// The shaders that are subtracted for a ray, and the volumes around it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Subtraction {
-    /// Shaders of the surfaces that are not there, ascending.
+    /// Shaders of the subtracted surfaces, ascending.
     gone: Vec<ShaderId>,
-    /// For shaders that any antimatter cuts: how many more fronts than backs the ray has passed. Ascending, none of them zero.
+    /// For shaders that any antimatter cuts: number of fronts minus number of backs that the ray
+    /// has passed. Ascending, never zero.
     passed: Vec<(ShaderId, i32)>,
 }
 
-/// Names a cut that the present ray has met; the first is that of nothing.
+/// Identifies a subtraction of the current ray; the first subtracts nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct SubtractionId(u32);
 
-/// What becomes of a ray at a surface, by antimatter alone.
+/// The effect of antimatter on a ray at a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AntimatterEvent {
-    /// The surface is not there. The ray goes on with this cut.
+    /// The surface is subtracted. The ray continues with this subtraction.
     Nothing(SubtractionId),
-    /// The surface is there. What passes through it goes on with this cut.
+    /// The surface exists. Rays through it continue with this subtraction.
     Surface(SubtractionId),
 }
 

@@ -1,4 +1,4 @@
-//! Radiance of scenes whose answer is known in closed form.
+//! Radiance of scenes with a closed form.
 
 mod build;
 
@@ -25,7 +25,7 @@ fn a_disk_light_gives_the_irradiance_of_its_form_factor() {
     let light = scene.light([7.0; 3]);
     let (radius, height) = (0.8, 1.5);
     scene.ring(light, Ring { center: DVec3::Z * height, normal: DOWN, inner_radius: 0.0, outer_radius: radius });
-    // E = πL r²/(r² + h²) under the middle of a disk.
+    // E = πL r²/(r² + h²) below the centre of a disk.
     let expected = PI * 7.0 * radius * radius / (radius * radius + height * height);
     assert_close(mean(&scene, irradiance(), DVec3::ZERO, DVec3::Z, 4096), expected, 1e-4);
 }
@@ -33,7 +33,7 @@ fn a_disk_light_gives_the_irradiance_of_its_form_factor() {
 #[test]
 fn a_narrow_beam_of_a_large_light_is_found_from_near() {
     let mut scene = Builder::default();
-    // Rays that meet it within 2.56° of its normal see it shine.
+    // It emits to rays within 2.56° of its normal.
     let light = scene.patterned("if(Dz-.999,5,0)", Material::Light { radiance: Rgb::WHITE });
     let corner = |x: f64, y: f64| DVec3::new(x, y, 1.0);
     scene.polygon(light, &[corner(5.0, 5.0), corner(5.0, -5.0), corner(-5.0, -5.0), corner(-5.0, 5.0)]);
@@ -50,7 +50,7 @@ fn a_sphere_light_gives_the_irradiance_of_a_point_light_off_its_axis() {
     let light = scene.light([2.0; 3]);
     let (radius, center) = (0.4, DVec3::new(1.0, 0.5, 2.0));
     scene.sphere(light, Sphere { center, radius, facing: Facing::Outward });
-    // A sphere wholly above the horizon: E = π L (r/d)² cos θ.
+    // A sphere entirely above the horizon: E = π L (r/d)² cos θ.
     let distance = center.length();
     let expected = PI * 2.0 * (radius / distance).powi(2) * center.z / distance;
     assert_close(mean(&scene, irradiance(), DVec3::ZERO, DVec3::Z, 4096), expected, 1e-3);
@@ -61,7 +61,7 @@ fn a_parallelogram_and_an_l_shape_of_the_same_place_agree() {
     let rectangle = |scene: &mut Builder, x0: f64, x1: f64, y0: f64, y1: f64| {
         let light = scene.light([3.0; 3]);
         let corner = |x, y| DVec3::new(x, y, 1.0);
-        // Clockwise from above: it shines down.
+        // Clockwise from above: it emits downwards.
         scene.polygon(light, &[corner(x0, y0), corner(x0, y1), corner(x1, y1), corner(x1, y0)]);
     };
     let mut two = Builder::default();
@@ -98,7 +98,8 @@ fn a_small_sun_gives_its_solid_angle_times_the_cosine() {
     assert_close(found, 1e6 * solid_angle * direction.z, 1e-4);
 }
 
-/// In a closed sphere of reflectance ρ whose wall glows, the radiance is L/(1 − ρ) in the limit of many bounces.
+/// In a closed sphere of reflectance ρ whose wall glows, the radiance is L/(1 − ρ) in the limit of
+/// many bounces.
 #[test]
 fn a_white_furnace_keeps_its_energy() {
     let mut scene = Builder::default();
@@ -108,14 +109,16 @@ fn a_white_furnace_keeps_its_energy() {
     scene.sphere(glow, Sphere { center: DVec3::ZERO, radius: 0.5, facing: Facing::Outward });
     let options = RenderOptions { ambient_bounces: 200, path_limit: PathLimit::Roulette, ..RenderOptions::default() };
     let found = mean(&scene, options, DVec3::new(0.0, 0.0, 1.0), DVec3::Z, 1 << 14);
-    // Power balance: Φ = πL·A_lamp; a share F of what the wall sends back meets the black lamp, F = A_lamp/A_wall = 1/16. The wall's
-    // irradiance E then obeys E·A_wall = Φ + ρ·E·A_wall·(1 − F), and its radiance is ρE/π.
+    // Power balance: Φ = πL·A_lamp. A fraction F of the light reflected by the wall hits the black
+    // lamp, F = A_lamp/A_wall = 1/16. The wall's irradiance E obeys E·A_wall = Φ + ρ·E·A_wall·(1 −
+    // F), and its radiance is ρE/π.
     let (rho, f) = (0.6, 1.0 / 16.0);
     let irradiance = PI * f / (1.0 - rho * (1.0 - f));
     assert_close(found, rho * irradiance / PI, 5e-3);
 }
 
-/// A body that absorbs nothing cannot be seen in even light: what a ray loses by splitting it finds again on each way.
+/// A dielectric without absorption is invisible in uniform light: reflected and refracted rays add
+/// up.
 #[test]
 fn a_clear_body_in_a_white_furnace_is_invisible() {
     let mut scene = Builder::default();
@@ -133,7 +136,7 @@ fn a_clear_body_in_a_white_furnace_is_invisible() {
     }
 }
 
-/// A body dims what passes by its transmissivity to the power of the distance.
+/// A dielectric attenuates by its transmissivity to the power of the distance.
 #[test]
 fn an_absorbing_body_dims_by_beers_law() {
     let mut scene = Builder::default();
@@ -148,7 +151,8 @@ fn an_absorbing_body_dims_by_beers_law() {
     }
 }
 
-/// The ambient value stands for what the last bounce would see: a Lambertian surface gives its reflectance's share of it.
+/// The ambient value replaces light after the last bounce: a Lambertian surface reflects its
+/// reflectance times it.
 #[test]
 fn the_ambient_value_lights_where_no_bounce_is_left() {
     let mut scene = Builder::default();
@@ -175,11 +179,11 @@ fn a_perfect_mirror_corner_returns_the_light() {
     let origin = DVec3::new(2.0, 2.0, 1.5);
     let direction = (DVec3::new(0.0, 2.0, 0.01) - origin).normalize();
     let found = mean(&scene, RenderOptions::default(), origin, direction, 1);
-    // Towards the edge and off it: twice reflected, back near the start, into the lamp.
+    // At the edge and off it: reflected twice, back near the start, into the lamp.
     assert_close(found, 5.0 * 0.9 * 0.9, 1e-9);
 }
 
-/// A diffuse floor lit by way of a plane mirror: the image of the light gives what an unfolded light would.
+/// A diffuse floor lit through a plane mirror: equal to an unfolded light.
 #[test]
 fn a_plane_mirror_relays_a_light() {
     let disk = Ring { center: DVec3::new(-1.0, 0.0, 1.0), normal: DVec3::X, inner_radius: 0.0, outer_radius: 0.2 };
@@ -219,7 +223,7 @@ fn glass_between_lamp_and_floor_takes_its_share() {
     assert_close(paned / open, (1.0 - r) * (1.0 - r) * t / (1.0 - r * r * t * t), 1e-3);
 }
 
-/// Rough metal under a large lamp: sampling lights and sampling the highlight are two ways to the same mean.
+/// Rough metal under a large lamp: sampling lights and sampling the highlight have the same mean.
 #[test]
 fn combined_sampling_agrees_with_itself_for_narrow_and_wide_highlights() {
     for roughness in [0.02, 0.1, 0.4] {
@@ -228,7 +232,7 @@ fn combined_sampling_agrees_with_itself_for_narrow_and_wide_highlights() {
             let metal = scene.metal([0.9; 3], 1.0, roughness);
             let floor = |x: f64, y: f64| DVec3::new(x, y, 0.0);
             scene.polygon(metal, &[floor(-5.0, -5.0), floor(5.0, -5.0), floor(5.0, 5.0), floor(-5.0, 5.0)]);
-            // A glow that is not sampled is found by the highlight alone.
+            // Only the highlight finds a glow that is not sampled.
             let lamp = if relit { scene.light([1.0; 3]) } else { scene.glow([1.0; 3], 0.0) };
             scene.ring(
                 lamp,

@@ -1,4 +1,4 @@
-//! What antimatter cuts away.
+//! Antimatter subtraction.
 
 mod build;
 
@@ -13,7 +13,7 @@ fn ball(scene: &mut Builder, modifier: ModifierHandle, z: f64, radius: f64) {
     scene.sphere(modifier, Sphere { center: DVec3::Z * z, radius, facing: Facing::Outward });
 }
 
-/// A unit ball at the origin, and antimatter in a ball of radius 0.5 around its upper pole.
+/// A unit sphere at the origin, and antimatter in a sphere of radius 0.5 around its upper pole.
 fn bitten(shade: impl Fn(&mut Builder, ModifierHandle) -> Option<ModifierHandle>) -> Builder {
     let mut scene = Builder::default();
     let paint = scene.plastic([0.5; 3], 0.0, 0.0);
@@ -24,7 +24,7 @@ fn bitten(shade: impl Fn(&mut Builder, ModifierHandle) -> Option<ModifierHandle>
     scene
 }
 
-/// To what is seen, past what is not there.
+/// Distance to the visible surface, past subtracted ones.
 fn distance(scene: &Builder, x: f64) -> f64 {
     let ray = Ray::new(DVec3::new(x, 0.0, 10.0), DOWN).expect("the test's ray is one");
     traced(scene, RenderOptions::default(), &[ray])[0].effective_distance

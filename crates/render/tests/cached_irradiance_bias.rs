@@ -1,8 +1,10 @@
-//! Cached irradiance has the mean that the integrals have, where small bright patches and windows light a room.
+//! Cached irradiance has the mean of the integral, where small bright patches and windows light a
+//! room.
 //!
-//! The room is a box of 6 × 4 × 3 with walls of reflectance 0.5. All of its light comes from a glow on the floor and, in
-//! some cases, from a uniform sky through a hole in a wall. No light is sampled directly, so every bit of it passes through
-//! the cache. The truth is made by quadrature of `E = ∫ L cos θ cos θ'/r² dA` over patch, hole and walls.
+//! The room is a box of 6 × 4 × 3 with walls of reflectance 0.5. All of its light comes from a glow
+//! on the floor and, in some cases, from a uniform sky through a hole in a wall. No light is
+//! sampled directly, so all of it passes through the cache. The truth is a quadrature of `E = ∫ L
+//! cos θ cos θ'/r² dA` over patch, hole and walls.
 
 mod build;
 
@@ -40,7 +42,7 @@ impl Rectangle {
         [self.corner, self.corner + self.x, self.corner + self.x + self.y, self.corner + self.y]
     }
 
-    /// The middles of `columns × rows` cells, and the area of each.
+    /// The centres of `columns × rows` cells, and the area of each.
     fn cells(self, columns: u32, rows: u32) -> impl Iterator<Item = (DVec3, f64)> {
         let area = self.x.cross(self.y).length() / f64::from(columns * rows);
         (0..columns * rows).map(move |cell| {
@@ -50,14 +52,14 @@ impl Rectangle {
     }
 }
 
-/// What a point with a unit normal gets for each radiance of a small area.
+/// The irradiance of a point with a unit normal per radiance of a small area.
 fn geometry(point: DVec3, normal: DVec3, (other, area): (DVec3, f64), other_normal: DVec3) -> f64 {
     let way = other - point;
     let squared = way.length_squared();
     (normal.dot(way).max(0.0) * (-other_normal.dot(way)).max(0.0)) * area / (squared * squared).max(1e-12)
 }
 
-/// The walls, with normals that point inwards.
+/// The walls, with inward normals.
 fn walls() -> [Rectangle; 6] {
     let DVec3 { x, y, z } = SIZE;
     [
@@ -108,7 +110,7 @@ impl Room {
         scene
     }
 
-    /// Irradiance straight from the patch and the hole.
+    /// Direct irradiance from patch and hole.
     fn first(&self, point: DVec3, normal: DVec3) -> f64 {
         let from = |emitter: &Rectangle, radiance: f64, cells: u32| {
             let facing = emitter.normal();
@@ -129,7 +131,8 @@ impl Room {
         within(&self.patch) || self.hole.as_ref().is_some_and(within)
     }
 
-    /// Cells of the walls: their middles, areas and normals, and what they send on after one reflection.
+    /// Cells of the walls: their centres, areas and normals, and their radiance after one
+    /// reflection.
     fn reflecting(&self) -> Vec<((DVec3, f64), DVec3, f64)> {
         let cells = |wall: Rectangle| {
             let [columns, rows] = [wall.x, wall.y].map(|edge| (edge.length() * 12.0) as u32);
@@ -144,7 +147,7 @@ impl Room {
     }
 }
 
-/// Points of the ceiling and of the far wall, not at their edges, with their normals.
+/// Points of the ceiling and of the far wall, away from their edges, with their normals.
 fn points(count: u32) -> Vec<(DVec3, DVec3)> {
     (0..count)
         .map(|index| {
@@ -181,7 +184,7 @@ fn the_mean_is_right_for_patches_of_all_sizes_with_and_without_windows() {
                 let squares: f64 = means.iter().map(|value| (value - mean).powi(2)).sum();
                 let error = (squares / (SEEDS * (SEEDS - 1)) as f64).sqrt();
                 let case = format!("a patch of {side}, {bounces} bounces, hole: {}", hole.is_some());
-                // Quadrature leaves less than a fifth of a per cent.
+                // The quadrature is accurate to a fifth of a per cent.
                 assert!((mean - 1.0).abs() < 3.0 * error + 2e-3, "{case}: {mean} ± {error}");
                 assert!(error < 0.02, "{case}: too noisy to tell, ± {error}");
             }
@@ -189,7 +192,7 @@ fn the_mean_is_right_for_patches_of_all_sizes_with_and_without_windows() {
     }
 }
 
-/// The sum of the radiances of the points, by the cache.
+/// The sum of the cached radiances of the points.
 fn cached(scene: &Builder, points: &[(DVec3, DVec3)], bounces: u32, seed: u64) -> f64 {
     let gathering = Gathering { accuracy: 0.25, divisions: 64, ..Gathering::default() };
     let options = RenderOptions { ambient_bounces: bounces, gathering, seed, ..RenderOptions::default() };
@@ -200,7 +203,7 @@ fn cached(scene: &Builder, points: &[(DVec3, DVec3)], bounces: u32, seed: u64) -
     renderer.trace_all(0, &rays).iter().flatten().map(|traced| traced.value[0]).sum()
 }
 
-/// The patch lies below the sensors: what they get of it comes by way of ceiling and walls.
+/// The patch is below the sensors: its light reaches them through ceiling and walls.
 #[test]
 fn few_sensors_have_the_light_of_a_second_bounce_with_little_noise() {
     let room = Room::new(0.2, None);
@@ -235,7 +238,8 @@ fn few_sensors_have_the_light_of_a_second_bounce_with_little_noise() {
     let error = (means.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (runs * (runs - 1.0))).sqrt();
     let deviation = (squares / (9.0 * runs)).sqrt();
     assert!((mean - 1.0).abs() < 3.0 * error + 2e-3, "{mean} ± {error}");
-    // Eight times the rays that are asked for leave .007 if they go on as paths of one ray a bounce.
+    // Eight times the requested rays as paths of one ray per bounce would have a deviation of
+    // 0.007.
     assert!(deviation < MOST_DEVIATION, "{deviation}");
 }
 
@@ -247,7 +251,7 @@ fn a_wall_in_the_plane_of_a_window_gets_nothing_from_it() {
     let options = RenderOptions { ambient_bounces: 1, gathering, ..RenderOptions::default() };
     let mut renderer = Renderer::new(plan(&room.scene(), options));
     let eye = 0.5 * SIZE;
-    // Every other ray meets the floor, whose records see the sky.
+    // Every other ray hits the floor, whose records see the sky.
     let target = |index: u32| {
         let [u, v] = [0.754_877_666, 0.569_840_291].map(|step| 0.01 + 0.98 * (f64::from(index) * step).fract());
         if index.is_multiple_of(2) {

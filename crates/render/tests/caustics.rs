@@ -1,5 +1,5 @@
-//! Light of lamps by way of curved mirrors and bodies of glass, against sums over all directions and against
-//! the same lamps as glows, which rays of the diffuse component meet by chance.
+//! Caustics of lamps by curved mirrors and dielectrics, compared with sums over all directions and
+//! with the same lamps as glows, which diffuse rays hit by chance.
 
 mod build;
 
@@ -27,7 +27,7 @@ fn irradiance(scene: &Builder, options: RenderOptions, count: usize) -> (f64, f6
     (mean, (variance / count as f64).sqrt())
 }
 
-/// What solving for paths finds beside what Radiance would, for a lamp and one thing in front of it.
+/// Caustics minus Radiance's light, for a lamp and one object in front of it.
 #[track_caller]
 fn assert_finds_what_chance_finds(thing: impl Fn(&mut Builder), lamp: Sphere) {
     let scene = |lamp_material: fn(&mut Builder) -> ModifierHandle| {

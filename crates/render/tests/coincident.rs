@@ -1,4 +1,4 @@
-//! What lies on a light, and panes that lie on each other, on the way of shadow rays.
+//! Shadow rays and surfaces that are coincident with a light or with each other.
 
 mod build;
 
@@ -7,29 +7,30 @@ use glam::DVec3;
 use radsight_ir::{ModifierHandle, Ring, Sphere};
 use radsight_render::RenderOptions;
 
-/// A square about the z axis with this height and half its side, its front below.
+/// A square centred on the z axis with this height and half width, facing down.
 fn downwards(height: f64, half: f64) -> [DVec3; 4] {
     [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(x, y)| DVec3::new(half * x, half * y, height))
 }
 
-/// The same with its front above.
+/// The same facing up.
 fn upwards(height: f64, half: f64) -> [DVec3; 4] {
     let mut corners = downwards(height, half);
     corners.reverse();
     corners
 }
 
-/// Beside the light, so that a shadow ray has a hierarchy to search and not only a short list; or not.
+/// Other surfaces next to the light, so that a shadow ray traverses a hierarchy and not only a
+/// short list; or none.
 #[derive(Clone, Copy, Debug)]
 enum Company {
     None,
     Crowd,
 }
 
-/// How many balls a crowd is.
+/// Number of spheres in a crowd.
 const CROWD: u32 = 40;
 
-/// Radiance of a floor under a lamp at a height of 3, after `add` has added what it likes.
+/// Radiance of a floor under a lamp at height 3, with further surfaces.
 fn floor_under_lamp(company: Company, add: impl FnOnce(&mut Builder)) -> f64 {
     let mut scene = Builder::default();
     let floor = scene.plastic([0.5; 3], 0.0, 0.0);
@@ -58,7 +59,8 @@ const COMPANIES: [Company; 2] = [Company::None, Company::Crowd];
 /// Within Radiance's 1e-6: on the light, in front of it, behind it.
 const HEIGHTS: [f64; 4] = [3.0, 3.0 - 5e-7, 3.0 + 5e-7, 3.0 - 1e-9];
 
-/// What is lit by the lamp and what lies on it: a modifier defined before the light's or after it, and its polygon.
+/// The lamp's light with a surface on it: a modifier defined before the light's or after it, and
+/// its polygon.
 fn with_overlay(
     company: Company,
     is_later: bool,
@@ -160,7 +162,7 @@ fn panes_that_lie_on_each_other_dim_once() {
 
 #[test]
 fn the_wrong_side_of_two_that_lie_on_each_other_casts_no_shadow_on_the_right_one() {
-    // The later one, a little farther, is met; the other is then in front of it.
+    // The later one, slightly farther away, is hit; the other is then in front of it.
     let bare = floor_under_lamp(Company::None, lamp);
     for lift in [0.0, 5e-7] {
         let covered = floor_under_lamp(Company::None, |scene| {

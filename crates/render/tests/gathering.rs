@@ -1,4 +1,4 @@
-//! Irradiance that is shared or looked for, against what is known and against rays drawn one by one.
+//! Cached or gathered irradiance, compared with closed forms and with independent rays.
 
 mod build;
 
@@ -8,7 +8,7 @@ use radsight_ir::{Facing, Sphere};
 use radsight_render::{Gathering, Quantity, Ray, RaySpacing, RenderOptions, Renderer, Traced, Uncached};
 use std::f64::consts::PI;
 
-/// An integrating sphere: a small light in the middle of a diffuse bubble.
+/// An integrating sphere: a small light in the centre of a diffuse bubble.
 fn integrating_sphere() -> Builder {
     let mut scene = Builder::default();
     let paint = scene.plastic([0.5; 3], 0.0, 0.0);
@@ -18,7 +18,7 @@ fn integrating_sphere() -> Builder {
     scene
 }
 
-/// A floor and two walls with a glow above: irradiance that changes from place to place.
+/// A floor and two walls with a glow above: nonuniform irradiance.
 fn corner() -> Builder {
     let mut scene = Builder::default();
     let white = scene.plastic([0.7; 3], 0.0, 0.0);
@@ -41,7 +41,7 @@ fn options(bounces: u32, accuracy: f64) -> RenderOptions {
     RenderOptions { ambient_bounces: bounces, gathering, ..RenderOptions::default() }
 }
 
-/// Rays from one point down into the corner, spread over it.
+/// Rays from one point down into the corner, distributed over it.
 fn view(count: usize) -> Vec<Option<Ray>> {
     let eye = DVec3::new(1.9, 0.1, 1.8);
     (0..count)
@@ -89,7 +89,7 @@ fn shared_irradiance_agrees_with_rays_drawn_one_by_one() {
         let expected = drawn.trace_all(0, &again);
         for band in 0..3 {
             let mean = expected.iter().flatten().map(|traced| traced.value[band]).sum::<f64>() / 512.0;
-            // The light sampled at the first point is noise of the one ray.
+            // Light sampling at the first point is noise of the single ray.
             difference[band] += found.expect("a ray").value[band] - mean;
             whole[band] += mean;
         }
@@ -108,14 +108,15 @@ fn a_single_ray_looks_around_with_all_its_rays() {
     let ray = Ray::new(DVec3::new(1.5, 0.0, 0.0), -DVec3::X);
     let traced = renderer.trace_all(0, &[ray])[0].expect("a ray");
     let direct = PI * 100.0 * (0.1f64 / 1.5).powi(2);
-    // All but the light's disk is wall.
+    // Everything except the light's disk is wall.
     let wall = PI * 100.0 * (0.1f64 / 2.0).powi(2) * 0.5 * (1.0 - (0.1f64 / 1.5).powi(2));
     assert!((traced.value[0] / (direct + wall) - 1.0).abs() < 0.01, "{} against {}", traced.value[0], direct + wall);
 }
 
 #[test]
 fn what_is_small_and_bright_is_looked_for_where_it_was_found() {
-    // A glowing ball that fills less than a three-thousandth of what the floor sees, under a dim sky.
+    // A glowing sphere that fills less than a three-thousandth of the floor's view, under a dim
+    // sky.
     let (radius, height, radiance, sky) = (0.05, 3.0, 100.0, 0.05);
     let mut scene = Builder::default();
     let white = scene.plastic([1.0; 3], 0.0, 0.0);
@@ -145,7 +146,7 @@ fn what_is_small_and_bright_is_looked_for_where_it_was_found() {
     let count = errors.len() as f64;
     let mean = errors.iter().sum::<f64>() / count;
     let rms = (errors.iter().map(|error| error * error).sum::<f64>() / count).sqrt();
-    // Rays that do not know where it is leave a quarter.
+    // Unguided rays have an error of a quarter.
     assert!(mean.abs() < 0.06 && rms < 0.1, "{mean} in the mean, {rms} rms");
 }
 
@@ -170,7 +171,7 @@ fn gathering_does_not_depend_on_threads() {
 
 #[test]
 fn caustics_are_as_fine_as_the_rays_that_see_them() {
-    // A panel that is not sampled, and its image on the floor under a glass ball.
+    // A panel that is not sampled, and its image on the floor under a glass sphere.
     let mut scene = Builder::default();
     let white = scene.plastic([0.7; 3], 0.0, 0.0);
     let glass = scene.dielectric([1.0; 3], 1.5);

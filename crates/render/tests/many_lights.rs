@@ -1,4 +1,4 @@
-//! Light of so many lights that a few of them are drawn, against the sum over all.
+//! Selection of a few of many lights, compared with the sum over all.
 
 mod build;
 
@@ -17,13 +17,13 @@ fn assert_close(found: f64, expected: f64, tolerance: f64) {
     assert!((found / expected - 1.0).abs() < tolerance, "found {found}, expected {expected}");
 }
 
-/// Numbers of the unit cube that are all over the place.
+/// Scattered points of the unit cube.
 fn scattered(index: u32) -> DVec3 {
     let share = |step: f64| (f64::from(index + 1) * step).fract();
     DVec3::new(share(0.819_172_513_4), share(0.671_043_606_7), share(0.549_700_477_9))
 }
 
-/// A square of one polygon or of many, which shines down.
+/// A square of one polygon or of many, which emits downwards.
 fn ceiling(scene: &mut Builder, light: ModifierHandle, divisions: u32) {
     let side = 4.0 / f64::from(divisions);
     for cell in 0..divisions * divisions {
@@ -47,7 +47,7 @@ fn ten_thousand_spheres_give_the_sum_of_their_irradiances() {
             expected += PI * [0.2, 1.0, 30.0][kind] * (radius / distance).powi(2) * center.z / distance;
         }
     }
-    // In each other's way they are once in a thousand.
+    // One in a thousand occludes another.
     assert_close(mean(&scene, irradiance(), DVec3::ZERO, DVec3::Z, 1 << 14), expected, 5e-3);
 }
 
@@ -74,7 +74,7 @@ fn lights_that_turn_away_leave_the_work_to_the_others() {
     ceiling(&mut scene, light, 10);
     let lit = mean(&scene, irradiance(), DVec3::ZERO, DVec3::Z, 4096);
     for index in 0..2000 {
-        // Above the ceiling, and below the floor that is measured.
+        // Above the ceiling, and below the measured floor.
         let z = if index % 2 == 0 { 2.0 } else { -1.0 };
         let low = (scattered(index) - 0.5) * DVec3::new(4.0, 4.0, 0.0) + DVec3::Z * z;
         scene.polygon(light, &[low, low + DVec3::X * 0.1, low + DVec3::new(0.1, 0.1, 0.0), low + DVec3::Y * 0.1]);
@@ -91,7 +91,7 @@ fn many_distant_sources_and_near_ones_add_up() {
     let mut expected = 0.0;
     for index in 0..300 {
         let direction = (scattered(index) - 0.5).normalize();
-        // Those that the horizon cuts are left out.
+        // Sources that intersect the horizon are omitted.
         if direction.z.abs() > 0.02 {
             scene.source(light, direction, full_angle);
             expected += 40.0 * solid_angle * direction.z.max(0.0);
@@ -106,7 +106,7 @@ fn many_distant_sources_and_near_ones_add_up() {
     assert_close(mean(&scene, irradiance(), DVec3::ZERO, DVec3::Z, 1 << 14), expected, 5e-3);
 }
 
-/// Light that a rough highlight sees: drawing from the highlight and drawing lights share the work.
+/// Light on a rough highlight: highlight and light sampling are combined.
 #[test]
 fn highlights_of_many_spheres_do_not_depend_on_how_they_are_found() {
     let of = |more: u32| {
@@ -119,7 +119,7 @@ fn highlights_of_many_spheres_do_not_depend_on_how_they_are_found() {
             let center = DVec3::new(0.2 * f64::from(index) - 1.0, 1.0, 0.8);
             scene.sphere(light, Sphere { center, radius: 0.05, facing: Facing::Outward });
         }
-        // Black lights elsewhere make the number so large that some are drawn.
+        // Black lights elsewhere increase the number so that some are selected.
         for index in 0..more {
             let center = DVec3::new(-2.0, -2.0, 0.5) + 0.5 * scattered(index);
             scene.sphere(dark, Sphere { center, radius: 0.01, facing: Facing::Outward });

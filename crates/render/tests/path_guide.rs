@@ -1,7 +1,8 @@
-//! Guided single paths have the mean of plain ones and less noise, where a patch of sun lights a room.
+//! Guided paths have the mean of unguided ones and less noise, where a patch of sun lights a room.
 //!
-//! The room is a box of 4 × 4 × 3. The sun shines straight down through a hole in the ceiling onto the floor, so all other
-//! surfaces get their light by way of that patch. With black walls the truth is a quadrature of `E = ∫ L cos θ cos θ'/r² dA`.
+//! The room is a box of 4 × 4 × 3. The sun shines straight down through a hole in the ceiling onto
+//! the floor, so all other surfaces are lit by that patch. With black walls the truth is a
+//! quadrature of `E = ∫ L cos θ cos θ'/r² dA`.
 
 mod build;
 
@@ -15,7 +16,7 @@ const SIZE: DVec3 = DVec3::new(4.0, 4.0, 3.0);
 const FLOOR: f64 = 0.5;
 const HOLE: [DVec3; 2] = [DVec3::new(1.0, 1.2, 0.0), DVec3::new(1.3, 1.4, 0.0)];
 
-/// What the patch sends out, from a sun of .1° and this radiance.
+/// Radiance of a sun of 0.1°, which determines that of the patch.
 const SUN: f64 = 1e6;
 const SUN_ANGLE: f64 = 0.1 * PI / 180.0;
 
@@ -23,7 +24,8 @@ fn patch_radiance() -> f64 {
     FLOOR * SUN * (0.5 * SUN_ANGLE).sin().powi(2)
 }
 
-/// The room with walls and ceiling of a reflectance, and where `mirror` says so a mirror all over the wall where x is 0.
+/// The room with walls and ceiling of a reflectance, and optionally a mirror over the wall at x =
+/// 0.
 fn room(walls: f64, mirror: Option<f64>) -> Builder {
     let mut scene = Builder::default();
     let floor = scene.plastic([FLOOR; 3], 0.0, 0.0);
@@ -55,7 +57,7 @@ fn room(walls: f64, mirror: Option<f64>) -> Builder {
     scene
 }
 
-/// Irradiance from the patch, or from its image where x is mirrored.
+/// Irradiance from the patch, or from its mirror image.
 fn from_patch(point: DVec3, normal: DVec3, image: bool) -> f64 {
     let [low, high] = HOLE;
     let cells = 64;
@@ -93,7 +95,7 @@ fn sensors() -> Vec<Ray> {
 
 const RAYS: usize = 2048;
 
-/// Mean of each sensor, and the standard error of that.
+/// Mean of each sensor, and its standard error.
 fn measured(scene: &Builder, options: RenderOptions, guided: Guided) -> Vec<(f64, f64)> {
     let mut renderer = Renderer::new(plan(scene, options));
     let sensors = sensors();
@@ -103,7 +105,7 @@ fn measured(scene: &Builder, options: RenderOptions, guided: Guided) -> Vec<(f64
     }
     let of_one = |(index, sensor): (usize, &Ray)| {
         let traced = renderer.trace_all((index * RAYS) as u64, &vec![Some(*sensor); RAYS]);
-        // Neighbours in the sequence depend on each other: groups of them do not.
+        // Neighbours in the sequence are dependent; groups of them are not.
         let group = |rays: &[Option<radsight_render::Traced>]| {
             rays.iter().map(|traced| traced.expect("an answer").value[0]).sum::<f64>() / rays.len() as f64
         };
@@ -122,7 +124,8 @@ enum Guided {
     No,
 }
 
-/// The excess of all sensors together over the truth, in standard errors, and the mean relative variance.
+/// The deviation of all sensors together from the truth, in standard errors, and the mean relative
+/// variance.
 fn compared(found: &[(f64, f64)], truth: impl Fn(usize) -> (f64, f64)) -> (f64, f64) {
     let (mut excess, mut variance, mut relative) = (0.0, 0.0, 0.0);
     for (index, (mean, error)) in found.iter().enumerate() {

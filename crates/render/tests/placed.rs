@@ -1,4 +1,4 @@
-//! Meshes and instances: where rays meet them, and what functions see there.
+//! Meshes and instances: hits of rays, and the coordinates of functions.
 
 mod build;
 
@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 const DOWN: DVec3 = DVec3::new(0.0, 0.0, -1.0);
 
-/// Turned, enlarged, moved.
+/// Rotated, scaled, translated.
 fn somewhere() -> Transform {
     Transform {
         rotation: DMat3::from_rotation_z(0.7) * DMat3::from_rotation_x(0.4),
@@ -41,7 +41,8 @@ fn assert_close(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance * expected.abs().max(1.0), "found {found}, expected {expected}");
 }
 
-/// A unit square in the plane z = 0 as two triangles, with normals that lean outwards and its own coordinates as (u, v).
+/// A unit square in the plane z = 0 as two triangles, with outward-leaning normals and its own
+/// coordinates as (u, v).
 fn square(modifier: Option<ModifierHandle>) -> Mesh {
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     let triangle = |vertices| MeshTriangle { vertices, smooth: true, textured: true, modifier };
@@ -55,7 +56,7 @@ fn square(modifier: Option<ModifierHandle>) -> Mesh {
     }
 }
 
-/// A globe of triangles that inscribes the unit sphere, seen from outside.
+/// A globe of triangles inscribed in the unit sphere, seen from outside.
 fn globe(rings: u32) -> Mesh {
     let around = 2 * rings;
     let at = |i: u32, j: u32| {
@@ -171,7 +172,8 @@ fn every_ray_at_a_closed_mesh_hits_it_once_in_and_once_out() {
     }
 }
 
-/// A scene with a glowing ball of radius 0.25 at the origin; its radiance is the expression's value.
+/// A scene with a glowing sphere of radius 0.25 at the origin; its radiance is the expression's
+/// value.
 fn ball(expression: &str) -> Builder {
     let mut scene = Builder::default();
     let glow = scene.glow_of(expression);

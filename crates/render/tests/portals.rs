@@ -1,4 +1,4 @@
-//! Light that comes into a dark room by openings, against form factors.
+//! Light that enters a dark room through portals, compared with form factors.
 
 mod build;
 
@@ -12,7 +12,8 @@ fn options(uncached: Uncached) -> RenderOptions {
     RenderOptions { quantity: Quantity::Irradiance, ambient_bounces: 1, gathering, ..RenderOptions::default() }
 }
 
-/// Irradiance of a level point from an even square of radiance one and half side `half` at a height above it.
+/// Irradiance of a horizontal point from a uniform square of radiance 1 and half side `half` at a
+/// height above it.
 fn square_overhead(half: f64, height: f64) -> f64 {
     let share = half / half.hypot(height);
     // Four quarters of a corner's form factor, a/√(a² + h²)·atan(a/√(a² + h²))/π each, times π.
@@ -20,11 +21,11 @@ fn square_overhead(half: f64, height: f64) -> f64 {
 }
 
 fn square(half: f64, height: f64) -> [DVec3; 4] {
-    // Turned downwards.
+    // Facing down.
     [[-half, -half], [-half, half], [half, half], [half, -half]].map(|[x, y]| DVec3::new(x, y, height))
 }
 
-/// A ceiling at `height` with a square hole in its middle.
+/// A ceiling at `height` with a square hole in its centre.
 fn ceiling(scene: &mut Builder, hole: f64, height: f64) {
     let black = scene.plastic([0.0; 3], 0.0, 0.0);
     for turn in 0..4 {
@@ -39,13 +40,13 @@ fn ceiling(scene: &mut Builder, hole: f64, height: f64) {
     }
 }
 
-/// A dark room under an even sky, with panes of clear glass in a hole of the ceiling.
+/// A dark room under a uniform sky, with panes of clear glass in a hole of the ceiling.
 fn skylight(panes: &[f64]) -> Builder {
     let mut scene = Builder::default();
     let sky = scene.glow([3.0; 3], 0.0);
     scene.source(sky, DVec3::Z, PI);
     ceiling(&mut scene, 0.2, 2.0);
-    // Of index one: nothing is reflected.
+    // Index 1: no reflection.
     let glass = scene.glass([1.0; 3], 1.0);
     for height in panes {
         scene.polygon(glass, &square(0.2, *height));
@@ -87,12 +88,12 @@ fn lights_beside_a_skylight_count_once() {
     let mut scene = skylight(&[2.0]);
     let light = scene.light([1.0; 3]);
     scene.polygon(light, &square(3.0, 0.5));
-    // It hides the skylight; half of a wall of light above is all that is seen.
+    // It hides the skylight; only half of a bright wall above is visible.
     let expected = square_overhead(3.0, 0.5);
     assert_close(mean(&scene, options(Uncached::TraceOne), DVec3::ZERO, DVec3::Z, 1 << 13), expected, 0.01);
 }
 
-/// By chance one ray in 300 finds this skylight, which makes a standard deviation of 17 times the mean.
+/// Without guiding, one ray in 300 finds this skylight: a standard deviation of 17 times the mean.
 #[test]
 fn a_skylight_is_found_by_more_rays_than_chance_would_send_there() {
     let found = values(&skylight(&[2.0]), options(Uncached::TraceOne), DVec3::ZERO, DVec3::Z, 1 << 12);

@@ -1,4 +1,4 @@
-//! A sun through prisms, against the integral over all directions that they send to it.
+//! A sun through prisms, compared with the integral over all directions that they redirect to it.
 
 mod build;
 
@@ -9,7 +9,8 @@ use std::f64::consts::TAU;
 
 const SUN: f64 = 0.02;
 
-/// A floor under a prism which turns `(x, y, z)` to `(a·x, b·y, z + c·y)` on the way up and back on the way down.
+/// A floor under a prism which maps `(x, y, z)` to `(a·x, b·y, z + c·y)` on the way up and back on
+/// the way down.
 fn irradiance(sun: DVec3, stretch: [f64; 3]) -> f64 {
     let [a, b, c] = stretch;
     let mut scene = Builder::default();
@@ -27,7 +28,7 @@ fn irradiance(sun: DVec3, stretch: [f64; 3]) -> f64 {
     mean(&scene, options, DVec3::ZERO, DVec3::Z, 1 << 14)
 }
 
-/// The same by trying all directions around the one that leads to the middle of the sun.
+/// The same by brute force over all directions around the one to the centre of the sun.
 fn integral(sun: DVec3, [a, b, c]: [f64; 3]) -> f64 {
     let turned = |d: DVec3| DVec3::new(a * d.x, b * d.y, d.z + c * d.y).normalize();
     let image = DVec3::new(sun.x / a, sun.y / b, sun.z - c * sun.y / b).normalize();
@@ -62,7 +63,7 @@ fn a_sun_through_a_prism_has_its_radiance_and_another_shape() {
     }
 }
 
-/// Wherever it is met it sends rays to the middle of the light, so the light keeps its solid angle.
+/// At every point it redirects rays to the centre of the light, so the light keeps its solid angle.
 #[test]
 fn a_prism_that_aims_keeps_the_solid_angle_of_the_sun() {
     let mut scene = Builder::default();
@@ -80,11 +81,11 @@ fn a_prism_that_aims_keeps_the_solid_angle_of_the_sun() {
     assert!((found / expected - 1.0).abs() < 0.01, "found {found}, expected {expected}");
 }
 
-/// The middle of a square lamp of two units above the prism, which turns to it.
+/// The centre of a square lamp of two units above the prism, which faces it.
 const LAMP: DVec3 = DVec3::new(0.4, -0.3, 2.5);
 const HALF_LAMP: f64 = 0.2;
 
-/// A floor at a place under the same prism as above, with the lamp behind it.
+/// A point of the floor under the same prism, with the lamp behind it.
 fn irradiance_of_lamp(place: DVec3, [a, b, c]: [f64; 3]) -> f64 {
     let mut scene = Builder::default();
     let light = scene.light([100.0; 3]);
@@ -109,7 +110,8 @@ fn integral_of_lamp(place: DVec3, [a, b, c]: [f64; 3]) -> f64 {
         let transmitted = DVec3::new(a * before.x, b * before.y, before.z + c * before.y);
         let met = point + transmitted * ((LAMP.z - point.z) / transmitted.z);
         if transmitted.z > 0.0 && (met - LAMP).abs().max_element() < HALF_LAMP {
-            // Radiance times the solid angle of a piece of the prism's plane, times the cosine at the floor.
+            // Radiance times the solid angle of a cell of the prism's plane, times the cosine at
+            // the floor.
             sum += 0.8 * 100.0 * step * step / before.length_squared().powi(2);
         }
     }

@@ -1,4 +1,4 @@
-//! Weak paths that end at random, against rays that are all followed.
+//! Russian roulette, compared with complete paths.
 
 mod build;
 
@@ -30,7 +30,7 @@ fn highlight_behind_panes() -> Builder {
     scene
 }
 
-/// Mean, and its standard error as a share of it.
+/// Mean, and its relative standard error.
 fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -41,7 +41,7 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
 #[test]
 fn a_highlight_behind_dark_panes_is_found_by_most_rays_that_look_there() {
     let scene = highlight_behind_panes();
-    // The eye's own rays through panes are all followed: as many over the hemisphere, by its cosine.
+    // Camera rays through panes are all traced: here cosine-distributed over the hemisphere.
     let around: Vec<Ray> = (0..RAYS)
         .map(|index| {
             let share = (index as f64 + 0.5) / RAYS as f64;

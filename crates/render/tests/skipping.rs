@@ -1,4 +1,4 @@
-//! What a plan leaves out changes no bit of any value.
+//! Skipping work changes no bit of any value.
 
 mod build;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use radsight_ir::{Facing, Ring, Sphere};
 use radsight_render::{Ray, RenderOptions, Skip, Skipping};
 
-/// A grey room with lights of which some turn their back, and shapes that throw shadows.
+/// A grey room with lights, some of which face away, and shapes that cast shadows.
 fn room() -> Builder {
     let mut scene = Builder::default();
     let plastic = scene.plastic([0.5; 3], 0.1, 0.05);
@@ -27,7 +27,7 @@ fn room() -> Builder {
     scene
 }
 
-/// The bits of what rays from one side of the room bring, with two diffuse bounces.
+/// The bits of the values of rays from one side of the room, with two diffuse bounces.
 fn bits(skipping: Skipping) -> Vec<u64> {
     let options = RenderOptions { skipping, ambient_bounces: 2, ..RenderOptions::default() };
     let rays: Vec<Ray> = (0..400)

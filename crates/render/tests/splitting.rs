@@ -1,4 +1,4 @@
-//! Rays that split by their weight, against what is known and against paths drawn one by one.
+//! Path splitting, compared with closed forms and with independent paths.
 
 mod build;
 
@@ -17,12 +17,12 @@ fn irradiance(options: RenderOptions) -> RenderOptions {
     RenderOptions { quantity: Quantity::Irradiance, ..options }
 }
 
-/// A square of this half width around the origin, facing up.
+/// A square of this half width centred on the z axis, facing up.
 fn square(half: f64, height: f64) -> [DVec3; 4] {
     [[half, half], [-half, half], [-half, -half], [half, -half]].map(|[x, y]| DVec3::new(x, y, height))
 }
 
-/// A floor under an even sky.
+/// A floor under a uniform sky.
 fn floor_under_sky() -> Builder {
     let mut scene = Builder::default();
     let paint = scene.plastic([0.5; 3], 0.0, 0.0);
@@ -40,11 +40,11 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, (squares / (count * (count - 1.0))).sqrt())
 }
 
-/// How often a ray down to the floor meets the sky.
+/// How often the branches of a ray to the floor hit the sky.
 fn times_the_sky_is_met(options: RenderOptions) -> usize {
     let mut scene = floor_under_sky();
     let options = RenderOptions { tracked_modifiers: vec!["material".to_owned()], ..options };
-    // Only the sky emits, so that only it owes something along a whole ray; the floor is met once.
+    // Only the sky emits, so only it contributes along a whole ray; the floor is hit once.
     let paint = scene.plastic([0.0; 3], 0.0, 0.0);
     scene.polygon(paint, &square(0.1, -5.0));
     let renderer = Renderer::new(plan(&scene, options));
@@ -72,7 +72,7 @@ fn a_floor_under_an_even_sky_has_its_irradiance() {
     assert!((found / PI - 1.0).abs() < 1e-9, "{found}");
 }
 
-/// The light fills a four-hundredth of what the wall sees, and bounces go on in the rest.
+/// The light fills a four-hundredth of the wall's view, and bounces continue in the rest.
 #[test]
 fn branches_that_end_by_roulette_lose_no_light() {
     let mut scene = Builder::default();
@@ -81,7 +81,7 @@ fn branches_that_end_by_roulette_lose_no_light() {
     scene.sphere(paint, Sphere { center: DVec3::ZERO, radius: 2.0, facing: Facing::Inward });
     scene.sphere(light, Sphere { center: DVec3::ZERO, radius: 0.1, facing: Facing::Outward });
     let direct = 100.0 * PI * (0.1_f64 / 2.0).powi(2);
-    // Of what leaves the wall the light takes its share.
+    // The light absorbs its part of what leaves the wall.
     let back = 0.7 * (1.0 - (0.1_f64 / 2.0).powi(2));
     let expected = 0.7 / PI * direct * (1.0 + back + back * back + back.powi(3));
     for path_limit in [PathLimit::Roulette, PathLimit::RouletteUpTo(10), PathLimit::Cut(10)] {
@@ -114,8 +114,8 @@ fn splitting_finds_what_single_paths_find() {
     assert!((one - other).abs() < allowed && allowed < 0.03 * one, "{one} ± {one_error}, {other} ± {other_error}");
 }
 
-/// Balanced against a thousand branches, one of which in a thousand times finds it, the sun would
-/// be a noisy light.
+/// If light sampling were balanced against a thousand branches, one of which in a thousand finds
+/// it, the sun would be noisy.
 #[test]
 fn branches_take_no_part_of_a_small_light() {
     let mut scene = floor_under_sky();
@@ -143,14 +143,14 @@ fn a_large_light_is_sampled_in_more_places_by_a_ray_that_counts_by_itself() {
     assert!(usual < 0.02 && coarse > 4.0 * usual, "standard deviations {coarse} and {usual}");
 }
 
-/// A panel above the origin and what hangs below it, if anything.
+/// A panel above the origin and an optional sphere below it.
 fn below_a_panel(ball: Option<(DVec3, f64)>) -> Builder {
     let mut scene = Builder::default();
     let (lamp, paint) = (scene.light([10.0; 3]), scene.plastic([0.0; 3], 0.0, 0.0));
     let mut panel = square(1.0, 2.0);
     panel.reverse();
     scene.polygon(lamp, &panel);
-    // What stands beside the way to the panel changes nothing.
+    // An object next to the path to the panel changes nothing.
     scene.sphere(paint, Sphere { center: DVec3::new(2.0, 0.0, 1.0), radius: 0.5, facing: Facing::Outward });
     if let Some((center, radius)) = ball {
         scene.sphere(paint, Sphere { center, radius, facing: Facing::Outward });
@@ -158,7 +158,8 @@ fn below_a_panel(ball: Option<(DVec3, f64)>) -> Builder {
     scene
 }
 
-/// E = L·F·π with the form factor of a parallel square over a point below its middle, four times that of a quarter.
+/// E = L·F·π with the form factor of a parallel square over a point below its centre, four times
+/// that of a quarter.
 #[test]
 fn a_light_in_clear_view_has_hardly_any_noise() {
     let share = 1.0 / 5.0_f64.sqrt();
@@ -177,7 +178,7 @@ fn whatever_reaches_between_a_point_and_a_light_takes_its_part() {
             let options = RenderOptions { source_sampling: side, ..irradiance(options(0, 1, 1e-6)) };
             mean_and_error(&values(&scene, options, DVec3::ZERO, DVec3::Z, rays))
         };
-        // One place a light is never told by a shaft.
+        // One sample per light never uses a shaft.
         let ((many, many_error), (one, one_error)) = (found(0.2, 1 << 9), found(0.0, 1 << 13));
         let allowed = 4.0 * many_error.hypot(one_error);
         assert!((many - one).abs() < allowed, "ball at {x}: {many} ± {many_error}, {one} ± {one_error}");

@@ -36,7 +36,7 @@ impl Function {
 
     /// Scales a length from the function's coordinates to the scene's.
     pub fn length_in_scene(&self, interaction: &SurfaceInteraction, length: f64) -> f64 {
-        let to_object = interaction.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
+        let to_object = interaction.instance.as_ref().and_then(|instance| instance.to_object.as_ref());
         length * self.to_scene.scale / to_object.map_or(1.0, |transform| transform.scale)
     }
 

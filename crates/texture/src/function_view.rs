@@ -24,7 +24,7 @@ impl<'a> FunctionView<'a> {
     /// `to_function` transforms from the coordinates of the modifiers to the function's; `None` if
     /// they are the same.
     pub fn new(interaction: &'a SurfaceInteraction, to_function: Option<&'a Transform>) -> FunctionView<'a> {
-        let to_object = interaction.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
+        let to_object = interaction.instance.as_ref().and_then(|instance| instance.to_object.as_ref());
         let to_function = match (to_object, to_function) {
             (None, None) => ToFunction::Same,
             (None, Some(own)) => ToFunction::Own(own),
@@ -79,7 +79,7 @@ impl Host for FunctionView<'_> {
             19..=21 => self.frame().rotation.col(1)[index - 18],
             22..=24 => self.frame().rotation.col(2)[index - 21],
             25 => interaction.distance * self.frame().scale,
-            26..=27 => interaction.placed.map_or(0.0, |placed| placed.uv[index - 25]),
+            26..=27 => interaction.instance.map_or(0.0, |instance| instance.uv[index - 25]),
             _ => 0.0,
         }
     }

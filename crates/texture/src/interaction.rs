@@ -2,7 +2,7 @@
 //! materials.
 
 use glam::DVec3;
-use radsight_accel::{Intersection, Placed, Ray};
+use radsight_accel::{InstanceData, Intersection, Ray};
 
 /// A ray's intersection with a surface, in scene coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub struct SurfaceInteraction {
     pub behind: bool,
     /// Interpolated normal, local coordinates and transform of meshes and instances; none for other
     /// surfaces.
-    pub placed: Option<Placed>,
+    pub instance: Option<InstanceData>,
 }
 
 impl SurfaceInteraction {
@@ -43,16 +43,16 @@ impl SurfaceInteraction {
             distance,
             cosine,
             behind,
-            placed: None,
+            instance: None,
         }
     }
 
     /// Interaction at an intersection.
     #[inline]
     pub fn at(ray: &Ray, hit: &Intersection, total_distance: f64) -> SurfaceInteraction {
-        let placed = hit.placed;
+        let instance = hit.instance;
         SurfaceInteraction {
-            placed,
+            instance,
             ..SurfaceInteraction::new(ray, hit.point, hit.front, hit.distance, total_distance)
         }
     }
@@ -67,27 +67,27 @@ impl SurfaceInteraction {
             distance: f64::MAX,
             cosine: 1.0,
             behind: false,
-            placed: None,
+            instance: None,
         }
     }
 
     /// Perturbation of the normal before any texture: that of the interpolated normal.
     #[inline]
     pub fn perturbation(&self) -> DVec3 {
-        self.placed.map_or(DVec3::ZERO, |placed| placed.perturbation)
+        self.instance.map_or(DVec3::ZERO, |instance| instance.perturbation)
     }
 
     /// The point in the coordinates of the modifiers.
     #[inline]
     pub fn object_point(&self) -> DVec3 {
-        let to_object = self.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
+        let to_object = self.instance.as_ref().and_then(|instance| instance.to_object.as_ref());
         to_object.map_or(self.point, |transform| transform.point(self.point))
     }
 
     /// Transforms a direction from the coordinates of the modifiers to the scene's.
     #[inline]
     pub fn direction_to_scene(&self, direction: DVec3) -> DVec3 {
-        let to_object = self.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
+        let to_object = self.instance.as_ref().and_then(|instance| instance.to_object.as_ref());
         to_object.map_or(direction, |transform| transform.rotation.transpose() * direction)
     }
 

@@ -2,7 +2,7 @@
 //! hand.
 
 use glam::{DMat3, DVec3};
-use radsight_accel::{Placed, Ray};
+use radsight_accel::{InstanceData, Ray};
 use radsight_cal::{Bindings, Definitions, Program, Root, Scope, Scratch};
 use radsight_diag::SourceMap;
 use radsight_ir::{FunctionCall, Rgb, Scene, Transform};
@@ -103,7 +103,8 @@ fn a_texture_turns_the_normal_but_never_away_from_the_viewer() {
 fn functions_get_the_coordinates_of_an_instance() {
     let mut interaction = interaction();
     let to_object = Transform { rotation: DMat3::IDENTITY, scale: 0.5, translation: DVec3::new(-2.0, 0.0, 0.0) };
-    interaction.placed = Some(Placed { to_object: Some(to_object), uv: [0.25, 0.75], perturbation: DVec3::ZERO });
+    interaction.instance =
+        Some(InstanceData { to_object: Some(to_object), uv: [0.25, 0.75], perturbation: DVec3::ZERO });
     let seen = function(&["Px", "Lu", "Lv"], Transform::IDENTITY);
     agree(&values(&seen, &interaction, 3), &[0.0, 0.25, 0.75]);
 }

@@ -126,13 +126,13 @@ impl Program for Mitsuba {
     }
 
     fn render(&self, scene: &Scene, setting: &Setting, folder: &Path) -> Result<(Taken, Image<f32>), BenchError> {
-        let [output, output] = ["mitsuba.pfm", "mitsuba.txt"].map(|name| folder.join(name));
+        let [output, messages] = ["mitsuba.pfm", "mitsuba.txt"].map(|name| folder.join(name));
         let mut command = Command::new(&self.python);
         command.arg(&self.script).args(["render", self.variant]).arg(&self.flat).arg(&output).arg(&self.radsight);
         command.args(scene.size.map(|side| side.to_string())).arg(setting.rays.to_string());
         command.arg(Mitsuba::depth(scene).to_string()).args(&setting.options).args(&scene.view);
-        let whole = taken_within(Some(self.limit), &mut command, folder, (None, Some(&output)))?;
-        let text = String::from_utf8_lossy(&crate::figure::read(&output)?).into_owned();
+        let whole = taken_within(Some(self.limit), &mut command, folder, (None, Some(&messages)))?;
+        let text = String::from_utf8_lossy(&crate::figure::read(&messages)?).into_owned();
         // Only rendering counts, without the start of Python and the translation.
         let numbers: Vec<f64> = words(&text).iter().filter_map(|word| word.parse().ok()).collect();
         let rendering = match numbers[..] {

@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &Rooms) -> Result<(), BenchError> {
         return Err(BenchError::AskedError { value });
     }
     let folder = arguments.folder.clone().unwrap_or_else(beside_this_program).join("rooms");
-    let radiance = if arguments.ratio_to {
+    let radiance = if arguments.beside {
         let missing = |reason| BenchError::Read { path: PathBuf::from("Radiance"), reason };
         Some(Radiance::find().map_err(missing)?)
     } else {

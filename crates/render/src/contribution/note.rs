@@ -1,4 +1,4 @@
-//! Noting what the ray in hand owes.
+//! Records the contributions to the current ray.
 
 use super::{Contribution, DeferredContribution, Open};
 use crate::trace::PathIntegrator;
@@ -8,7 +8,7 @@ use radsight_compile::{Shader, TrackedValue};
 use radsight_texture::{BandValues, SurfaceInteraction};
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// Notes that a ray has met a surface that emits nothing.
+    /// Records that a ray hits a surface that does not emit.
     pub(crate) fn note_met(&mut self, path: &PathState<BANDS>, hit: &Intersection, shader: &Shader) {
         let (Some(modifier), None) = (shader.tracked, shader.kind.emitter()) else { return };
         let interaction = SurfaceInteraction::at(&path.ray, hit, path.travelled + hit.distance);
@@ -20,10 +20,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Tells what the last ray owes.
+    /// Passes the contributions to the last ray to `visit`.
     pub(crate) fn take_contributions(&mut self, visit: impl FnMut(Contribution)) {
         let Some(contributions) = &mut self.contributions else { return };
-        // Nothing waits any more, not even what began before the first ray.
+        // No ray is pending any more, including those before the first.
         contributions.open.iter_mut().for_each(|open| open.waiting += 1);
         contributions.close(self.radiance, 0);
         for deferred in &mut contributions.settled {

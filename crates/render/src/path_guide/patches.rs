@@ -1,52 +1,54 @@
-//! Small bright patches, made of single points that rays have found bright.
+//! Small bright patches, found from single bright hits of rays.
 //!
-//! A patch is a box: sunlit floor, slats of a blind and their gaps, a window in a mirror are patches alike. What rays towards it leave of the
-//! variance goes with the area A that it shows times S, the integral of the squared radiance over it. Points are divided among
-//! boxes as long as that lowers the sum of `√(A·S)` over all: with rays in proportion to it, the square of that sum is
-//! the second moment of all of them.
+//! A patch is a box, such as a sunlit floor, the slats of a blind with their gaps, or a window in a
+//! mirror. Rays towards a patch leave a variance in proportion to its visible area A times S, the
+//! integral of the squared radiance over it. Points are divided among boxes as long as that lowers
+//! the sum of `√(A·S)` over all: with rays in proportion to it, the square of that sum is the total
+//! second moment.
 
 use glam::DVec3;
 use radsight_compile::Portal;
 
-/// A point that a ray has found bright.
+/// A hit of a ray with its radiance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BrightPoint {
     pub(crate) position: DVec3,
-    /// Relative to what comes from elsewhere.
+    /// Relative to the mean radiance.
     pub(crate) radiance: f64,
-    /// The area across the ray for which it stands: one over the density of points there.
+    /// The represented area across the ray: one over the density of points there.
     pub(crate) area: f64,
-    /// What the ray adds to the mean square of all: much where it was not expected.
+    /// The ray's contribution to the mean square of all: large where it was not expected.
     pub(crate) surprise: f64,
 }
 
-/// No more patches are told apart at a time.
+/// Maximum number of patches per round.
 pub(crate) const MOST_PATCHES: usize = 8;
 
-/// A patch has at least so many points: fewer say nothing of its extent.
+/// Minimum number of points of a patch: fewer do not determine its extent.
 const LEAST_POINTS: usize = 4;
 
-/// A patch ends so far beyond its points, as a share of their extent. Of N evenly spread points the outermost are 1/(N − 1) of their extent from
-/// the border in the mean; with several times that hardly anything is left outside.
+/// Margin of a patch beyond its points, relative to their extent. The outermost of N uniform points
+/// are on average 1/(N − 1) of their extent from the border; several times that leaves hardly
+/// anything outside.
 const MARGIN: f64 = 0.1;
 const MARGIN_OF_FEW: f64 = 3.0;
 
-/// Of all points of a patch at least this share is bright; else it was chance that made some so.
+/// Minimum fraction of bright points in a patch; below it the bright ones are due to chance.
 const LEAST_BRIGHT: f64 = 0.3;
 
-/// A patch is divided where that takes at least this share of what it leaves.
+/// Minimum relative reduction for dividing a patch.
 const LEAST_GAIN: f64 = 0.15;
 
-/// Patches that add less than this share of the mean square of all rays do not matter.
+/// Patches that contribute less than this fraction of the mean square of all rays are ignored.
 const LEAST_SURPRISE: f64 = 0.01;
 
-/// A patch is cut at best at one of so many places along each axis.
+/// Number of candidate cuts along each axis.
 const CUTS: usize = 15;
 
-/// What is thinner than this share of its length is flat.
+/// Boxes thinner than this fraction of their length are flat.
 const FLAT: f64 = 0.01;
 
-/// Some points in a box.
+/// Points and their box.
 #[derive(Clone, Debug)]
 struct Patch {
     points: Vec<BrightPoint>,
@@ -55,7 +57,8 @@ struct Patch {
     cost: f64,
 }
 
-/// The patches among these points where at least `bright` is bright and was not expected, those that matter most first.
+/// The patches among these points where at least `bright` is bright and was not expected, the most
+/// important first.
 pub(crate) fn patches(points: &[BrightPoint], bright: f64) -> Vec<Portal> {
     let unexpected: Vec<BrightPoint> =
         points.iter().copied().filter(|point| point.surprise.sqrt() >= bright && point.radiance >= bright).collect();
@@ -76,13 +79,13 @@ pub(crate) fn patches(points: &[BrightPoint], bright: f64) -> Vec<Portal> {
 }
 
 impl Patch {
-    /// `None` of too few points.
+    /// `None` for too few points.
     fn new(points: Vec<BrightPoint>) -> Option<Patch> {
         if points.len() < LEAST_POINTS {
             return None;
         }
-        // Half of the side of the square for which a point stands in the middle. What is beyond the box is found by
-        // chance again, so rather a little too much is in it.
+        // Half the side of the square that a point represents. Light outside the box is found by
+        // chance only, so the box is rather too large.
         let mut sides: Vec<f64> = points.iter().map(|point| 0.5 * point.area.sqrt()).collect();
         sides.sort_unstable_by(f64::total_cmp);
         let margin = sides[sides.len() / 2];
@@ -101,7 +104,7 @@ impl Patch {
         Some(Patch { cost: (area * squares).sqrt(), points, bounds: [least, most], area })
     }
 
-    /// Two patches, where these leave clearly less.
+    /// Two patches, if these leave clearly less variance.
     fn divided(&self) -> Option<[Patch; 2]> {
         let mut best: Option<[Patch; 2]> = None;
         let mut lowest = (1.0 - LEAST_GAIN) * self.cost;
@@ -126,7 +129,7 @@ impl Patch {
         self.points.iter().map(|point| point.surprise).sum()
     }
 
-    /// The share of bright ones among all points that are in it.
+    /// The fraction of bright points among all points inside.
     fn share_of_bright(&self, points: &[BrightPoint], bright: f64) -> f64 {
         let [least, most] = self.bounds;
         let is_inside = |point: &&BrightPoint| point.position.cmpge(least).all() && point.position.cmple(most).all();

@@ -1,28 +1,30 @@
-//! Regions of points whose surroundings are alike, and what each has learned of the portals that it sees.
+//! Regions of points with similar surroundings, and the mixture learned for each.
 //!
-//! A region is a leaf of a k-d tree over position and normal (Müller et al. 2017 divide space alike). What is learned are
-//! the weights of a mixture: rays by the cosine, and rays towards each portal. They are found by expectation maximisation
-//! over weighted samples (Vorba et al. 2014, with fixed components). An portal's weight changes within a region as
-//! its solid angle and its cosine do; only a factor to that is learned.
+//! A region is a leaf of a k-d tree over position and normal (like the spatial tree of Müller et
+//! al. 2017). The learned parameters are the weights of a mixture of cosine-distributed directions
+//! and directions towards each portal. They are estimated by expectation maximisation over weighted
+//! samples (Vorba et al. 2014, with fixed components). A portal's weight varies within a region
+//! with its solid angle and its cosine; only a factor of it is learned.
 
 use glam::DVec3;
 
-/// A region is divided further while it has more points than this.
+/// A region with more points than this is divided.
 const MOST_POINTS: usize = 48;
 
-/// In the tree a turn of the normal by one radian counts like this share of the extent of all points.
+/// A rotation of the normal by one radian counts like this fraction of the extent of all points.
 const TURN: f64 = 0.5;
 
-/// What was believed before counts like so many samples of mean weight.
+/// Weight of the prior, in samples of mean weight.
 const BELIEF: f64 = 16.0;
 
-/// Of the rays of a region so many go towards portals, at least and at most: what is not known yet must be found.
+/// Minimum and maximum fraction of a region's rays towards portals: unknown light must still be
+/// found.
 const CHANCES: [f64; 2] = [0.05, 0.8];
 
-/// No factor is below this share of the largest: what seemed useless may be seen from a part of the region.
+/// Minimum factor relative to the largest: a portal may be visible from a part of the region.
 const LEAST_FACTOR: f64 = 0.01;
 
-/// A point with a unit normal, as a point of six dimensions.
+/// A point with a unit normal, in six dimensions.
 type Coordinates = [f64; 6];
 
 /// The tree over all regions.
@@ -35,35 +37,36 @@ pub(crate) struct Regions {
 
 #[derive(Clone, Copy, Debug)]
 enum Node {
-    /// Coordinate, where it is cut, and the node above that; the one below comes next.
+    /// Coordinate, position of the cut, and the node above it; the one below is next.
     Cut(usize, f64, usize),
     Leaf(usize),
 }
 
-/// What is known of the portals from one region.
+/// The learned mixture of one region.
 #[derive(Clone, Debug)]
 pub(crate) struct Region {
-    /// How many times as often as by its size each portal is drawn.
+    /// Selection weight of each portal relative to its size.
     pub(crate) factors: Vec<f64>,
-    /// The share of rays that go towards portals.
+    /// Fraction of rays towards portals.
     pub(crate) chance: f64,
 }
 
-/// What samples of a region tell of the mixture that drew them.
+/// Sufficient statistics of a region's samples.
 #[derive(Clone, Debug)]
 pub(crate) struct Experience {
-    /// Sum of the samples' weights, and how many samples there are.
+    /// Sum of the samples' weights, and number of samples.
     weights: f64,
     samples: f64,
-    /// The part of that for which rays towards portals are responsible.
+    /// The part for which rays towards portals are responsible.
     outward: f64,
-    /// The part of each portal, and the mean share with which it was drawn among portals, summed over samples.
+    /// The part of each portal, and the sum over samples of its selection probability among
+    /// portals.
     parts: Vec<f64>,
     shares: Vec<f64>,
 }
 
 impl Regions {
-    /// Regions of these points with their unit normals, of which none has learned anything of so many portals.
+    /// Regions of these points with their unit normals; nothing is learned yet about the portals.
     pub(crate) fn new(points: &[(DVec3, DVec3)], portals: usize) -> Regions {
         let (least, most) = points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, most), (point, _)| {
             (least.min(*point), most.max(*point))
@@ -77,7 +80,7 @@ impl Regions {
         regions
     }
 
-    /// Begins anew with other portals.
+    /// Starts again with other portals.
     pub(crate) fn forget(&mut self, portals: usize) {
         let unknown = Region { factors: vec![1.0; portals], chance: 0.5 };
         self.leaves.iter_mut().for_each(|region| *region = unknown.clone());
@@ -109,7 +112,7 @@ impl Regions {
         points.sort_unstable_by(|one, two| one[axis].total_cmp(&two[axis]));
         let cut = points[points.len() / 2][axis];
         let below = points.partition_point(|point| point[axis] < cut);
-        // Where half of the points have the least coordinate, the others are cut off.
+        // If half of the points have the smallest coordinate, the others are cut off.
         let (below, cut) = match below {
             0 => {
                 let below = points.partition_point(|point| point[axis] <= cut);
@@ -125,7 +128,7 @@ impl Regions {
         self.nodes[node] = Node::Cut(axis, cut, above);
     }
 
-    /// The number of the region of a point with a unit normal.
+    /// The index of the region of a point with a unit normal.
     pub(crate) fn find(&self, point: DVec3, normal: DVec3) -> usize {
         let coordinates = self.coordinates(point, normal);
         let mut node = 0;
@@ -141,7 +144,7 @@ impl Regions {
         &self.leaves[index]
     }
 
-    /// Learns from what each region has experienced.
+    /// Updates each region from its statistics.
     pub(crate) fn learn(&mut self, experiences: &[Experience]) {
         for (region, experience) in self.leaves.iter_mut().zip(experiences) {
             region.learn(experience);
@@ -150,14 +153,15 @@ impl Regions {
 }
 
 impl Experience {
-    /// Of no sample yet.
+    /// Without samples.
     pub(crate) fn new(portals: usize) -> Experience {
         let nothing = vec![0.0; portals];
         Experience { weights: 0.0, samples: 0.0, outward: 0.0, parts: nothing.clone(), shares: nothing }
     }
 
-    /// A sample of a weight in a unit direction, and what its density was made of: the share of rays by the cosine times their density, and
-    /// of each portal the number, its share among portals, and that times its density.
+    /// Adds a sample with a weight and a unit direction, and the terms of its pdf: the fraction of
+    /// cosine-distributed rays times their pdf and, for each portal, the index, its selection
+    /// probability among portals, and that times its pdf.
     pub(crate) fn add(
         &mut self,
         weight: f64,
@@ -233,7 +237,8 @@ mod tests {
         assert_eq!(Regions::new(&most, 2).len(), 2);
     }
 
-    /// All light comes from the second of two portals, as bright as large; the first is hidden.
+    /// All light comes from the second of two portals of equal size and brightness; the first is
+    /// occluded.
     #[test]
     fn a_hidden_opening_is_given_up_and_what_shines_is_drawn() {
         let mut regions = Regions::new(&[(DVec3::ZERO, DVec3::Z)], 2);
@@ -243,7 +248,8 @@ mod tests {
                 [region.factors[0], region.factors[1]].map(|factor| factor / region.factors.iter().sum::<f64>());
             let mut experience = Experience::new(2);
             for index in 0..400 {
-                // Half of the directions are in each portal, where its density is 2 and that of the cosine 1.
+                // Half of the directions are in each portal, where its pdf is 2 and that of the
+                // cosine 1.
                 let inside = index % 2;
                 let parts = (0..2).map(|portal| {
                     let density = if portal == inside { 2.0 } else { 0.0 };

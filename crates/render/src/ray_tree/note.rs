@@ -1,4 +1,4 @@
-//! Noting what becomes of the ray in hand and of its shadow rays.
+//! Records the current ray and its shadow rays.
 
 use super::{Below, BounceType, Node, RayValue, Sum, Target, TreeRay};
 use crate::direct::DirectSampler;
@@ -10,7 +10,7 @@ use radsight_light::{Light, LightSample};
 use radsight_texture::{luminance, product};
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// A shadow ray starts that would bring `radiance`, of which `weight` counts.
+    /// Begins a shadow ray with the unoccluded value `radiance`, which counts with `weight`.
     pub(crate) fn begin_shadow(
         &mut self,
         from: &DirectSampler<'_>,
@@ -32,7 +32,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// The shadow ray meets a surface with so much of it left.
+    /// The shadow ray hits a surface with the remaining transmittance `left`.
     pub(crate) fn note_shadow_met(&mut self, hit: &Intersection, left: [f64; BANDS]) {
         let Some(tree) = &mut self.tree else { return };
         let id = tree.shadow;
@@ -40,7 +40,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         tree.dim(id, left, [0.0; BANDS]);
     }
 
-    /// The surface has the same material on both sides: its normal is told on that of the ray.
+    /// The surface has the same material on both sides: its normal is reported on that of the ray.
     pub(crate) fn note_shadow_side(&mut self, hit: &Intersection) {
         let Some(tree) = &mut self.tree else { return };
         let id = tree.shadow;
@@ -49,7 +49,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// The shadow ray goes on from there, weakened.
+    /// The shadow ray continues from there, attenuated.
     pub(crate) fn note_shadow_bounce(&mut self, ray: Ray, bounce: BounceType, weight: [f64; BANDS]) {
         let Some(tree) = &mut self.tree else { return };
         let above = tree.shadow;
@@ -58,7 +58,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// The shadow ray finds its light.
+    /// The shadow ray reaches its light.
     pub(crate) fn note_shadow_found(&mut self, distant: Option<SurfaceHandle>, radiance: [f64; BANDS]) {
         let Some(tree) = &mut self.tree else { return };
         let id = tree.shadow;
@@ -70,13 +70,13 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// The rays that came of the last one, each after those that came of it; the last is the ray itself.
+    /// The rays of the last tree, children before their parents; the last one is the first ray.
     pub(crate) fn take_tree(&mut self) -> Vec<TreeRay> {
         let Some(tree) = &self.tree else { return Vec::new() };
         let below = Below::new(&tree.nodes);
         let sums = Sum::all(&tree.nodes, &below);
         let mut told = Vec::with_capacity(tree.nodes.len());
-        // A ray is told when all below it are.
+        // A ray is output after all its children.
         let mut open: Vec<(usize, usize)> = if tree.nodes.is_empty() { Vec::new() } else { vec![(0, 0)] };
         while let Some((id, next)) = open.last_mut() {
             if let Some(child) = below.of(*id).get(*next) {

@@ -1,4 +1,4 @@
-//! What antimatter does to the ray in hand.
+//! The effect of antimatter on the current ray.
 
 use super::{AntimatterEvent, Subtraction, SubtractionId};
 use crate::trace::PathIntegrator;
@@ -7,8 +7,8 @@ use radsight_accel::Intersection;
 use radsight_compile::Kind;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// Whether a surface is there for a ray with this cut. Where antimatter shows its own surface, the hit becomes that of the
-    /// material there.
+    /// Whether a surface exists for a ray with this subtraction. Where antimatter shows its own
+    /// surface, the hit gets the material there.
     pub(crate) fn resolve(&mut self, cut: SubtractionId, direction: DVec3, hit: &mut Intersection) -> AntimatterEvent {
         let plan = self.plan;
         let behind = direction.dot(hit.front) > 0.0;
@@ -32,8 +32,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             Some(shade) if before.is_within_any(&antimatter.cuts) => {
                 hit.shader = shade;
                 hit.front = -hit.front;
-                if let Some(placed) = &mut hit.placed {
-                    placed.perturbation = -placed.perturbation;
+                if let Some(instance) = &mut hit.instance {
+                    instance.perturbation = -instance.perturbation;
                 }
                 AntimatterEvent::Surface(self.add_subtraction(beyond))
             }

@@ -1,4 +1,4 @@
-//! What a ray finds that ends at an emitter, or at nothing.
+//! Rays that end at an emitter, or leave the scene.
 
 use super::PathIntegrator;
 use super::path_state::PathState;
@@ -8,7 +8,7 @@ use radsight_ir::SurfaceHandle;
 use radsight_texture::{SurfaceInteraction, product};
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// The ray met no surface: the first distant source around its direction.
+    /// The ray leaves the scene: adds the first distant source in its direction.
     pub(super) fn leave(&mut self, path: &PathState<BANDS>) {
         let path = &self.dimmed(path, self.medium(path.medium), f64::INFINITY);
         let direction = path.ray.direction;
@@ -49,7 +49,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// How much of the emission that a ray found counts: all of it, unless light sampling could have found it too.
+    /// The weight of emission at a hit: 1, unless light sampling could have found it as well.
     pub(crate) fn emission_share(
         &mut self,
         path: &PathState<BANDS>,
@@ -59,7 +59,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         cosine: f64,
     ) -> f64 {
         let Some(mis) = &path.mis else {
-            // A glow that is too far away to be sampled is a surface as any other.
+            // A glow beyond its radius is not a light source, but an ordinary surface.
             let total = path.travelled + distance;
             let far = matches!(emitter.class, EmitterType::Glow(radius) if radius >= 0.0 && total > radius);
             return if far || self.plan.options.lights == Lights::Visible { 1.0 } else { 0.0 };
@@ -81,9 +81,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 }
 
-/// How much of the emission counts that a drawn ray finds within a mesh or an instance, where no light is sampled: as in Radiance only
-/// glows that are far away take part in interreflection.
-pub(super) fn placed_share(emitter: &Emitter, distance: f64) -> f64 {
+/// The weight of emission inside a mesh or an instance, where no light is sampled, for a sampled
+/// ray: as in Radiance only glows beyond their radius take part in interreflection.
+pub(super) fn instance_emission_share(emitter: &Emitter, distance: f64) -> f64 {
     match emitter.class {
         EmitterType::Glow(radius) if radius >= 0.0 && distance > radius => 1.0,
         _ => 0.0,

@@ -1,4 +1,4 @@
-//! Light at a point of a surface, and the rays that look for more of it.
+//! Direct and indirect light at a point of a surface.
 
 use super::PathIntegrator;
 use super::path_state::PathState;
@@ -17,19 +17,20 @@ use radsight_bsdf::{Bsdf, BsdfSample, PdfRequest, sum};
 use radsight_sampling::DimensionSet;
 use radsight_texture::product;
 
-/// A retroreflector that is seen by way of a mirror is lit by way of it too, and no light sampling finds that: its highlight is drawn
-/// from this often, down to this depth.
+/// Number of highlight samples of a retroreflector that is seen through a mirror, up to this depth:
+/// it is lit through the mirror as well, and no light sampling finds that.
 const SPLIT_DRAWS: u32 = 8;
 const LAST_SPLIT_DEPTH: u32 = 2;
 
-/// A ray to a light's image that the lobe would all but never draw counts for no more times what it carries where weak paths end.
+/// Maximum pdf ratio for Russian roulette of a ray to a light's image that the lobe would hardly
+/// ever sample.
 const MOST_FAVOURED: f64 = 1e6;
 
-/// No highlight is looked into by more rays (`-ss`): they have to wait for each other.
+/// Maximum number of highlight rays (`-ss`): they are all pending at once.
 const MOST_HIGHLIGHT_SAMPLES: f64 = 16.0;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// Direct light, and the rays that look for the rest.
+    /// Direct light, and the rays for indirect light.
     pub(crate) fn light_and_scatter(
         &mut self,
         path: &PathState<BANDS>,
@@ -45,7 +46,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let lights_suffice = receiver.is_some_and(|receiver| receiver.lights_suffice);
         let alone = receiver.is_some_and(|receiver| receiver.sees_only_lights);
         let follow_highlight = point.has_highlight() && !(alone && lights_suffice);
-        // Other highlights share the work with light sampling, which does not depend on what is known of the receiver.
+        // Other highlights are combined with light sampling, whose number of samples must not
+        // depend on the receiver.
         let lights_suffice = lights_suffice && point.is_retroreflector();
         let bounces = if path.follows_no_diffuse { 0 } else { path.ambient_bounces };
         let indirect = Indirect::after(bounces);
@@ -73,12 +75,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             branches.highlight = asked.highlight;
         }
         let set = self.next_set;
-        // A ray that does not split takes its points as those of pictures do.
+        // An unsplit ray uses the sample points of pictures.
         let is_split = branches != asked;
         self.next_set += if is_split { Branches::SETS } else { branches.highlight.max(1) };
         let mut reception = point.reception(self.plan.light_draws[usize::from(path.is_scattered())]);
         reception.samples = self.places(path, branches);
-        // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
+        // Mist attenuates shadow rays less than others, so MIS does not apply.
         let shared = !self.plan.lights_are_covered;
         let mut visible_portals =
             if follow_diffuse { visible_portals(point, (self.plan, self.guide), at) } else { None };
@@ -128,7 +130,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Sends rays into the highlight, which wait for each other.
+    /// Adds highlight rays, which are pending at once.
     fn sample_highlight(
         &mut self,
         path: &PathState<BANDS>,
@@ -154,7 +156,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Sends rays to the images of lights that a specular chain shows; `draws` are those that are drawn from the highlight beside them.
+    /// Adds rays to the images of lights through a specular chain; `draws` is the number of
+    /// highlight samples.
     fn sample_images(
         &mut self,
         path: &PathState<BANDS>,
@@ -177,7 +180,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Sends rays into the highlight and follows one after the other.
+    /// Traces highlight rays one after the other.
     fn split_highlight(
         &mut self,
         path: &PathState<BANDS>,
@@ -199,7 +202,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.end_split(&suspended, next_set);
     }
 
-    /// Sends one ray on from the diffuse component.
+    /// Adds one ray of the diffuse component.
     fn sample_diffuse(
         &mut self,
         path: &PathState<BANDS>,
@@ -213,8 +216,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Sends rays on from the diffuse component and follows one after the other: first those
-    /// towards openings, then the others, each group spread evenly by itself.
+    /// Traces rays of the diffuse component one after the other: first those towards portals, then
+    /// the others, each group stratified separately.
     fn split_diffuse(
         &mut self,
         path: &PathState<BANDS>,
@@ -242,7 +245,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// How many rays look into the highlight of a point where rays do not split.
+    /// Number of highlight samples at a point without splitting.
     fn highlight_draws(&self, path: &PathState<BANDS>, point: &Bsdf<'_, BANDS>) -> u32 {
         if point.is_retroreflector() && (1..=LAST_SPLIT_DEPTH).contains(&path.depth) {
             SPLIT_DRAWS
@@ -251,13 +254,13 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// How many rays look into a highlight: as many as are asked for, times what the path carries.
+    /// Number of highlight samples: the requested number times the path's weight.
     fn highlight_samples(&self, path: &PathState<BANDS>) -> u32 {
         let strongest = path.throughput.iter().copied().fold(0.0, f64::max).min(1.0);
         (self.plan.options.highlight_samples * strongest + 0.5).clamp(1.0, MOST_HIGHLIGHT_SAMPLES) as u32
     }
 
-    /// Sends a drawn ray on from a lit point.
+    /// Adds a sampled ray.
     pub(crate) fn scatter(
         &mut self,
         path: &PathState<BANDS>,
@@ -272,7 +275,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let mut mis = match drawn.pdf {
             Density::Continuous(pdf) => {
                 let at = (from.point, drawn.direction);
-                // A highlight that leaves all light of lights to their sampling has no density there.
+                // A highlight that leaves all light sources to light sampling has pdf 0 for them.
                 let pdf = if lobe == Lobe::Highlight && from.highlight_draws == 0 { 0.0 } else { pdf };
                 let mut mis = MisState::new(pdf, at, from.reception, from.primitive, lobe);
                 mis.pdf_ratio = drawn.pdf_ratio;
@@ -307,7 +310,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 }
 
-/// A ray from the diffuse component, or towards an opening that it sees.
+/// A ray from the diffuse component, or towards a visible portal.
 fn diffuse_ray<const BANDS: usize>(
     direct: &DirectSampler<'_>,
     point: &Bsdf<'_, BANDS>,

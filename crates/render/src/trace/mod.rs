@@ -1,10 +1,11 @@
-//! Following a ray to its radiance.
+//! The path integrator.
 //!
-//! At every point that is not perfectly specular all lights are sampled (or, where there are many, some by their promise), and the
-//! highlight, and with `-ab` the diffuse component, is sampled too; the two ways of finding a light are weighted with the balance heuristic
-//! (Veach and Guibas, SIGGRAPH 1995), so each is used where it is good and light that comes back by way of a mirror is found. Perfectly specular
-//! reflections and refractions branch while branches are few, then one is chosen by weight; there is no limit to their depth but
-//! Russian roulette.
+//! At every point that is not perfectly specular all lights are sampled (or, if there are many,
+//! some by importance), as well as the highlight and, with `-ab`, the diffuse component. Both
+//! techniques of finding a light are combined by the balance heuristic (Veach and Guibas, SIGGRAPH
+//! 1995), so each is used where it is good, and light reflected by mirrors is found. Perfectly
+//! specular reflection and refraction branch while there are few branches; after that one is
+//! selected by weight. Only Russian roulette limits their depth.
 
 mod emission;
 mod illumination;
@@ -34,73 +35,73 @@ use radsight_spectrum::Sampling;
 use radsight_texture::BandValues;
 use std::f64::consts::PI;
 
-/// Memory of one thread.
+/// The memory of one thread.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     pub(crate) scratch: Scratch,
-    /// Places on lights, for a model that is asked about all of them at once.
+    /// Light samples, for a model that evaluates all of them at once.
     pub(crate) batch: ModelBatch,
 }
 
-/// What a ray brings.
+/// The result of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Traced {
-    /// Radiance in W/(sr·m²), or irradiance in W/m², as the options ask; in a grey scene the three bands are equal, of a spectrum it is
-    /// the colour.
+    /// Radiance in W/(sr·m²), or irradiance in W/m² if the options request it. In a grey scene the
+    /// three bands are equal; in spectral rendering it is the colour.
     pub value: [f64; 3],
-    /// The same in each band where spectra are traced.
+    /// The value in each band in spectral rendering.
     pub spectrum: Option<BandValues>,
     /// The first surface, or distant source.
     pub first_hit: Option<FirstHit>,
-    /// Distance along the ray to what is seen, through plane mirrors and panes; infinite for none.
+    /// Apparent distance along the ray, through plane mirrors and panes; infinite for none.
     pub effective_distance: f64,
-    /// Tells apart what is seen directly and by way of specular surfaces: rays with equal keys met
+    /// Identifies what is seen directly and through specular surfaces: rays with equal keys hit
     /// surfaces of the same materials in the same order.
     pub surface_key: u64,
 }
 
-/// Surfaces that are seen with less of a ray's weight than this are not told apart.
+/// Surfaces with less than this fraction of a ray's weight are not part of the key.
 const LEAST_SEEN: f64 = 0.15;
 
-/// Branches beyond this many are chosen from at random.
+/// Beyond this number of branches one is selected at random.
 const MAX_BRANCHES: usize = 32;
 
-/// Follows rays through a plan, in `BANDS` bands; one a thread.
+/// Traces rays through a plan, in `BANDS` bands; one per thread.
 #[derive(Debug)]
 pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) plan: &'p RenderPlan,
-    /// Number of the ray in hand.
+    /// Number of the current ray.
     pub(crate) index: u64,
     pub(crate) sampler: RaySampler,
     /// The next unused set of dimensions.
     pub(crate) next_set: u32,
     pub(crate) workspace: Workspace,
     waiting: Vec<PathState<BANDS>>,
-    /// Media that the present ray has met; the first fills the scene.
+    /// Media of the current ray; the first fills the scene.
     media: Vec<Medium<BANDS>>,
-    /// What was cut away for the present ray; the first is nothing.
+    /// Subtractions of the current ray; the first is empty.
     pub(crate) cuts: Vec<Subtraction>,
     pub(crate) radiance: [f64; BANDS],
     pub(crate) first_hit: Option<FirstHit>,
-    /// Whether the ray went on behind that as if nothing were there.
+    /// Whether the ray passed the first surface without interaction.
     first_is_passed: bool,
     effective_distance: f64,
-    /// How far away the last plane mirror or pane of the direct view is; 0 for none.
+    /// Distance of the last plane mirror or pane of the direct view; 0 for none.
     passed_distance: f64,
     surface_key: u64,
-    /// Irradiance that was gathered before.
+    /// Cached irradiance.
     pub(crate) caches: Caches<'p, BANDS>,
-    /// Where single rays find light by way of diffuse surfaces, if that was learned.
+    /// The path guide, if there is one.
     pub(crate) guide: Option<&'p PathGuide>,
-    /// While looking for points whose irradiance is wanted.
+    /// The cache query of the current ray, in a pre-pass.
     pub(crate) cache_query: Option<CacheQuery<BANDS>>,
-    /// What the present ray owes to the modifiers that are tracked; `None` where none is.
+    /// Contributions of tracked modifiers to the current ray; `None` without tracked ones.
     pub(crate) contributions: Option<Box<Contributions<BANDS>>>,
-    /// All rays that come of the present one; `None` where they are not wanted.
+    /// The tree of the current ray; `None` if not requested.
     pub(crate) tree: Option<Box<RayTree<BANDS>>>,
-    /// How far the rays are followed before they are reflected, scene units.
+    /// Maximum distance of rays before their first reflection, scene units.
     pub(crate) limit: f64,
-    /// Whether the ray in hand splits by its weight; those that gather irradiance do not.
+    /// Whether the current ray splits by its weight; rays that gather irradiance do not.
     splits: bool,
 }
 
@@ -131,7 +132,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         }
     }
 
-    /// The same, where a guide may know the way.
+    /// The same with a path guide.
     pub(crate) fn guided_by(self, guide: Option<&'p PathGuide>) -> Self {
         PathIntegrator { guide, ..self }
     }
@@ -177,7 +178,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         }
     }
 
-    /// The values of bands where spectra are traced.
+    /// The values of bands in spectral rendering.
     pub(crate) fn spectrum(&self, places: &[f64; BANDS]) -> Option<BandValues> {
         (BANDS > 3).then(|| BandValues::new(self.plan.layout.collect(places)))
     }
@@ -194,7 +195,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         self.plan.layout.sampling().rgb(&bands)
     }
 
-    /// Forgets the ray before; the next one begins in this medium.
+    /// Removes the previous ray; the next one starts in this medium.
     pub(crate) fn begin(&mut self, sampler: RaySampler, medium: Medium<BANDS>) -> MediumId {
         self.sampler = sampler;
         self.next_set = 0;
@@ -214,7 +215,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         MediumId(1)
     }
 
-    /// Follows a ray and all that come of it.
+    /// Traces a ray and all its branches.
     pub(crate) fn finish(&mut self, path: PathState<BANDS>) {
         self.push(path);
         self.follow_waiting();
@@ -224,7 +225,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         self.follow_until(0);
     }
 
-    /// Follows rays until no more than so many wait.
+    /// Traces rays until at most this many are pending.
     fn follow_until(&mut self, waiting: usize) {
         while self.waiting.len() > waiting
             && let Some(path) = self.waiting.pop()
@@ -236,28 +237,30 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         }
     }
 
-    /// How many rays wait to be followed.
+    /// Number of pending rays.
     pub(crate) fn waiting(&self) -> usize {
         self.waiting.len()
     }
 
-    /// How far away the first surface was; infinite for none.
+    /// Distance of the first surface; infinite for none.
     pub(crate) fn first_distance(&self) -> f64 {
         self.first_hit.map_or(f64::INFINITY, |hit| hit.distance)
     }
 
-    /// Unit geometric normal of the first surface, turned against the direction of the ray; `None` for none.
+    /// Unit geometric normal of the first surface, on the side of the ray's origin; `None` for
+    /// none.
     pub(crate) fn first_normal(&self, direction: DVec3) -> Option<DVec3> {
         let hit = self.first_hit.filter(|hit| hit.distance.is_finite())?;
         Some(if hit.normal.dot(direction) > 0.0 { -hit.normal } else { hit.normal })
     }
 
-    /// How far away what is seen appears, through plane mirrors and panes; infinite for none.
+    /// Apparent distance, through plane mirrors and panes; infinite for none.
     pub(crate) fn effective_distance(&self) -> f64 {
         self.effective_distance
     }
 
-    /// How far away what is seen appears, or else the last pane or plane mirror through which nothing is; infinite for none.
+    /// Apparent distance, or else that of the last pane or plane mirror with nothing behind it;
+    /// infinite for none.
     pub(crate) fn shown_distance(&self) -> f64 {
         let seen = self.effective_distance;
         if seen.is_finite() || self.passed_distance == 0.0 { seen } else { self.passed_distance }
@@ -270,7 +273,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         self.light_and_scatter(start, start.ray.origin, None, &point, 0.0);
     }
 
-    /// What fills the scene outside of all bodies.
+    /// The medium outside all others.
     pub(crate) fn global_medium(&self) -> Medium<BANDS> {
         self.media[0]
     }
@@ -287,7 +290,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         MediumId((self.media.len() - 1) as u32)
     }
 
-    /// A ray that goes on as if nothing had been met, or a first one.
+    /// Adds a first ray, or one that continues without interaction.
     pub(crate) fn push(&mut self, path: PathState<BANDS>) {
         self.push_on(path, BounceType::Passed);
     }
@@ -299,7 +302,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         }
     }
 
-    /// The name of a ray that is sent on, where rays are told.
+    /// The node of a new ray, if a tree is requested.
     fn told(&mut self, path: &PathState<BANDS>, bounce: BounceType) -> NodeId {
         let Some(tree) = &mut self.tree else { return NodeId::NONE };
         tree.begin(path.node, bounce, path.ray, path.throughput)
@@ -343,7 +346,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         }
     }
 
-    /// Goes on as if nothing had been hit.
+    /// Continues without interaction.
     pub(crate) fn pass_through(&mut self, path: &PathState<BANDS>, hit: &Intersection) {
         if path.direct_view {
             self.effective_distance = f64::INFINITY;
@@ -352,7 +355,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         self.push(next);
     }
 
-    /// The ray goes on behind a surface that does nothing to it.
+    /// The ray behind a surface that has no effect on it.
     fn unmet(&mut self, path: &PathState<BANDS>, hit: &Intersection) -> PathState<BANDS> {
         if path.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit::at(hit, path.travelled + hit.distance));
@@ -367,7 +370,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         continued
     }
 
-    /// The same ray, on the other side of what it hit.
+    /// The same ray, on the other side of its hit.
     pub(crate) fn passed_through(&self, mut path: PathState<BANDS>, hit: &Intersection) -> PathState<BANDS> {
         path.ray.origin = hit.point;
         path.from = Some(hit.primitive);
@@ -379,18 +382,19 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         path
     }
 
-    /// Notes what a ray meets that was not scattered on its way, if enough of it is seen.
+    /// Adds a hit of an unscattered ray to the surface key, if its weight is large enough.
     pub(crate) fn note_surface(&mut self, path: &PathState<BANDS>, number: u32) {
         let seen = path.throughput.iter().copied().fold(0.0, f64::max);
         if path.mis.is_none() && seen >= LEAST_SEEN {
             let name = u64::from(path.depth) << 32 | u64::from(number);
-            // Branches are met in any order: a sum of hashes (the multiplier of SplitMix64).
+            // The order of branches must not matter: a sum of hashes (the multiplier of
+            // SplitMix64).
             self.surface_key =
                 self.surface_key.wrapping_add((name + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29));
         }
     }
 
-    /// Adds what the first ray gets from the end of one of its own.
+    /// Adds a contribution from the end of a ray to the first ray.
     fn add(&mut self, path: &PathState<BANDS>, brought: [f64; BANDS]) {
         for (sum, brought) in self.radiance.iter_mut().zip(brought) {
             *sum += brought;

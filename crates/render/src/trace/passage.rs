@@ -1,4 +1,4 @@
-//! Rays that go on from perfectly specular events.
+//! Rays after perfectly specular events.
 
 use super::PathIntegrator;
 use super::path_state::{MediumId, PathState};
@@ -8,27 +8,27 @@ use glam::DVec3;
 use radsight_accel::{Intersection, Ray, is_flat};
 use radsight_texture::product;
 
-/// What kind of specular event a ray passes.
+/// The kind of a specular event.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Passage {
-    /// A `mirror`; `straight` without a texture.
+    /// Reflection by a `mirror`; `straight` without a texture.
     Mirror { straight: bool },
-    /// A pane, going through.
+    /// Transmission through a pane.
     Pane { undisturbed: bool },
-    /// A scattering surface, going straight through.
+    /// Straight transmission through a scattering surface.
     Sheet { undisturbed: bool, image: Image },
-    /// Into or out of a body; `flat` where what is beyond appears in its place.
+    /// Into or out of a dielectric; `flat` if the apparent position is kept.
     Refraction { flat: bool },
-    /// Redirected by a prism; `flat` as before.
+    /// Redirection by a prism; `flat` as before.
     Prism { flat: bool },
-    /// Mirrored by glass.
+    /// Reflection by glass.
     Reflection { image: Image },
     /// Any other.
     Other,
 }
 
 impl Passage {
-    /// How the ray is told that goes this way on from a surface; `flat` or not.
+    /// The bounce type of the ray after a surface; `flat` or not.
     fn bounce(self, flat: bool) -> BounceType {
         match self {
             Passage::Mirror { straight } => BounceType::Mirrored { image: Image::in_place_if(straight && flat) },
@@ -44,7 +44,7 @@ impl Passage {
 }
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// Sends a ray on from a perfectly specular event, in the medium from which it came.
+    /// Adds a ray after a perfectly specular event, in the same medium.
     pub(crate) fn specular(
         &mut self,
         path: &PathState<BANDS>,

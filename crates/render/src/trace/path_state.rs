@@ -1,4 +1,4 @@
-//! A ray of a path, with what the path has brought along.
+//! The state of a path.
 
 use crate::mis::{CausticPath, MisState};
 use crate::ray_tree::NodeId;
@@ -6,56 +6,57 @@ use crate::specular_chain::SpecularChain;
 use crate::subtraction::SubtractionId;
 use radsight_accel::{PrimitiveId, Ray};
 
-/// Names a medium that the present ray has met.
+/// Identifies a medium of the current ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MediumId(pub(crate) u32);
 
-/// A ray that waits to be traced.
+/// A pending ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathState<const BANDS: usize> {
     pub(crate) ray: Ray,
     pub(crate) from: Option<PrimitiveId>,
     pub(crate) throughput: [f64; BANDS],
-    /// Into how many rays the first one has split on the way here.
+    /// Number of branches into which the first ray has split on this path.
     pub(crate) split: f64,
     pub(crate) travelled: f64,
     pub(crate) mis: Option<MisState>,
-    /// The specular interactions before it was first drawn from what a surface scatters.
+    /// The specular interactions before the first scattering event.
     pub(crate) chain: SpecularChain,
     pub(crate) depth: u32,
-    /// Reflections of any kind, which are limited.
+    /// Number of reflections of any kind, which is limited.
     pub(crate) reflections: u32,
     pub(crate) ambient_bounces: u32,
-    /// What fills the space that the ray crosses.
+    /// The medium that the ray crosses.
     pub(crate) medium: MediumId,
-    /// What is cut away for the ray, and for what passes through the surface that it has met.
+    /// The subtraction for the ray, and for rays through the surface that it hit.
     pub(crate) cut: SubtractionId,
     pub(crate) subtraction_beyond: SubtractionId,
-    /// Whether interreflection is left out at the surface that the ray has met.
+    /// Whether diffuse interreflection is omitted at the surface that the ray hit.
     pub(crate) follows_no_diffuse: bool,
-    /// Whether this is still the direct view, through nothing but plane mirrors and panes.
+    /// Whether only plane mirrors and panes precede the ray.
     pub(crate) direct_view: bool,
-    /// Its name, where rays are told; before it is sent on, that of the ray above it.
+    /// Its node, if a tree is requested; before it is added, that of its parent.
     pub(crate) node: NodeId,
 }
 
 impl<const BANDS: usize> PathState<BANDS> {
-    /// Whether it was drawn from what a surface scatters, at its origin or before.
+    /// Whether it was scattered by a surface, at its origin or before.
     pub(crate) fn is_scattered(&self) -> bool {
         self.mis.is_some()
     }
 
-    /// Whether it only looks for lamps behind specular surfaces.
+    /// Whether it only counts lamps behind specular surfaces.
     pub(crate) fn seeks_caustics(&self) -> bool {
         self.mis.is_some_and(|mis| mis.seeks_caustics())
     }
 
-    /// The only chain in which it counts and the light where it has to end, where its direction was solved for.
+    /// The only chain in which it counts and the light where it must end, if its direction was
+    /// solved for.
     pub(crate) fn caustic(&self) -> Option<CausticPath> {
         self.mis.and_then(|mis| mis.caustic())
     }
 
-    /// How many times as often its last drawn ray was drawn as by the lobe alone.
+    /// The pdf ratio of its last sampled direction.
     pub(crate) fn pdf_ratio(&self) -> f64 {
         self.mis.map_or(1.0, |mis| mis.pdf_ratio)
     }

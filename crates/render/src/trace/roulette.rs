@@ -1,4 +1,4 @@
-//! How long paths are, and how weak ones end.
+//! Path termination.
 
 use super::path_state::PathState;
 use super::{MAX_BRANCHES, PathIntegrator};
@@ -6,26 +6,28 @@ use crate::mis::Lobe;
 use radsight_compile::PathLimit;
 use radsight_sampling::DimensionSet;
 
-/// A path shorter than this is never ended by roulette.
+/// Minimum path length for Russian roulette.
 const ROULETTE_DEPTH: u32 = 4;
 
-/// Paths that carry less than this share may be ended where their next ray is drawn from the diffuse component.
+/// Throughput below which paths may be terminated before a diffuse bounce.
 const ROULETTE_SHARE: f64 = 0.25;
 
-/// Other rays may be the narrow view of a light, thousands of times as bright as what is around. One that was kept by chance shows it so many times as bright again as
-/// the chance was small: these paths end later.
+/// Throughput below which other paths may be terminated. They may be the narrow view of a light,
+/// thousands of times as bright as its surroundings. Surviving paths are weighted by 1/p, so a
+/// small p makes fireflies.
 const ROULETTE_SHARE_OF_VIEWS: f64 = 0.05;
 
-/// No path is longer. With a reflectance of 0.99 one in 10¹⁷ would be.
+/// Maximum path length. With a reflectance of 0.99 one path in 10¹⁷ would be longer.
 const MAX_DEPTH: u32 = 4096;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait. A
-    /// path is as weak as it would be if its rays were not favoured. `lobe` is from what the next ray is drawn, if it is.
+    /// Whether a path continues, and with which weight: ends long paths, and weak ones by Russian
+    /// roulette, with higher probability if many branches are pending. The pdf ratio does not
+    /// affect the weight. `lobe` is the lobe from which the next ray is sampled, if it is.
     ///
-    /// The least weight (`-lw`) is compared with what a ray carries, as in Radiance: one of many
-    /// into which a ray has split carries little. What `PathLimit::Cut` throws away is weak by what
-    /// surfaces have taken from it, not by splitting, which would lose light.
+    /// The minimum weight (`-lw`) is compared with the weight of the ray, as in Radiance: one of
+    /// many branches has a small weight. `PathLimit::Cut` ignores splitting, since cutting branches
+    /// would lose light.
     pub(crate) fn go_on(
         &mut self,
         (throughput, pdf_ratio): ([f64; BANDS], f64),
@@ -49,7 +51,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let survival = if crowded {
             unsplit.min(0.5)
         } else {
-            // A path with a drawn ray is noisy as it is; one from the eye by way of mirrors is not, and stays so.
+            // A path with a sampled ray is noisy anyway; one through mirrors from the eye is not,
+            // and stays so.
             let drawn = path.mis.is_some() && depth >= ROULETTE_DEPTH;
             let usual = if lobe == Some(Lobe::Diffuse) { ROULETTE_SHARE } else { ROULETTE_SHARE_OF_VIEWS };
             let by_weight = if roulette > 0.0 { strongest / roulette } else { 1.0 };

@@ -11,7 +11,7 @@ use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, luminance};
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// A ray meets a scattering material.
+    /// A ray hits a scattering material.
     pub(crate) fn shade_scatterer(
         &mut self,
         path: &PathState<BANDS>,
@@ -40,7 +40,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.light_and_scatter(path, hit.point, Some(hit.primitive), &met.point, interaction.total_distance);
     }
 
-    /// A ray meets measured data, or passes the proxy that they are.
+    /// A ray hits measured data, or passes their proxy geometry.
     fn shade_measured(
         &mut self,
         path: &PathState<BANDS>,
@@ -79,7 +79,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 }
 
-/// What is seen straight on appears in its place where more goes that way than is scattered.
+/// Straight transmission keeps its apparent position if it exceeds scattered transmission.
 fn image_beyond<const BANDS: usize>(met: &SurfaceScattering<'_, BANDS>, straight: &SpecularBounce<BANDS>) -> Image {
     let transmission = met.point.transmission.as_ref().map_or(0.0, |transmission| luminance(&transmission.diffuse));
     Image::in_place_if(luminance(&straight.weight) > transmission + luminance(&met.point.diffuse))

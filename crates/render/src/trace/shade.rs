@@ -1,7 +1,7 @@
-//! What a surface makes of a ray that meets it.
+//! Shading of a hit.
 
 use super::PathIntegrator;
-use super::emission::placed_share;
+use super::emission::instance_emission_share;
 use super::passage::Passage;
 use super::path_state::PathState;
 use crate::ray_tree::Image;
@@ -13,7 +13,7 @@ use radsight_texture::{Appearance, SurfaceInteraction, bands, mirrored, product,
 use std::f64::consts::PI;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// What a ray finds that met a surface with this shader.
+    /// Shades a hit with this shader.
     pub(crate) fn shade(&mut self, path: &PathState<BANDS>, hit: &Intersection, shader: &Shader) {
         let behind = path.ray.direction.dot(hit.front) > 0.0;
         let travelled = path.travelled + hit.distance;
@@ -40,8 +40,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
         match &shader.kind {
             Kind::Emitter(emitter) if !behind => {
-                let share = if hit.placed.is_some() && path.mis.is_some() {
-                    if path.seeks_caustics() { 0.0 } else { placed_share(emitter, hit.distance) }
+                let share = if hit.instance.is_some() && path.mis.is_some() {
+                    if path.seeks_caustics() { 0.0 } else { instance_emission_share(emitter, hit.distance) }
                 } else {
                     self.emission_share(path, hit.surface, emitter, hit.distance, interaction.cosine)
                 };
@@ -56,7 +56,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             Kind::Mirror { reflectance, .. } if !behind => {
                 self.shade_mirror(path, hit, shader, bands(*reflectance), &interaction);
             }
-            // From behind, lights and mirrors are black; what has no material and what only cuts was passed.
+            // From behind, lights and mirrors are black; surfaces without a material and pure
+            // antimatter were passed.
             Kind::Emitter(_) | Kind::Mirror { .. } | Kind::Transparent | Kind::Antimatter(_) => {}
             Kind::Mixture(mixture) => self.shade_mixture([path, unseen], hit, (shader, mixture), &interaction),
             Kind::Unusable => {
@@ -105,14 +106,14 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// A measurement of irradiance where a surface is: the surface does not matter.
+    /// Irradiance at a surface, whatever its material.
     fn shade_white(&mut self, path: &PathState<BANDS>, hit: &Intersection, interaction: &SurfaceInteraction) {
         let point = Bsdf::white(-interaction.direction, interaction.normal);
         let path = PathState { throughput: path.throughput.map(|band| band * PI), ..*path };
         self.light_and_scatter(&path, hit.point, Some(hit.primitive), &point, interaction.total_distance);
     }
 
-    /// Patterns and textures, and the normal that they make.
+    /// Patterns and textures, and the perturbed normal.
     pub(crate) fn appearance(
         &mut self,
         path: &PathState<BANDS>,
@@ -163,7 +164,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.specular(path, hit, reflect(interaction.direction, normal), reflected, Passage::Reflection { image });
     }
 
-    /// Where a mirror image in a surface appears.
+    /// The apparent position of a mirror image in a surface.
     pub(crate) fn image_behind(&self, hit: &Intersection, perturbation: DVec3) -> Image {
         Image::in_place_if(is_flat(self.plan.scene.surfaces[hit.surface].shape) && perturbation == DVec3::ZERO)
     }

@@ -1,24 +1,23 @@
-//! Path splitting: into how many rays a ray splits at a surface.
+//! Path splitting: the number of rays into which a ray splits at a surface.
 //!
-//! A ray whose value counts by itself (`Uncached::Split`) is not the mean of many paths from its
-//! beginning: it splits where light is scattered. What lies before is followed once, and the
-//! branches are spread evenly over the hemisphere.
+//! A ray whose value is used by itself (`Uncached::Split`) is not the mean of many independent
+//! paths: it splits at scattering surfaces. The path before is traced once, and the branches are
+//! stratified over the hemisphere.
 //!
-//! How many there are follows the meaning of Radiance's options (`samp_hemi` in `ambcomp.c`). With
-//! the weight w of the ray, the share of it that the surface scatters ρ, and the least weight l
-//! (`-lw`), the diffuse component gets
+//! Their number follows Radiance's options (`samp_hemi` in `ambcomp.c`). With the weight w of the
+//! ray, the scattered fraction ρ, and the minimum weight l (`-lw`), the diffuse component gets
 //!
 //! n = round(√(a·min(w, 0.8 ρ w / (a l))))², a = `-ad`,
 //!
-//! so that no branch begins below the least weight; where irradiance is shared (`-aa` above 0) the
-//! second bound does not hold, and n is 64 at least at the first diffuse surface. Super-samples
-//! (`-as`) add s·w rays where that is 4√n or more. Each branch weighs ρ w / n: it splits no further
-//! unless a is much larger than n, and below the least weight it goes on by Russian roulette.
+//! so that no branch starts below the minimum weight. With an irradiance cache (`-aa` above 0) the
+//! second bound does not apply, and n is at least 64 at the first diffuse surface. Super-samples
+//! (`-as`) add s·w rays if that is at least 4√n. Each branch has the weight ρ w / n: it splits
+//! further only if a is much larger than n, and below the minimum weight Russian roulette applies.
 //!
-//! Radiance looks into a highlight along one ray (`-ss`), which itself splits into a·ρ rays at the
-//! next surface. Here it is √(a ρ) rays, which split into as many each: about as much work, without
-//! the noise of a single direction. What the irradiance cache gives it costs nothing more, so that
-//! one ray is left there.
+//! Radiance samples a highlight by one ray (`-ss`), which itself splits into a·ρ rays at the next
+//! surface. Here it is √(a ρ) rays, which split into as many each: about as much work, without the
+//! noise of a single direction. Irradiance from the cache costs nothing more, so then there is one
+//! ray.
 
 use super::PathIntegrator;
 use super::path_state::PathState;
@@ -28,58 +27,54 @@ use radsight_light::LightSampleCount;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::FRAC_1_PI;
 
-/// A branch of a ray begins with so many times the least weight, or more.
+/// Factor of the minimum weight at which a branch starts.
 const MARGIN: f64 = 0.8;
 
-/// The square root of the least number of rays from which irradiance is shared.
+/// Square root of the minimum number of rays for cached irradiance.
 const LEAST_SIDE: f64 = 8.0;
 
-/// Into how many rays a ray splits at a point.
+/// The number of rays into which a ray splits at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Branches {
     pub(super) diffuse: u32,
     pub(super) highlight: u32,
 }
 
-/// The share of many branches that is sent towards openings: these find what is bright there, the
-/// others the rest.
+/// Fraction of many branches towards portals: these find what is bright there, the others the rest.
 const OUTWARD_SHARE: f64 = 0.125;
 
 impl Branches {
-    /// Sets of points that a ray takes for branches: one for those into the highlight, and two for
-    /// the others.
+    /// Sets of sample points for branches: one for the highlight, and two for the others.
     pub(super) const SETS: u32 = 3;
 
-    /// How many of the rays into the highlight count where they share the work with places on
-    /// lights.
+    /// Number of highlight rays in the balance heuristic with light sampling.
     ///
-    /// Branches count as one. By the balance heuristic many rays would take a share of a small
-    /// light that they hardly ever find, which is noise in what light sampling knows well.
+    /// Branches count as one. With many rays the heuristic would give weight to highlight rays for
+    /// a small light that they hardly ever hit, which adds noise to light sampling.
     pub(super) fn shared_highlight(self, is_split: bool) -> u32 {
         if is_split { self.highlight.min(1) } else { self.highlight }
     }
 
-    /// How many diffuse branches are sent towards openings, where any are seen.
+    /// Number of diffuse branches towards portals, if any are visible.
     pub(super) fn outward(self) -> u32 {
         (OUTWARD_SHARE * f64::from(self.diffuse)).ceil() as u32
     }
 }
 
-/// Radiance halves a light until its pieces are no larger than a square, along each side alone, so
-/// that they are about half as large. Places drawn at random have as much noise at the edges of
-/// shadows with about two in a square.
+/// Samples per square of Radiance's light subdivision. Radiance halves a light until its pieces are
+/// no larger than a square, along each side separately, so they have about half its area. Random
+/// points have as much noise in penumbrae with about two per square.
 const PLACES_IN_A_SQUARE: f64 = 2.0;
 
-/// For so many branches another place is sampled on each light, up to so many.
+/// Number of branches per additional sample of each light, and the maximum.
 const BRANCHES_FOR_A_PLACE: f64 = 32.0;
 const MOST_PLACES_FOR_BRANCHES: f64 = 16.0;
 
-/// A sensor samples few lights in more places than one, since it may stand where a light is half
-/// hidden.
+/// A sensor takes several samples of few lights, since it may be in their penumbra.
 const FEW_LIGHTS: usize = 4;
 const PLACES_ON_FEW_LIGHTS: f64 = 2.0;
 
-/// A ray that splits, to be taken up again after its branches.
+/// The state of a ray that splits, restored after its branches.
 pub(super) struct SuspendedPath {
     sampler: RaySampler,
     set: DimensionSet,
@@ -89,8 +84,8 @@ pub(super) struct SuspendedPath {
     open: usize,
 }
 
-/// How many rays a diffuse component gets of a ray of weight `weight`, of which it scatters the
-/// share `reflectance`. `least_side` squared is the least number.
+/// Number of rays of a diffuse component of a ray with weight `weight`, of which it scatters
+/// `reflectance`. `least_side` squared is the minimum.
 fn hemisphere_rays(options: &RenderOptions, weight: f64, reflectance: f64, least_side: f64) -> u32 {
     let gathering = &options.gathering;
     let divisions = f64::from(gathering.divisions);
@@ -105,8 +100,8 @@ fn hemisphere_rays(options: &RenderOptions, weight: f64, reflectance: f64, least
     (side * side + if is_worth_it { super_samples } else { 0.0 }) as u32
 }
 
-/// How many rays can share a weight without any that begins below the least weight; infinite where
-/// there is none.
+/// Maximum number of rays that share a weight without falling below the minimum weight; infinite
+/// without one.
 fn most_above_least_weight(options: &RenderOptions, weight: f64) -> f64 {
     MARGIN * weight / options.least_weight.max(f64::MIN_POSITIVE)
 }
@@ -116,13 +111,13 @@ fn mean<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
 }
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// The share of the first ray that this one carries, 1 at most.
+    /// The weight of this ray relative to the first, at most 1.
     fn weight(&self, path: &PathState<BANDS>) -> f64 {
         let unit = if self.plan.options.quantity == Quantity::Radiance { 1.0 } else { FRAC_1_PI };
         (unit * path.pdf_ratio() * mean(&path.throughput)).min(1.0)
     }
 
-    /// Into how many rays a ray splits; `asked` are those that rays get that do not split.
+    /// The number of rays into which a ray splits; `asked` is the number without splitting.
     pub(super) fn branches(&self, path: &PathState<BANDS>, point: &Bsdf<'_, BANDS>, asked: Branches) -> Branches {
         let options = &self.plan.options;
         let weight = self.weight(path);
@@ -144,12 +139,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         Branches { diffuse, highlight }
     }
 
-    /// How many places on a light are sampled at a point: some in each of the squares whose side is
-    /// the asked share of the distance (`-ds`), fewer for a ray of less weight. Each branch samples
-    /// all lights again, so that some more here cost little beside them.
+    /// Number of samples of a light at a point: some in each of the squares whose side is the
+    /// requested fraction of the distance (`-ds`), fewer for a ray of less weight. Each branch
+    /// samples all lights again, so some more here cost little.
     ///
-    /// Rays of radiance that do not split get one: who sends many averages them, and they draw what
-    /// the rays of a picture would.
+    /// Unsplit rays of radiance get one sample: the caller averages many, and they use the sample
+    /// points of pictures.
     pub(super) fn places(&self, path: &PathState<BANDS>, branches: Branches) -> LightSampleCount {
         let options = &self.plan.options;
         let is_sensor = options.quantity != Quantity::Radiance && path.mis.is_none();
@@ -168,8 +163,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         LightSampleCount { per_sr, least: for_branches.max(for_few) }
     }
 
-    /// Begins with the branches of the ray in hand, which take their points where it would take
-    /// `set`.
+    /// Begins the branches of the current ray, which take their sample points instead of its `set`.
     pub(super) fn split(&mut self, set: u32) -> SuspendedPath {
         SuspendedPath {
             sampler: self.sampler,
@@ -181,14 +175,14 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// The first point of a branch.
+    /// The first sample point of a branch.
     pub(super) fn begin_branch(&mut self, suspended: &SuspendedPath, branch: u32, branches: u32) -> [f64; 4] {
         self.sampler = suspended.sampler.branch(suspended.set, branch, branches);
         self.next_set = 1;
         self.sampler.take(DimensionSet::render(0))
     }
 
-    /// Follows a branch to its end.
+    /// Traces a branch to its end.
     pub(super) fn end_branch(&mut self, suspended: &SuspendedPath) {
         self.follow_until(suspended.waiting);
         if let Some(contributions) = &mut self.contributions {
@@ -198,7 +192,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.cuts.truncate(suspended.cuts);
     }
 
-    /// Goes on with the ray that has split.
+    /// Continues with the ray that was split.
     pub(super) fn end_split(&mut self, suspended: &SuspendedPath, next_set: u32) {
         self.sampler = suspended.sampler;
         self.next_set = next_set;

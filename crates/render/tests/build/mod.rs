@@ -1,4 +1,4 @@
-//! Scenes without text, for tests.
+//! Scenes for tests, built without text.
 #![allow(dead_code, reason = "each test binary builds other scenes")]
 
 use glam::DVec3;
@@ -12,7 +12,7 @@ use radsight_ir::{
 use radsight_render::{NoModels, Ray, RenderOptions, RenderPlan, Renderer, Traced};
 use std::sync::Arc;
 
-/// A scene that grows.
+/// A scene under construction.
 #[derive(Clone, Default)]
 pub(crate) struct Builder(Scene);
 
@@ -63,14 +63,14 @@ impl Builder {
         self.0.surfaces.add(Surface { name, span: None, modifier, shape });
     }
 
-    /// `void` as modifier leaves each triangle its own.
+    /// `void` as modifier keeps each triangle's own.
     pub(crate) fn mesh(&mut self, modifier: Option<ModifierHandle>, mesh: Mesh, to_scene: Transform) {
         let mesh = self.0.meshes.add(mesh);
         let handle = self.0.mesh_instances.add(MeshInstance { mesh, to_scene });
         self.any_surface(modifier, Shape::Mesh(handle));
     }
 
-    /// `void` as modifier leaves each surface its own.
+    /// `void` as modifier keeps each surface's own.
     pub(crate) fn instance(&mut self, modifier: Option<ModifierHandle>, scene: &Arc<Scene>, to_scene: Transform) {
         let known =
             self.0.octrees.iter().find(|(_, octree)| Arc::ptr_eq(&octree.scene, scene)).map(|(handle, _)| handle);
@@ -81,7 +81,7 @@ impl Builder {
         self.any_surface(modifier, Shape::Instance(handle));
     }
 
-    /// The scene, to be placed in others.
+    /// The scene, for instances in others.
     pub(crate) fn shared(self) -> Arc<Scene> {
         Arc::new(self.0)
     }
@@ -150,7 +150,7 @@ fn call(expressions: &[&str]) -> FunctionCall {
     FunctionCall { program: Arc::new(program), to_scene: Transform::IDENTITY, words: Vec::new(), numbers: Vec::new() }
 }
 
-/// The red band of rays 0…count of one place and direction.
+/// The red band of rays 0…count with the same origin and direction.
 pub(crate) fn values(
     scene: &Builder,
     options: RenderOptions,
@@ -162,7 +162,7 @@ pub(crate) fn values(
     traced(scene, options, &vec![ray; count]).iter().map(|traced| traced.value[0]).collect()
 }
 
-/// What rays bring.
+/// The results of rays.
 pub(crate) fn traced(scene: &Builder, options: RenderOptions, rays: &[Ray]) -> Vec<Traced> {
     let rays: Vec<Option<Ray>> = rays.iter().copied().map(Some).collect();
     let traced = Renderer::new(plan(scene, options)).trace_all(0, &rays);
