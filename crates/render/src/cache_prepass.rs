@@ -15,39 +15,39 @@ use std::f64::consts::PI;
 
 /// Rays of the first batch; later batches are larger, as fewer rays find a gap.
 const FIRST_BATCH: usize = 64;
-const LARGEST_BATCH: usize = 4096;
+const MAX_BATCH: usize = 4096;
 
 /// Cache points that gather in parallel: few, since they ignore each other's records.
 const GROUP: usize = 16;
 
 /// A gather uses at most this many rays for each pre-pass ray, and in small pictures at most this
 /// many in all. Beyond that single rays are more efficient, and points without records use them.
-const MOST_RAYS: usize = 64;
-const MOST_RAYS_OF_FEW: usize = 1 << 23;
+const MAX_RAYS: usize = 64;
+const MAX_RAYS_OF_FEW: usize = 1 << 23;
 
 /// Fraction of the requested rays in one gather, since the rays of neighbours count as well.
 const FIRST_SHARE: usize = 16;
 
 /// Fraction in the gathers of the first cache points, which find the bright directions.
-const FIRST_PLACES_SHARE: usize = 2;
+const FIRST_POINTS_SHARE: usize = 2;
 
 /// Minimum number of rays of a gather, for the distances to other surfaces.
-const FEWEST_RAYS: usize = 32;
+const MIN_RAYS: usize = 32;
 
 /// Limits of the number of rays in a fit, relative to the requested number. It is larger where the
 /// noise is too high or less noise is allowed than usual, and smaller where more noise is allowed
 /// than reached.
-const MOST_FURTHER: f64 = 4.0;
-const LEAST_RAYS: f64 = 0.25;
+const MAX_FURTHER: f64 = 4.0;
+const MIN_FIT_RAYS: f64 = 0.25;
 const SPARING_NOISE: f64 = 0.01;
 const USUAL_NOISE: f64 = 0.03;
-const GREATEST_RIGOUR: f64 = 16.0;
+const MAX_NOISE_REDUCTION: f64 = 16.0;
 
 /// Irradiance below this fraction of the typical value needs no more absolute accuracy.
-const DARK: f64 = 0.03;
+const DARK_FRACTION: f64 = 0.03;
 
 /// Maximum number of pre-pass rays for counting what records serve.
-const MOST_COUNTED: usize = 1 << 16;
+const MAX_COUNTED: usize = 1 << 16;
 
 /// Number of passes over the rays: where the irradiance is not linear, records get a smaller reach
 /// than in the previous pass.
@@ -61,18 +61,18 @@ const FURTHER_ROUNDS: usize = 3;
 
 /// Cache points that trace sample rays to find the points of the second cache, and number of rays
 /// of each.
-const MOST_SAMPLE_PLACES: usize = 1024;
-const SAMPLE_LOOKS: usize = 16;
+const MAX_SAMPLE_PLACES: usize = 1024;
+const SAMPLES_PER_POINT: usize = 16;
 
 /// With fewer rays than this there is no second cache: their own paths cost less.
-const FEWEST_TO_GO_BEYOND: usize = 256;
+const MIN_RAYS_FOR_SECOND_CACHE: usize = 256;
 
 /// Factor of error and noise of the second cache.
 const COARSER: f64 = 2.0;
 const NOISIER: f64 = 8.0;
 
 /// Fraction of the rays that may be used for the second cache, as its reciprocal.
-const SHARE_BEYOND: usize = 4;
+const SECOND_CACHE_SHARE: usize = 4;
 
 /// Up to this many points are few. Each gets this many times the requested rays, as paths of one
 /// ray per bounce, since it has few neighbours. Radiance takes about as long, since every point hit
@@ -83,15 +83,15 @@ const RAYS_OF_A_POINT: f64 = 8.0;
 /// Up to this many points with more than one bounce are sensors, whose values are used one by one.
 /// Each gets this many times the requested rays, which end at surfaces with the second cache. This
 /// pays from the given total number of rays.
-const MOST_SENSORS: usize = 128;
+const MAX_SENSORS: usize = 128;
 const RAYS_OF_A_SENSOR: f64 = 16.0;
-const FEWEST_SENSOR_RAYS: f64 = 16_384.0;
+const MIN_SENSOR_RAYS: f64 = 16_384.0;
 
 /// Total number of sample rays of sensors for the second cache.
-const SENSOR_LOOKS: usize = 4096;
+const SENSOR_SAMPLES: usize = 4096;
 
 /// First gather number of sensors' sample rays.
-const FIRST_LOOK_BEYOND: u64 = 1 << 40;
+const FIRST_SECONDARY_GATHER: u64 = 1 << 40;
 
 /// Whether gathering should be cancelled; once true, it stays true.
 pub(crate) type Stops<'s> = dyn Fn() -> bool + Sync + 's;
@@ -120,23 +120,26 @@ fn gather_for<const BANDS: usize>(
     spread: RaySpacing,
 ) -> usize {
     let GatheredIrradiance { seen, beyond, bright, served } = gathered;
-    let asked = ray_set(rays, spread);
-    if served.contains(&asked) {
+    let requested = ray_set(rays, spread);
+    if served.contains(&requested) {
         return 0;
     }
-    served.push(asked);
-    if plan.options.ambient_bounces > 1 && pays_to_go_beyond(plan, rays.len()) {
-        let looks = SecondaryGathers::new(plan, &seen.cache, rays, spread);
-        beyond.budget = beyond.rays + seen.allowance(rays) / SHARE_BEYOND;
-        beyond.gather((plan, stops), ([None; 2], bright), (looks.len(), looks.spread), |cache, order, asked| {
-            looks.cache_query(plan, cache, order, asked)
-        });
+    served.push(requested);
+    if plan.options.ambient_bounces > 1 && pays_for_second_cache(plan, rays.len()) {
+        let gathers = SecondaryGathers::new(plan, &seen.cache, rays, spread);
+        beyond.budget = beyond.rays + seen.allowance(rays) / SECOND_CACHE_SHARE;
+        beyond.gather(
+            (plan, stops),
+            ([None; 2], bright),
+            (gathers.len(), gathers.spread),
+            |cache, order, requested| gathers.cache_query(plan, cache, order, requested),
+        );
     }
     let before = seen.cache.len();
     seen.budget = seen.rays + seen.allowance(rays);
     let caches = [None, Some(&beyond.cache)];
-    seen.gather((plan, stops), (caches, bright), (rays.len(), spread), |cache, order, asked| {
-        cache_query(plan, cache, rays, order, asked)
+    seen.gather((plan, stops), (caches, bright), (rays.len(), spread), |cache, order, requested| {
+        cache_query(plan, cache, rays, order, requested)
     });
     seen.cache.len() - before
 }
@@ -162,11 +165,11 @@ struct Level<const BANDS: usize> {
     /// Allowed relative standard error.
     noise: f64,
     /// Number of first records that were merged from another cache; they do not gather again.
-    taken_over: usize,
+    merged: usize,
     /// Number of first records that are already saved.
     saved: usize,
     /// The cache points of the other records.
-    places: Vec<CachePoint<BANDS>>,
+    cache_points: Vec<CachePoint<BANDS>>,
     /// The hemisphere of a gather, and that of the first cache points.
     hemisphere: Hemisphere,
     first_hemisphere: Hemisphere,
@@ -174,7 +177,7 @@ struct Level<const BANDS: usize> {
     rays: usize,
     budget: usize,
     /// Gathers so far: each has its own random numbers.
-    looks: u64,
+    gathers: u64,
     /// Minimum number of own rays of each of the newest records, whatever their neighbours have.
     least_own_rays: f64,
     /// Relative number of rays of each of the newest records ([`sample_allocation`]).
@@ -192,7 +195,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         };
         GatheredIrradiance {
             seen: Level::new(plan, limits, noise, 0),
-            beyond: Level::new(plan, coarse, NOISIER * noise, FIRST_LOOK_BEYOND),
+            beyond: Level::new(plan, coarse, NOISIER * noise, FIRST_SECONDARY_GATHER),
             bright: GuidingRecords::default(),
             served: Vec::new(),
         }
@@ -224,9 +227,9 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     }
 
     /// Adds the records gathered here since the last save, where no other record reaches.
-    pub(crate) fn take_over(&mut self, own: GatheredIrradiance<BANDS>) {
-        self.seen.take_over(own.seen);
-        self.beyond.take_over(own.beyond);
+    pub(crate) fn merge(&mut self, own: GatheredIrradiance<BANDS>) {
+        self.seen.merge(own.seen);
+        self.beyond.merge(own.beyond);
         self.bright = own.bright;
         for served in own.served {
             if !self.served.contains(&served) {
@@ -255,59 +258,59 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
 
 impl<const BANDS: usize> Level<BANDS> {
     fn new(plan: &RenderPlan, limits: Limits, noise: f64, first_look: u64) -> Self {
-        let wanted = plan.options.gathering.rays();
-        let divided = |share: usize| Hemisphere::with_divisions((wanted / share).max(FEWEST_RAYS.min(wanted)));
-        let (hemisphere, first_hemisphere) = (divided(FIRST_SHARE), divided(FIRST_PLACES_SHARE));
+        let needed = plan.options.gathering.rays();
+        let divided = |share: usize| Hemisphere::with_divisions((needed / share).max(MIN_RAYS.min(needed)));
+        let (hemisphere, first_hemisphere) = (divided(FIRST_SHARE), divided(FIRST_POINTS_SHARE));
         let cache = Cache::new(limits);
         Level {
             cache,
             noise,
-            taken_over: 0,
+            merged: 0,
             saved: 0,
-            places: Vec::new(),
+            cache_points: Vec::new(),
             hemisphere,
             first_hemisphere,
             rays: 0,
             budget: 0,
-            looks: first_look,
+            gathers: first_look,
             least_own_rays: 0.0,
             allocations: Vec::new(),
         }
     }
 
     fn save(&mut self, bytes: &mut Vec<u8>) {
-        self.looks.store(bytes);
+        self.gathers.store(bytes);
         self.cache.save(bytes);
         self.saved = self.cache.len();
     }
 
     fn restore(&mut self, bytes: &mut StoredBytes<'_>) -> Option<()> {
-        self.looks = u64::restore(bytes)?;
+        self.gathers = u64::restore(bytes)?;
         self.cache = Cache::restored(bytes, *self.cache.limits())?;
         self.settle();
         self.saved = self.cache.len();
-        self.taken_over = self.saved;
+        self.merged = self.saved;
         Some(())
     }
 
     /// Adds the unsaved records of another level, and its rays to the total.
-    fn take_over(&mut self, other: Level<BANDS>) {
+    fn merge(&mut self, other: Level<BANDS>) {
         self.cache.merge(&other.cache, other.saved);
         self.settle();
-        self.taken_over = self.cache.len();
-        self.looks = self.looks.max(other.looks);
+        self.merged = self.cache.len();
+        self.gathers = self.gathers.max(other.gathers);
         self.rays = other.rays;
     }
 
     /// Number of hemisphere samples allowed for these rays.
     fn allowance(&self, rays: &[Option<Ray>]) -> usize {
-        let usual = MOST_RAYS_OF_FEW.max(MOST_RAYS * rays.len());
-        (usual as f64 * self.rigour()) as usize
+        let usual = MAX_RAYS_OF_FEW.max(MAX_RAYS * rays.len());
+        (usual as f64 * self.noise_reduction()) as usize
     }
 
     /// Factor by which the allowed noise is smaller than usual, at least 1.
-    fn rigour(&self) -> f64 {
-        (USUAL_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(1.0, GREATEST_RIGOUR)
+    fn noise_reduction(&self) -> f64 {
+        (USUAL_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(1.0, MAX_NOISE_REDUCTION)
     }
 
     /// Fills the cache for `count` pre-pass rays; `cache_query` returns the cache queries of some
@@ -321,8 +324,8 @@ impl<const BANDS: usize> Level<BANDS> {
     ) {
         let before = self.cache.len();
         self.least_own_rays = least_own_rays(plan, count);
-        let surveys = if plan.has_caustics { PREPASSES_FOR_CAUSTICS } else { PREPASSES };
-        for round in 0..surveys {
+        let passes = if plan.has_caustics { PREPASSES_FOR_CAUSTICS } else { PREPASSES };
+        for round in 0..passes {
             if stops() {
                 return;
             }
@@ -367,28 +370,28 @@ impl<const BANDS: usize> Level<BANDS> {
         let (mut first, mut batch) = (0, FIRST_BATCH);
         while first < order.len() && self.rays < self.budget && !stops() {
             let end = (first + batch).min(order.len());
-            let surveys = cache_query(&self.cache, &order[first..end], &CacheQuery::Missing(Vec::new(), spread));
-            let missing: Vec<_> = surveys.into_iter().flat_map(CacheQuery::missing).collect();
+            let queries = cache_query(&self.cache, &order[first..end], &CacheQuery::Missing(Vec::new(), spread));
+            let missing: Vec<_> = queries.into_iter().flat_map(CacheQuery::missing).collect();
             for group in missing.chunks(GROUP) {
                 let uncovered: Vec<_> = group
                     .iter()
-                    .filter(|place| !place.is_covered(&self.cache))
-                    .map(|place| (place.clone(), place.next_gather(&self.cache)))
+                    .filter(|cache_point| !cache_point.is_covered(&self.cache))
+                    .map(|cache_point| (cache_point.clone(), cache_point.next_gather(&self.cache)))
                     .collect();
-                let knew_nothing = self.knows_nothing(bright);
+                let had_no_data = self.has_no_data(bright);
                 let mut records = self.gather_at((plan, stops), (caches, bright), &uncovered);
-                if knew_nothing && !bright.is_empty() {
+                if had_no_data && !bright.is_empty() {
                     // The first records may have missed bright directions by chance: they gather
                     // again with guiding.
                     records = self.gather_at((plan, stops), (caches, bright), &uncovered);
                 }
-                for ((place, look), record) in uncovered.into_iter().zip(records) {
-                    self.cache.insert(record, look);
-                    self.places.push(place);
+                for ((cache_point, gather), record) in uncovered.into_iter().zip(records) {
+                    self.cache.insert(record, gather);
+                    self.cache_points.push(cache_point);
                 }
             }
             first = end;
-            batch = (2 * batch).min(LARGEST_BATCH);
+            batch = (2 * batch).min(MAX_BATCH);
         }
     }
 
@@ -401,9 +404,9 @@ impl<const BANDS: usize> Level<BANDS> {
         cache_query: &impl Fn(&Cache<BANDS>, &[usize], &CacheQuery<BANDS>) -> Vec<CacheQuery<BANDS>>,
     ) {
         let mut served = vec![0.0; self.cache.len() - first];
-        for some in scattered(count)[..count.min(MOST_COUNTED)].chunks(LARGEST_BATCH) {
-            let surveys = cache_query(&self.cache, some, &CacheQuery::Served(Vec::new()));
-            for (record, share) in surveys.into_iter().flat_map(CacheQuery::served) {
+        for some in scattered(count)[..count.min(MAX_COUNTED)].chunks(MAX_BATCH) {
+            let queries = cache_query(&self.cache, some, &CacheQuery::Served(Vec::new()));
+            for (record, share) in queries.into_iter().flat_map(CacheQuery::served) {
                 if let Some(served) = (record as usize).checked_sub(first).and_then(|index| served.get_mut(index)) {
                     *served += share;
                 }
@@ -424,19 +427,19 @@ impl<const BANDS: usize> Level<BANDS> {
             .zip(&self.allocations)
             .map(|(index, allocation)| self.gathers_missing(plan, index, typical, *allocation))
             .collect();
-        let wanted = missing.iter().sum::<usize>() * self.hemisphere.len();
+        let needed = missing.iter().sum::<usize>() * self.hemisphere.len();
         // If there are not enough rays for all, all get the same fraction.
         let gathering = &plan.options.gathering;
         let most = gathering.record_share * (self.cache.len() * gathering.rays()) as f64;
         let left = (self.budget as f64).min(most) - self.rays as f64;
-        let share = (left / wanted.max(1) as f64).clamp(0.0, 1.0);
+        let share = (left / needed.max(1) as f64).clamp(0.0, 1.0);
         let (mut weak, mut again, mut due) = (Vec::new(), Vec::new(), 0.0);
-        for (index, looks) in (first..).zip(missing) {
-            due += looks as f64 * share;
+        for (index, gathers) in (first..).zip(missing) {
+            due += gathers as f64 * share;
             while due >= 1.0 {
                 due -= 1.0;
                 weak.push(index);
-                again.push((self.places[index - self.taken_over].clone(), self.cache.take_gather(index)));
+                again.push((self.cache_points[index - self.merged].clone(), self.cache.take_gather(index)));
             }
         }
         let records = self.gather_at((plan, stops), known, &again);
@@ -450,53 +453,53 @@ impl<const BANDS: usize> Level<BANDS> {
     /// of a fit grow in proportion.
     fn gathers_missing(&self, plan: &RenderPlan, index: usize, typical: f64, allocation: f64) -> usize {
         let (record, fit) = self.cache.fitted(index);
-        let wanted = plan.options.gathering.rays() as f64;
+        let needed = plan.options.gathering.rays() as f64;
         let allowed = self.noise * weighed_against(fit, typical);
         let noisy = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
-        let least = (SPARING_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(LEAST_RAYS, 1.0);
-        let wanted = allocation * noisy.clamp(least * wanted, MOST_FURTHER * self.rigour() * wanted);
-        let missing = record.rays() * (wanted / fit.rays() - 1.0);
+        let least = (SPARING_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(MIN_FIT_RAYS, 1.0);
+        let needed = allocation * noisy.clamp(least * needed, MAX_FURTHER * self.noise_reduction() * needed);
+        let missing = record.rays() * (needed / fit.rays() - 1.0);
         let missing = missing.max(self.least_own_rays - record.rays());
         (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize
     }
 
     /// Whether nothing was gathered yet, nor found bright.
-    fn knows_nothing(&self, bright: &GuidingRecords) -> bool {
-        self.places.is_empty() && bright.is_empty()
+    fn has_no_data(&self, bright: &GuidingRecords) -> bool {
+        self.cache_points.is_empty() && bright.is_empty()
     }
 
     fn gather_at(
         &mut self,
         (plan, stops): (&RenderPlan, &Stops<'_>),
         (caches, bright): (Caches<'_, BANDS>, &mut GuidingRecords),
-        places: &[(CachePoint<BANDS>, usize)],
+        cache_points: &[(CachePoint<BANDS>, usize)],
     ) -> Vec<Record<BANDS>> {
-        let hemisphere = if self.knows_nothing(bright) { &self.first_hemisphere } else { &self.hemisphere };
-        let (first, limits, known) = (self.looks, self.cache.limits(), &*bright);
-        let looked: Vec<_> = places
+        let hemisphere = if self.has_no_data(bright) { &self.first_hemisphere } else { &self.hemisphere };
+        let (first, limits, known) = (self.gathers, self.cache.limits(), &*bright);
+        let gathered_records: Vec<_> = cache_points
             .par_iter()
             .enumerate()
             .map_init(
                 || PathIntegrator::new(plan, caches),
-                |tracer, (index, (place, sample))| {
+                |tracer, (index, (cache_point, sample))| {
                     if stops() {
                         return None;
                     }
                     let number = first + index as u64;
-                    let look = HemisphereGather { hemisphere, sample: Some(*sample), number, bright: Some(known) };
-                    let (record, around) = tracer.gather_at(place, &look, limits);
+                    let gather = HemisphereGather { hemisphere, sample: Some(*sample), number, bright: Some(known) };
+                    let (record, around) = tracer.gather_at(cache_point, &gather, limits);
                     // The record contains the sums of the cells; keeping the cells of a million
                     // gathers would fill the memory.
                     let HemisphereSamples { bright, rays, .. } = around;
-                    Some((record.with_ungathered(tracer.direct_irradiance(place, number)), bright, rays))
+                    Some((record.with_ungathered(tracer.direct_irradiance(cache_point, number)), bright, rays))
                 },
             )
             .while_some()
             .collect();
-        self.looks += places.len() as u64;
-        let mut records = Vec::with_capacity(looked.len());
-        for ((place, _), (record, found, rays)) in places.iter().zip(looked) {
-            bright.note(place.point, place.normal, found);
+        self.gathers += cache_points.len() as u64;
+        let mut records = Vec::with_capacity(gathered_records.len());
+        for ((cache_point, _), (record, found, rays)) in cache_points.iter().zip(gathered_records) {
+            bright.note(cache_point.point, cache_point.normal, found);
             self.rays += rays;
             records.push(record);
         }
@@ -516,7 +519,7 @@ impl<const BANDS: usize> Level<BANDS> {
 
 /// The irradiance to which an error is relative: the total, including direct light.
 fn weighed_against<const BANDS: usize>(fit: &Fit<BANDS>, typical: f64) -> f64 {
-    fit.brightness().max(DARK * typical)
+    fit.brightness().max(DARK_FRACTION * typical)
 }
 
 /// The allocation of rays to records by the parts of the picture that they serve, relative to equal
@@ -533,13 +536,13 @@ fn sample_allocation(served: &[f64], allocation_floor: f64) -> Vec<f64> {
 /// Whether this many points are sensors with light of more than one bounce.
 fn are_sensors(plan: &RenderPlan, points: usize) -> bool {
     let options = &plan.options;
-    options.quantity != Quantity::Radiance && options.ambient_bounces > 1 && points <= MOST_SENSORS
+    options.quantity != Quantity::Radiance && options.ambient_bounces > 1 && points <= MAX_SENSORS
 }
 
 /// Whether a second cache pays for this many points.
-fn pays_to_go_beyond(plan: &RenderPlan, points: usize) -> bool {
+fn pays_for_second_cache(plan: &RenderPlan, points: usize) -> bool {
     let of_sensors = least_own_rays(plan, points) * points as f64;
-    points >= FEWEST_TO_GO_BEYOND || are_sensors(plan, points) && of_sensors >= FEWEST_SENSOR_RAYS
+    points >= MIN_RAYS_FOR_SECOND_CACHE || are_sensors(plan, points) && of_sensors >= MIN_SENSOR_RAYS
 }
 
 /// Minimum number of own rays of a record, for this total number of points.
@@ -550,8 +553,8 @@ fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
 
 /// This multiple of the requested rays (`-ad`, `-as`) for each of few points, which have hardly any
 /// neighbours; more points share as many.
-fn rays_of_few(factor: f64, asked: usize, points: usize) -> f64 {
-    factor * asked as f64 * (FEW_POINTS / points.max(1) as f64).min(1.0)
+fn rays_of_few(factor: f64, requested: usize, points: usize) -> f64 {
+    factor * requested as f64 * (FEW_POINTS / points.max(1) as f64).min(1.0)
 }
 
 /// The cache queries of some rays.
@@ -560,14 +563,14 @@ pub(crate) fn cache_query<const BANDS: usize>(
     cache: &Cache<BANDS>,
     rays: &[Option<Ray>],
     order: &[usize],
-    asked: &CacheQuery<BANDS>,
+    requested: &CacheQuery<BANDS>,
 ) -> Vec<CacheQuery<BANDS>> {
     order
         .par_iter()
         .map_init(
             || PathIntegrator::new(plan, [Some(cache), None]),
             |tracer, index| {
-                tracer.cache_query = Some(asked.clone());
+                tracer.cache_query = Some(requested.clone());
                 if let Some(ray) = &rays[*index] {
                     let _ = tracer.trace(*index as u64, ray);
                 }
@@ -590,14 +593,15 @@ impl<const BANDS: usize> SecondaryGathers<BANDS> {
     /// The cache points from which some of these rays start.
     fn new(plan: &RenderPlan, cache: &Cache<BANDS>, rays: &[Option<Ray>], spread: RaySpacing) -> Self {
         let order = scattered(rays.len());
-        let some = &order[..order.len().min(MOST_SAMPLE_PLACES)];
-        let surveys = cache_query(plan, cache, rays, some, &CacheQuery::Missing(Vec::new(), spread));
-        let from: Vec<CachePoint<BANDS>> = surveys.into_iter().flat_map(CacheQuery::missing).collect();
-        let looks = if are_sensors(plan, rays.len()) { SENSOR_LOOKS / rays.len().max(1) } else { SAMPLE_LOOKS };
+        let some = &order[..order.len().min(MAX_SAMPLE_PLACES)];
+        let queries = cache_query(plan, cache, rays, some, &CacheQuery::Missing(Vec::new(), spread));
+        let from: Vec<CachePoint<BANDS>> = queries.into_iter().flat_map(CacheQuery::missing).collect();
+        let gathers =
+            if are_sensors(plan, rays.len()) { SENSOR_SAMPLES / rays.len().max(1) } else { SAMPLES_PER_POINT };
         let angle = (2.0 * PI / plan.options.gathering.rays() as f64).sqrt();
         SecondaryGathers {
             from,
-            hemisphere: Hemisphere::with_divisions(looks.max(SAMPLE_LOOKS)),
+            hemisphere: Hemisphere::with_divisions(gathers.max(SAMPLES_PER_POINT)),
             spread: RaySpacing { width: 0.0, angle },
         }
     }
@@ -612,7 +616,7 @@ impl<const BANDS: usize> SecondaryGathers<BANDS> {
         plan: &RenderPlan,
         cache: &Cache<BANDS>,
         order: &[usize],
-        asked: &CacheQuery<BANDS>,
+        requested: &CacheQuery<BANDS>,
     ) -> Vec<CacheQuery<BANDS>> {
         let cells = self.hemisphere.len();
         order
@@ -620,11 +624,15 @@ impl<const BANDS: usize> SecondaryGathers<BANDS> {
             .map_init(
                 || PathIntegrator::new(plan, [None, Some(cache)]),
                 |tracer, index| {
-                    tracer.cache_query = Some(asked.clone());
+                    tracer.cache_query = Some(requested.clone());
                     let number = (index / cells) as u64;
-                    let look = HemisphereGather { hemisphere: &self.hemisphere, sample: None, number, bright: None };
-                    let way = tracer.way(&self.from[index / cells], &look, index % cells);
-                    let _ = tracer.look(&self.from[index / cells], way.direction, way.sampler);
+                    let gather = HemisphereGather { hemisphere: &self.hemisphere, sample: None, number, bright: None };
+                    let gather_direction = tracer.gather_direction(&self.from[index / cells], &gather, index % cells);
+                    let _ = tracer.gather_radiance(
+                        &self.from[index / cells],
+                        gather_direction.direction,
+                        gather_direction.sampler,
+                    );
                     tracer.cache_query.take()
                 },
             )

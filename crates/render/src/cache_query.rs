@@ -51,21 +51,21 @@ pub(crate) enum CacheQuery<const BANDS: usize> {
 
 impl<const BANDS: usize> CacheQuery<BANDS> {
     pub(crate) fn missing(self) -> Vec<CachePoint<BANDS>> {
-        if let CacheQuery::Missing(places, _) = self { places } else { Vec::new() }
+        if let CacheQuery::Missing(cache_points, _) = self { cache_points } else { Vec::new() }
     }
 
     pub(crate) fn served(self) -> Vec<(u32, f64)> {
         if let CacheQuery::Served(served) = self { served } else { Vec::new() }
     }
 
-    pub(crate) fn note(&mut self, place: CachePoint<BANDS>, cache: &Cache<BANDS>, travelled: f64) {
+    pub(crate) fn note(&mut self, cache_point: CachePoint<BANDS>, cache: &Cache<BANDS>, travelled: f64) {
         match self {
-            CacheQuery::Missing(places, spread) => {
-                if !place.is_covered(cache) {
-                    places.push(CachePoint { width: spread.at(travelled), ..place });
+            CacheQuery::Missing(cache_points, spread) => {
+                if !cache_point.is_covered(cache) {
+                    cache_points.push(CachePoint { width: spread.at(travelled), ..cache_point });
                 }
             }
-            CacheQuery::Served(served) => cache.shares(place.point, place.normal, served),
+            CacheQuery::Served(served) => cache.shares(cache_point.point, cache_point.normal, served),
         }
     }
 }

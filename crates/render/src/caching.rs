@@ -10,7 +10,7 @@ const ACCURACY_FOR_CAUSTICS: f64 = 0.1;
 /// If less noise is allowed than this, nonlinearity in caustics must be found as well: a smaller
 /// part of the residual is explained by noise, down to this fraction.
 const COARSE_NOISE: f64 = 0.02;
-const LEAST_EXPLAINED: f64 = 0.02;
+const MIN_EXPLAINED: f64 = 0.02;
 
 /// Whether the options use an irradiance cache.
 pub(crate) fn caches_irradiance(plan: &RenderPlan) -> bool {
@@ -32,7 +32,7 @@ pub(crate) fn gathering_limits(plan: &RenderPlan) -> Limits {
     let accuracy = if plan.has_caustics { accuracy.min(ACCURACY_FOR_CAUSTICS) } else { accuracy };
     let resolved = size * accuracy / f64::from(gathering.resolution.max(1));
     let min_reach = if gathering.resolution > 0 && resolved < max_reach { resolved } else { max_reach / 64.0 };
-    let explained = (gathering.noise / COARSE_NOISE).powi(2).clamp(LEAST_EXPLAINED, 1.0);
+    let explained = (gathering.noise / COARSE_NOISE).powi(2).clamp(MIN_EXPLAINED, 1.0);
     let explained = if plan.has_caustics { explained } else { 1.0 };
     Limits { accuracy, min_reach, max_reach, explained }
 }

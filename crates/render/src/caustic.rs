@@ -20,7 +20,7 @@
 
 use crate::direct::DirectSampler;
 use crate::mis::{CausticPath, Lobe, MisState};
-use crate::retrace::MOST_LIGHTS;
+use crate::retrace::MAX_LIGHTS;
 use crate::specular_chain::{SpecularChain, SpecularEvent};
 use crate::specular_return::{RayBundle, TangentPlane};
 use crate::trace::PathIntegrator;
@@ -38,40 +38,40 @@ use std::f64::consts::PI;
 
 /// Fraction of searches with a uniform initial direction, since a chain may begin at a surface that
 /// is not a reflector, such as a pane in front of one.
-const ANYWHERE: f64 = 0.125;
+const UNIFORM_FRACTION: f64 = 0.125;
 
 /// Probability of ending a chain early at each of its surfaces.
-const STOP: f64 = 0.15;
+const STOP_PROBABILITY: f64 = 0.15;
 
 /// Probability of transmission at a surface that reflects and transmits.
-const TRANSMIT: f64 = 0.7;
+const TRANSMIT_PROBABILITY: f64 = 0.7;
 
 /// Maximum length of a chain.
-const MOST_EVENTS: usize = 8;
+const MAX_EVENTS: usize = 8;
 
 /// Number of lights searched at one point.
 const LIGHTS_AT_A_POINT: usize = 4;
 
 /// Probability of a search behind a scattered ray, which is one of many.
-const CHANCE_BEHIND_SCATTERING: f64 = 0.25;
+const SCATTERED_PROBABILITY: f64 = 0.25;
 
 /// Random rays find a lamp whose expected number of hits exceeds one in this many.
-const LARGE_IMAGE: f64 = 8.0;
+const LARGE_IMAGE_TRIALS: f64 = 8.0;
 
 /// Newton's method: steps, halvings of a diverging step, and the largest step as a tangent.
-const MOST_STEPS: u32 = 20;
-const MOST_HALVINGS: u32 = 6;
-const LONGEST_STEP: f64 = 0.5;
+const MAX_STEPS: u32 = 20;
+const MAX_HALVINGS: u32 = 6;
+const MAX_STEP: f64 = 0.5;
 
 /// A chain has converged within this fraction of the lamp's radius.
 const TOLERANCE: f64 = 1e-7;
 
 /// Two solutions are equal if they differ by less than this fraction of the lamp's image.
-const SAME: f64 = 1e-3;
+const SAME_IMAGE: f64 = 1e-3;
 
 /// Maximum number of trials to find a solution again. They all fail with a probability of
 /// exp(−`MAX_TRIALS`·p), where p is the probability that one search finds it.
-const MOST_TRIALS: u32 = 4096;
+const MAX_TRIALS: u32 = 4096;
 
 /// A point of a lamp, in terms of passing rays: the nearest offset of a ray from the lamp's centre
 /// in radii, on two axes across the ray.
@@ -116,10 +116,10 @@ impl<'l> LampPoint<'l> {
             _ => {
                 let to_center = self.light.center - ray.origin;
                 let along = to_center.dot(ray.direction);
-                let beside = ray.direction * along - to_center;
+                let offset = ray.direction * along - to_center;
                 let x = (x - ray.direction * x.dot(ray.direction)).try_normalize()?;
                 let y = ray.direction.cross(x);
-                (along > 0.0).then(|| DVec2::new(beside.dot(x), beside.dot(y)) / self.light.radius)?
+                (along > 0.0).then(|| DVec2::new(offset.dot(x), offset.dot(y)) / self.light.radius)?
             }
         };
         Some(passed - self.offset)
@@ -161,21 +161,21 @@ impl<'p> SeedDirections<'p> {
     }
 
     fn draw(&self, [u, v, choice]: [f64; 3]) -> Option<DVec3> {
-        if choice < ANYWHERE {
-            return Some(self.anywhere([u, v]));
+        if choice < UNIFORM_FRACTION {
+            return Some(self.uniform([u, v]));
         }
         if self.total <= 0.0 {
             return None;
         }
-        let choice = (choice - ANYWHERE) / (1.0 - ANYWHERE);
+        let choice = (choice - UNIFORM_FRACTION) / (1.0 - UNIFORM_FRACTION);
         let (chosen, _) = choose(self.cones().map(|(_, worth)| worth / self.total), choice)?;
         let (cone, _) = self.cones().nth(chosen)?;
-        let Some((axis, tangent)) = cone else { return Some(self.anywhere([u, v])) };
+        let Some((axis, tangent)) = cone else { return Some(self.uniform([u, v])) };
         Some(TangentPlane::new(axis).direction(DVec2::from(unit_disk(u, v)) * tangent))
     }
 
     /// A uniform direction of the sphere, or of the hemisphere that the surface faces.
-    fn anywhere(&self, [u, v]: [f64; 2]) -> DVec3 {
+    fn uniform(&self, [u, v]: [f64; 2]) -> DVec3 {
         let axis = self.facing.unwrap_or(DVec3::Z);
         let (x, y) = axis.any_orthonormal_pair();
         let height = if self.facing.is_some() { u } else { 1.0 - 2.0 * u };
@@ -186,14 +186,14 @@ impl<'p> SeedDirections<'p> {
 
     /// Pdf of [`Self::draw`], 1/sr.
     fn pdf(&self, direction: DVec3) -> f64 {
-        let anywhere = match self.facing {
+        let uniform = match self.facing {
             Some(normal) if normal.dot(direction) <= 0.0 => 0.0,
             Some(_) => 0.5 / PI,
             None => 0.25 / PI,
         };
         let in_cones = self.cones().map(|(cone, worth)| match cone {
             _ if worth <= 0.0 => 0.0,
-            None => worth * anywhere,
+            None => worth * uniform,
             Some((axis, tangent)) => {
                 let cosine = axis.dot(direction);
                 let sine_squared = 1.0 - cosine * cosine;
@@ -203,14 +203,14 @@ impl<'p> SeedDirections<'p> {
             }
         });
         let by_cones = if self.total > 0.0 { in_cones.sum::<f64>() / self.total } else { 0.0 };
-        ANYWHERE * anywhere + (1.0 - ANYWHERE) * by_cones
+        UNIFORM_FRACTION * uniform + (1.0 - UNIFORM_FRACTION) * by_cones
     }
 }
 
 /// Whether the image of a lamp is so large that random directions with this pdf, 1/sr, find it
 /// often enough.
 fn is_large(magnification: f64, pdf: f64) -> bool {
-    magnification / PI < LARGE_IMAGE * pdf
+    magnification / PI < LARGE_IMAGE_TRIALS * pdf
 }
 
 /// A direction from which a chain leads to a point of a lamp.
@@ -225,7 +225,7 @@ struct Solution {
 impl Solution {
     fn is_same_as(&self, other: &Solution) -> bool {
         let image = self.magnification.sqrt().recip();
-        self.events == other.events && self.direction.distance(other.direction) < SAME * image
+        self.events == other.events && self.direction.distance(other.direction) < SAME_IMAGE * image
     }
 
     /// Pdf of the direction for a uniform point of the lamp's disk, 1/sr.
@@ -257,19 +257,19 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     ) {
         let plan = self.plan;
         let lights = plan.lights.len();
-        if !plan.samples_caustics() || lights == 0 || lights > MOST_LIGHTS || !point.has_diffuse() {
+        if !plan.samples_caustics() || lights == 0 || lights > MAX_LIGHTS || !point.has_diffuse() {
             return;
         }
-        let chance = if path.is_scattered() { CHANCE_BEHIND_SCATTERING } else { 1.0 };
+        let chance = if path.is_scattered() { SCATTERED_PROBABILITY } else { 1.0 };
         let [first, survival, ..] = self.take_set();
         if survival >= chance {
             return;
         }
         let seeds = SeedDirections::new(&plan.reflectors, direct.point, point);
         self.sample_large_images(path, direct, point, (&seeds, chance));
-        let asked = lights.min(LIGHTS_AT_A_POINT);
-        let share = asked as f64 / lights as f64;
-        for step in 0..asked {
+        let requested = lights.min(LIGHTS_AT_A_POINT);
+        let share = requested as f64 / lights as f64;
+        for step in 0..requested {
             // All lights if they are few, otherwise evenly spaced ones.
             let light = ((step as f64 + first) / share) as usize % lights;
             self.sample_caustic(path, direct, point, (&plan.lights[light], &seeds, chance * share));
@@ -349,7 +349,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             return;
         }
         let mut trials = 1;
-        while trials < MOST_TRIALS && !self.search(from, seeds, &goal).is_some_and(|again| again.is_same_as(&found)) {
+        while trials < MAX_TRIALS && !self.search(from, seeds, &goal).is_some_and(|again| again.is_same_as(&found)) {
             trials += 1;
         }
         let pdf = found.pdf() * chance / f64::from(trials);
@@ -392,11 +392,15 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let mut ray = Ray { origin, direction };
         let mut events = Vec::new();
         let mut is_caustic = false;
-        while events.len() < MOST_EVENTS
+        while events.len() < MAX_EVENTS
             && let Some(hit) = self.next_visible(ray, from)
         {
             let shader = self.plan.shader_at(hit.shader);
-            let first = if choices.next() < TRANSMIT { SpecularEvent::Transmitted } else { SpecularEvent::Reflected };
+            let first = if choices.next() < TRANSMIT_PROBABILITY {
+                SpecularEvent::Transmitted
+            } else {
+                SpecularEvent::Reflected
+            };
             let step = self.specular_direction(&ray, &hit, shader, first).map(|direction| (first, direction));
             let other = first.other();
             let step =
@@ -407,7 +411,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             events.push(event);
             ray = Ray { origin: hit.point, direction };
             from = Some(hit.primitive);
-            if choices.next() < STOP {
+            if choices.next() < STOP_PROBABILITY {
                 break;
             }
         }
@@ -422,7 +426,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         events: Vec<SpecularEvent>,
         goal: &LampPoint<'_>,
     ) -> Option<Solution> {
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let bundle = self.bundle(from, axis, &events)?;
             let (middle, slope) = goal.passed(&bundle)?;
             let magnification = slope.determinant().abs();
@@ -433,8 +437,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 return Some(Solution { direction: axis, events, magnification });
             }
             let step = slope.inverse() * -middle;
-            let step = step * (LONGEST_STEP / step.length()).min(1.0);
-            axis = (0..=MOST_HALVINGS).find_map(|halvings| {
+            let step = step * (MAX_STEP / step.length()).min(1.0);
+            axis = (0..=MAX_HALVINGS).find_map(|halvings| {
                 let next = bundle.frame.direction(step * 0.5f64.powi(halvings as i32));
                 let ray = Ray { origin: from.0, direction: next };
                 let end = self.retrace(ray, from.1, events.iter().copied())?;

@@ -33,7 +33,7 @@ impl Host for Contribution {
 pub(crate) struct Contributions<const BANDS: usize> {
     settled: Vec<DeferredContribution<BANDS>>,
     /// Contributions found by light sampling at a point whose throughput is not yet known.
-    owed: Vec<DeferredContribution<BANDS>>,
+    pending: Vec<DeferredContribution<BANDS>>,
     /// Surfaces hit by the ray whose radiance is requested, until all rays from there are finished.
     open: Vec<Open<BANDS>>,
 }
@@ -73,17 +73,17 @@ impl<const BANDS: usize> Contributions<BANDS> {
     /// Adds the contribution of a light to a point of the path, until [`Contributions::settle`].
     pub(crate) fn defer(&mut self, shader: &Shader, interaction: &SurfaceInteraction, value: [f64; BANDS]) {
         if let Some(modifier) = shader.tracked {
-            self.owed.push(DeferredContribution { modifier, interaction: *interaction, value });
+            self.pending.push(DeferredContribution { modifier, interaction: *interaction, value });
         }
     }
 
     /// Multiplies deferred contributions by the throughput of their point.
     pub(crate) fn settle(&mut self, throughput: [f64; BANDS]) {
-        let mut owed = std::mem::take(&mut self.owed);
-        for deferred in owed.drain(..) {
+        let mut pending = std::mem::take(&mut self.pending);
+        for deferred in pending.drain(..) {
             self.push(deferred.modifier, &deferred.interaction, product(throughput, deferred.value));
         }
-        self.owed = owed;
+        self.pending = pending;
     }
 
     /// Finishes surfaces whose rays are done, given the ray's radiance and the number of pending

@@ -46,7 +46,7 @@ pub(crate) struct NumberedLight<'p> {
     pub(crate) index: usize,
     pub(crate) light: &'p Light,
     /// Number of points sampled on it.
-    pub(crate) places: u32,
+    pub(crate) samples: u32,
 }
 
 impl DirectSampler<'_> {
@@ -82,7 +82,7 @@ impl DirectSampler<'_> {
     ) -> [f64; BANDS] {
         let mut sum = [0.0; BANDS];
         self.for_each_light(tracer, first_set, |tracer, light, between, u| {
-            let given = self.sample_light(tracer, point, light.light, between, u, f64::from(light.places));
+            let given = self.sample_light(tracer, point, light.light, between, u, f64::from(light.samples));
             for (sum, given) in sum.iter_mut().zip(given) {
                 *sum += given;
             }
@@ -113,22 +113,23 @@ impl DirectSampler<'_> {
                 drawn = (set, tracer.sampler.take(DimensionSet::render(set)));
             }
             let half = 2 * (index % 2);
-            let places = self.reception.samples_on(light, self.point);
+            let samples = self.reception.samples_on(light, self.point);
             // Without shadow rays, twice as many points cost less.
-            let (between, places) = if places >= SAMPLES_FOR_A_SHAFT && self.sees_all_of(plan, light, between) {
-                (&VisibilityClass::Nothing, (2 * places).min(MOST_SAMPLES))
+            let (between, samples) = if samples >= SAMPLES_FOR_A_SHAFT && self.sees_all_of(plan, light, between) {
+                (&VisibilityClass::Nothing, (2 * samples).min(MOST_SAMPLES))
             } else {
-                (between, places)
+                (between, samples)
             };
-            if places == 1 {
-                visit(tracer, NumberedLight { index, light, places }, between, [drawn.1[half], drawn.1[half + 1]]);
+            if samples == 1 {
+                visit(tracer, NumberedLight { index, light, samples }, between, [drawn.1[half], drawn.1[half + 1]]);
                 continue;
             }
             let sampler = tracer.sampler;
-            for place in 0..places {
-                let u =
-                    sampler.branch(DimensionSet::render(set), place, places).take(DimensionSet::render(half as u32));
-                visit(tracer, NumberedLight { index, light, places }, between, [u[0], u[1]]);
+            for light_sample in 0..samples {
+                let u = sampler
+                    .branch(DimensionSet::render(set), light_sample, samples)
+                    .take(DimensionSet::render(half as u32));
+                visit(tracer, NumberedLight { index, light, samples }, between, [u[0], u[1]]);
             }
         }
     }
@@ -175,12 +176,12 @@ impl DirectSampler<'_> {
         // A number of the sequence has 24 bits, too few for this many lights.
         let [coarse, fine, ..] = tracer.sampler.take(DimensionSet::render(first_set));
         let offset = coarse + fine * SEQUENCE_STEP;
-        let mut places = [0.0; 4];
+        let mut samples = [0.0; 4];
         let mut sum = [0.0; BANDS];
         for draw in 0..draws {
             let half = 2 * (draw as usize % 2);
             if half == 0 {
-                places = tracer.sampler.take(DimensionSet::render(first_set + 1 + draw / 2));
+                samples = tracer.sampler.take(DimensionSet::render(first_set + 1 + draw / 2));
             }
             let Some(choice) = cut.sample((f64::from(draw) + offset) / f64::from(draws)) else { continue };
             let index = choice.light.0 as usize;
@@ -188,7 +189,7 @@ impl DirectSampler<'_> {
             if *between == VisibilityClass::Dark {
                 continue;
             }
-            let (u, expected) = ([places[half], places[half + 1]], f64::from(draws) * choice.chance);
+            let (u, expected) = ([samples[half], samples[half + 1]], f64::from(draws) * choice.chance);
             let given = self.sample_light(tracer, point, &plan.lights[index], between, u, expected);
             for (sum, given) in sum.iter_mut().zip(given) {
                 *sum += given;
@@ -208,7 +209,7 @@ impl DirectSampler<'_> {
         u: [f64; 2],
         expected: f64,
     ) -> [f64; BANDS] {
-        let Some(sample) = self.place(tracer, light, u) else { return [0.0; BANDS] };
+        let Some(sample) = self.light_sample(tracer, light, u) else { return [0.0; BANDS] };
         let pdfs =
             if self.highlight_draws > 0 || self.shares_diffuse { PdfRequest::Wanted } else { PdfRequest::Unused };
         let scratch = &mut tracer.workspace.scratch;
@@ -218,7 +219,7 @@ impl DirectSampler<'_> {
 
     /// A point of a light that can contribute.
     #[inline]
-    pub(crate) fn place<const BANDS: usize>(
+    pub(crate) fn light_sample<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
         light: &Light,
@@ -309,7 +310,7 @@ impl DirectSampler<'_> {
         if light.misses(self.point) {
             return dark;
         }
-        let Some(sample) = self.place(tracer, light, u) else { return dark };
+        let Some(sample) = self.light_sample(tracer, light, u) else { return dark };
         let focal = light.focal_factor(sample.distance);
         let radiance = self.radiance(tracer, light, &sample);
         if radiance.iter().all(|band| *band == 0.0) {

@@ -19,18 +19,18 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Minimum distance between records, in widths of the rays that see them; smaller, down to half of
 /// it, if less noise than this is allowed.
-const LEAST_WIDTHS: f64 = 1.5;
+const MIN_WIDTHS: f64 = 1.5;
 const FINE_NOISE: f64 = 0.0225;
 
 /// The same with caustics, which are as fine as visible.
-const LEAST_WIDTHS_IN_CAUSTICS: f64 = 0.3;
+const MIN_WIDTHS_IN_CAUSTICS: f64 = 0.3;
 
 /// After a bounce, irradiance comes from records with at most this reach relative to the distance:
 /// near surfaces fill so much of the view that they need more accuracy.
 const REACH_SEEN: f64 = 2.0;
 
 /// Multiples of the golden ratio are distributed evenly modulo 1.
-const GOLDEN: f64 = 0.618_033_988_749_895;
+const GOLDEN_RATIO: f64 = 0.618_033_988_749_895;
 
 /// Seed of hemisphere samples, different from those of the picture.
 const GATHERING_SEED: u64 = 0x6761_7468_6572;
@@ -59,7 +59,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             if reflectance.iter().all(|band| *band <= 0.0) {
                 continue;
             }
-            let place = CachePoint {
+            let cache_point = CachePoint {
                 point: at,
                 normal,
                 primitive,
@@ -69,7 +69,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 width: 0.0,
             };
             if let (Some(cache_query), Some(cache)) = (&mut self.cache_query, cache) {
-                cache_query.note(place, cache, travelled);
+                cache_query.note(cache_point, cache, travelled);
                 complete = false;
                 continue;
             }
@@ -94,30 +94,30 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The irradiance of a cache point, and its hemisphere samples.
     pub(crate) fn gather_at(
         &mut self,
-        place: &CachePoint<BANDS>,
-        look: &HemisphereGather<'_>,
+        cache_point: &CachePoint<BANDS>,
+        gather: &HemisphereGather<'_>,
         limits: &Limits,
     ) -> (Record<BANDS>, HemisphereSamples<BANDS>) {
         let fineness = (self.plan.options.gathering.noise / FINE_NOISE).clamp(0.5, 1.0);
-        let widths = if self.plan.has_caustics { LEAST_WIDTHS_IN_CAUSTICS } else { LEAST_WIDTHS * fineness };
-        let limits = Limits { min_reach: limits.min_reach.max(widths * place.width), ..*limits };
-        let around = self.sample_hemisphere(place, look);
-        let record = Record::new(place.point, place.normal, look.hemisphere, &around.cells, &limits);
-        let offset = (look.number as f64 * GOLDEN).fract();
+        let widths = if self.plan.has_caustics { MIN_WIDTHS_IN_CAUSTICS } else { MIN_WIDTHS * fineness };
+        let limits = Limits { min_reach: limits.min_reach.max(widths * cache_point.width), ..*limits };
+        let around = self.sample_hemisphere(cache_point, gather);
+        let record = Record::new(cache_point.point, cache_point.normal, gather.hemisphere, &around.cells, &limits);
+        let offset = (gather.number as f64 * GOLDEN_RATIO).fract();
         (record.with_rays(around.rays).with_hits(&around.hits, offset), around)
     }
 
     /// The irradiance of a cache point from the lights that light sampling finds, averaged over the
     /// bands, by one sample.
-    pub(crate) fn direct_irradiance(&mut self, place: &CachePoint<BANDS>, number: u64) -> f64 {
+    pub(crate) fn direct_irradiance(&mut self, cache_point: &CachePoint<BANDS>, number: u64) -> f64 {
         let sampler = RaySampler::new(self.plan.options.seed ^ DIRECT_SEED, number);
-        let medium = self.begin(sampler, place.medium);
-        let cut = self.add_subtraction(place.cut.clone());
-        let white = Bsdf::white(place.normal, place.normal);
+        let medium = self.begin(sampler, cache_point.medium);
+        let cut = self.add_subtraction(cache_point.cut.clone());
+        let white = Bsdf::white(cache_point.normal, cache_point.normal);
         let reception = white.reception(self.plan.light_draws[1]);
         let direct = DirectSampler {
-            point: place.point,
-            primitive: place.primitive,
+            point: cache_point.point,
+            primitive: cache_point.primitive,
             highlight_draws: 0,
             shares_diffuse: false,
             visible_portals: None,
@@ -126,19 +126,24 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             travelled: 0.0,
             medium,
             cuts: [cut; 2],
-            normal: place.normal,
+            normal: cache_point.normal,
             drawn: true,
-            facing: Some(place.normal),
+            facing: Some(cache_point.normal),
         };
         PI * direct.sample(self, &white).iter().sum::<f64>() / BANDS as f64
     }
 
     /// The direction of a gather ray through a cell of the hemisphere.
-    pub(crate) fn way(&self, place: &CachePoint<BANDS>, look: &HemisphereGather<'_>, cell: usize) -> GatherDirection {
-        let first = look.number.wrapping_mul(look.hemisphere.len() as u64);
+    pub(crate) fn gather_direction(
+        &self,
+        cache_point: &CachePoint<BANDS>,
+        gather: &HemisphereGather<'_>,
+        cell: usize,
+    ) -> GatherDirection {
+        let first = gather.number.wrapping_mul(gather.hemisphere.len() as u64);
         let seed = self.plan.options.seed ^ GATHERING_SEED;
         let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));
-        let within = match look.sample {
+        let within = match gather.sample {
             None => sampler.take(DimensionSet::CAMERA),
             // The points of one sequence in this cell: each STRATA consecutive ones visit all its
             // strata, and no two are the same.
@@ -147,25 +152,26 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 RaySampler::new(of_cell, sample as u64).take(DimensionSet::CAMERA)
             }
         };
-        let [x, y, z] = Record::<BANDS>::frame(place.normal);
-        let local = look.hemisphere.direction(cell, [within[0], within[1]]);
+        let [x, y, z] = Record::<BANDS>::frame(cache_point.normal);
+        let local = gather.hemisphere.direction(cell, [within[0], within[1]]);
         GatherDirection { local, direction: (x * local.x + y * local.y + z * local.z).normalize(), sampler }
     }
 
     /// The radiance from one direction. Light of sampled sources is excluded: an MIS state with pdf
     /// 0 leaves all of it to light sampling.
-    pub(crate) fn look(
+    pub(crate) fn gather_radiance(
         &mut self,
-        place: &CachePoint<BANDS>,
+        cache_point: &CachePoint<BANDS>,
         direction: DVec3,
         sampler: RaySampler,
     ) -> GatheredRadiance<BANDS> {
-        let medium = self.begin(sampler, place.medium);
-        let cut = self.add_subtraction(place.cut.clone());
-        let mis = MisState::new(0.0, (place.point, direction), Reception::NONE, place.primitive, Lobe::Diffuse);
+        let medium = self.begin(sampler, cache_point.medium);
+        let cut = self.add_subtraction(cache_point.cut.clone());
+        let mis =
+            MisState::new(0.0, (cache_point.point, direction), Reception::NONE, cache_point.primitive, Lobe::Diffuse);
         self.finish(PathState {
-            ray: Ray { origin: place.point, direction },
-            from: place.primitive,
+            ray: Ray { origin: cache_point.point, direction },
+            from: cache_point.primitive,
             throughput: [1.0; BANDS],
             split: 1.0,
             travelled: 0.0,
@@ -173,7 +179,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             chain: SpecularChain::default(),
             depth: 0,
             reflections: 1,
-            ambient_bounces: place.bounces,
+            ambient_bounces: cache_point.bounces,
             medium,
             cut,
             subtraction_beyond: cut,

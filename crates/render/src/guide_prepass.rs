@@ -5,8 +5,8 @@ use crate::cache_prepass::{cache_query, scattered};
 use crate::cache_query::{CachePoint, CacheQuery};
 use crate::caching::gathering_limits;
 use crate::path_guide::PathGuide;
-use crate::path_guide::patches::{BrightPoint, MOST_PATCHES, patches};
-use crate::path_guide::regions::{Experience, Regions};
+use crate::path_guide::patches::{BrightPoint, MAX_PATCHES, patches};
+use crate::path_guide::regions::{RegionStatistics, Regions};
 use crate::ray_spacing::RaySpacing;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
@@ -21,10 +21,10 @@ use std::ops::Range;
 
 /// Number of points at which the guide is learned: points that camera rays see, and points that
 /// rays from these see.
-const MOST_POINTS: usize = 1024;
+const MAX_POINTS: usize = 1024;
 
 /// Rays per point in each round, and in a first round that decides whether a guide is needed.
-const LOOKS: usize = 6;
+const RAYS_PER_POINT: usize = 6;
 const FIRST_LOOKS: usize = 2;
 
 /// Rounds, each guided by the previous ones, by the number of further bounces of their paths:
@@ -40,20 +40,20 @@ const STEPS: usize = 3;
 
 /// Paths are guided only if the mean square of the rays' results is this many times the square of
 /// the mean.
-const UNEVEN: f64 = 2.5;
+const MIN_UNEVENNESS: f64 = 2.5;
 
 /// A guide must reduce the mean square below this fraction to be worth its cost. A few unguided
 /// rays underestimate the mean square, since they miss bright patches.
-const WORTHWHILE: f64 = 1.0;
+const MAX_GUIDED_SHARE: f64 = 1.0;
 
 /// Maximum number of portals, to leave room for patches.
-const MOST_GUIDED_PORTALS: usize = MOST_PORTALS - ROUNDS_FOR_PATCHES * MOST_PATCHES;
+const MAX_GUIDED_PORTALS: usize = MOST_PORTALS - ROUNDS_FOR_PATCHES * MAX_PATCHES;
 
 /// Results above this multiple of the mean are bright.
 const BRIGHT: f64 = 3.0;
 
 /// Samples are limited to this multiple of the mean for learning.
-const MOST_TAUGHT: f64 = 100.0;
+const MAX_SAMPLE_VALUE: f64 = 100.0;
 
 /// Seed of the guide's rays.
 const GUIDE_SEED: u64 = 0x6775_6964_696e;
@@ -85,40 +85,40 @@ impl PathGuide {
         if points.is_empty() {
             return None;
         }
-        let places: Vec<(DVec3, DVec3)> = points.iter().map(|point| (point.point, point.normal)).collect();
-        let portals = Portals(plan.portals.0.iter().take(MOST_GUIDED_PORTALS).cloned().collect());
-        let regions = Regions::new(&places, portals.len());
+        let positions: Vec<(DVec3, DVec3)> = points.iter().map(|point| (point.point, point.normal)).collect();
+        let portals = Portals(plan.portals.0.iter().take(MAX_GUIDED_PORTALS).cloned().collect());
+        let regions = Regions::new(&positions, portals.len());
         let mut guide = PathGuide { portals, regions };
-        let first = guide.look(plan, &points, (0..FIRST_LOOKS, u32::MAX));
-        if unevenness(&guide.relative(&points, &first, &first)) < UNEVEN {
+        let first = guide.trace_rays(plan, &points, (0..FIRST_LOOKS, u32::MAX));
+        if unevenness(&guide.relative(&points, &first, &first)) < MIN_UNEVENNESS {
             return None;
         }
         let (mut known, mut guided) = (Vec::new(), Vec::new());
         for (round, bounces) in ROUNDS.into_iter().enumerate() {
-            let begin = FIRST_LOOKS + round * LOOKS;
-            let looked = guide.look(plan, &points, (begin..begin + LOOKS, bounces));
+            let begin = FIRST_LOOKS + round * RAYS_PER_POINT;
+            let traced = guide.trace_rays(plan, &points, (begin..begin + RAYS_PER_POINT, bounces));
             if round < ROUNDS_FOR_PATCHES {
-                let relative = guide.relative(&points, &looked, &looked);
-                guide.find_patches(&looked, &relative);
+                let relative = guide.relative(&points, &traced, &traced);
+                guide.find_patches(&traced, &relative);
             } else {
-                known.extend_from_slice(&looked);
+                known.extend_from_slice(&traced);
                 let relative = guide.relative(&points, &known, &known);
                 for _ in 0..STEPS {
-                    guide.teach(&points, &known, &relative);
+                    guide.train(&points, &known, &relative);
                 }
             }
-            guided = looked;
+            guided = traced;
         }
-        let [without, with] = [&first, &guided].map(|looked| unevenness(&guide.relative(&points, looked, &guided)));
-        (with < WORTHWHILE * without).then_some(guide)
+        let [without, with] = [&first, &guided].map(|traced| unevenness(&guide.relative(&points, traced, &guided)));
+        (with < MAX_GUIDED_SHARE * without).then_some(guide)
     }
 
     /// Traces some rays from each point.
-    fn look<const BANDS: usize>(
+    fn trace_rays<const BANDS: usize>(
         &self,
         plan: &RenderPlan,
         points: &[CachePoint<BANDS>],
-        (looks, bounces): (Range<usize>, u32),
+        (rounds, bounces): (Range<usize>, u32),
     ) -> Vec<GuideRay> {
         let points: Vec<CachePoint<BANDS>> =
             points.iter().map(|point| CachePoint { bounces: point.bounces.min(bounces), ..point.clone() }).collect();
@@ -129,8 +129,8 @@ impl PathGuide {
             .map_init(
                 || PathIntegrator::new(plan, [None; 2]).guided_by(Some(self)),
                 |tracer, (index, point)| {
-                    let look = |look: usize| self.ray(tracer, (index, point), (look * points.len() + index) as u64);
-                    looks.clone().filter_map(look).collect::<Vec<_>>()
+                    let ray = |round: usize| self.ray(tracer, (index, point), (round * points.len() + index) as u64);
+                    rounds.clone().filter_map(ray).collect::<Vec<_>>()
                 },
             )
             .flatten_iter()
@@ -157,7 +157,7 @@ impl PathGuide {
         }
         let by_cosine = (1.0 - chance) * cosine * FRAC_1_PI;
         let pdf = by_cosine + chance * portals.as_ref().map_or(0.0, |portals| portals.pdf(direction));
-        let radiance = luminance(&tracer.look(point, direction, sampler).radiance);
+        let radiance = luminance(&tracer.gather_radiance(point, direction, sampler).radiance);
         let distance = tracer.shown_distance();
         let found = distance.is_finite().then(|| (distance, point.point + direction * distance));
         Some(GuideRay { point: index, direction, pdf, radiance, irradiance: radiance * cosine / pdf, found })
@@ -167,7 +167,7 @@ impl PathGuide {
     fn relative<const BANDS: usize>(
         &self,
         points: &[CachePoint<BANDS>],
-        looked: &[GuideRay],
+        traced: &[GuideRay],
         all: &[GuideRay],
     ) -> Vec<f64> {
         let region = |ray: &GuideRay| self.regions.find(points[ray.point].point, points[ray.point].normal);
@@ -181,19 +181,19 @@ impl PathGuide {
             let (sum, count) = sums[region(ray)];
             if sum > 0.0 { ray.irradiance * count / sum } else { 0.0 }
         };
-        looked.iter().map(relative).collect()
+        traced.iter().map(relative).collect()
     }
 
     /// Finds bright patches, besides portals and known ones.
-    fn find_patches(&mut self, looked: &[GuideRay], relative: &[f64]) {
+    fn find_patches(&mut self, traced: &[GuideRay], relative: &[f64]) {
         let point = |(ray, relative): (&GuideRay, &f64)| {
             let (distance, position) = ray.found?;
             // The result of a ray sampled by the cosine.
             let radiance = relative * PI * ray.radiance / ray.irradiance.max(f64::MIN_POSITIVE);
-            let area = distance * distance / (looked.len() as f64 * ray.pdf);
-            area.is_finite().then_some(BrightPoint { position, radiance, area, surprise: relative * relative })
+            let area = distance * distance / (traced.len() as f64 * ray.pdf);
+            area.is_finite().then_some(BrightPoint { position, radiance, area, second_moment: relative * relative })
         };
-        let points: Vec<BrightPoint> = looked.iter().zip(relative).filter_map(point).collect();
+        let points: Vec<BrightPoint> = traced.iter().zip(relative).filter_map(point).collect();
         let mut portals = std::mem::take(&mut self.portals.0);
         let room = MOST_PORTALS - portals.len();
         portals.extend(patches(&points, BRIGHT).into_iter().take(room));
@@ -202,17 +202,17 @@ impl PathGuide {
     }
 
     /// Trains the mixture of each region with the results of its rays.
-    fn teach<const BANDS: usize>(&mut self, points: &[CachePoint<BANDS>], looked: &[GuideRay], relative: &[f64]) {
-        let unknown = Experience::new(self.portals.len());
-        let mut experiences = vec![unknown; self.regions.len()];
-        for (ray, relative) in looked.iter().zip(relative) {
+    fn train<const BANDS: usize>(&mut self, points: &[CachePoint<BANDS>], traced: &[GuideRay], relative: &[f64]) {
+        let unknown = RegionStatistics::new(self.portals.len());
+        let mut statistics = vec![unknown; self.regions.len()];
+        for (ray, relative) in traced.iter().zip(relative) {
             let CachePoint { point, normal, .. } = points[ray.point];
             let Some(portals) = self.seen_from(point, normal) else { continue };
             let by_cosine = (1.0 - portals.chance) * ray.direction.dot(normal) * FRAC_1_PI;
-            let experience = &mut experiences[self.regions.find(point, normal)];
-            experience.add(relative.min(MOST_TAUGHT), by_cosine, portals.chance, portals.parts(ray.direction));
+            let statistics = &mut statistics[self.regions.find(point, normal)];
+            statistics.add(relative.min(MAX_SAMPLE_VALUE), by_cosine, portals.chance, portals.parts(ray.direction));
         }
-        self.regions.learn(&experiences);
+        self.regions.learn(&statistics);
     }
 }
 
@@ -235,11 +235,11 @@ fn guided_points<const BANDS: usize>(
     spread: RaySpacing,
 ) -> Vec<CachePoint<BANDS>> {
     let nothing = Cache::<BANDS>::new(gathering_limits(plan));
-    let asked = CacheQuery::Missing(Vec::new(), spread);
+    let requested = CacheQuery::Missing(Vec::new(), spread);
     let order = scattered(rays.len());
-    let some = &order[..order.len().min(MOST_POINTS)];
+    let some = &order[..order.len().min(MAX_POINTS)];
     let mut points: Vec<CachePoint<BANDS>> =
-        cache_query(plan, &nothing, rays, some, &asked).into_iter().flat_map(CacheQuery::missing).collect();
+        cache_query(plan, &nothing, rays, some, &requested).into_iter().flat_map(CacheQuery::missing).collect();
     points.retain(|point| point.point.is_finite());
     let seen: Vec<CachePoint<BANDS>> = points
         .par_iter()
@@ -249,10 +249,10 @@ fn guided_points<const BANDS: usize>(
         .map_init(
             || PathIntegrator::new(plan, [None, Some(&nothing)]),
             |tracer, (index, point)| {
-                tracer.cache_query = Some(asked.clone());
+                tracer.cache_query = Some(requested.clone());
                 let sampler = RaySampler::new(plan.options.seed ^ SECOND_SEED, index as u64);
                 let [u, v, ..] = sampler.take(DimensionSet::CAMERA);
-                let _ = tracer.look(point, by_cosine(point.normal, [u, v]), sampler);
+                let _ = tracer.gather_radiance(point, by_cosine(point.normal, [u, v]), sampler);
                 tracer.cache_query.take().map_or(Vec::new(), CacheQuery::missing)
             },
         )

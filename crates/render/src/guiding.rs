@@ -27,9 +27,9 @@ pub(crate) struct GuidingSample {
 /// All known bright samples, with the points that found them.
 #[derive(Debug)]
 pub(crate) struct GuidingRecords {
-    looks: Vec<GuidingRecord>,
+    gathers: Vec<GuidingRecord>,
     /// Total number of samples.
-    places: usize,
+    samples: usize,
     /// One in this many gathers is kept, besides the current one, and the number since the last one
     /// that was kept.
     rarity: usize,
@@ -61,38 +61,38 @@ pub(crate) struct GuidingDistribution<'p> {
 pub(crate) const BRIGHT: f64 = 4.0;
 
 /// Maximum number of gathers and of samples: with more, every other gather is dropped.
-const MOST_LOOKS: usize = 1024;
-const MOST_PLACES: usize = 1024;
+const MAX_GATHERS: usize = 1024;
+const MAX_BRIGHT_SAMPLES: usize = 1024;
 
 /// Maximum number of samples of one gather.
-const MOST_OF_A_LOOK: usize = 4;
+const MAX_PER_GATHER: usize = 4;
 
 /// Gathers with less than this fraction of the largest weight are ignored.
-const LEAST_SHARE: f64 = 0.05;
+const MIN_SHARE: f64 = 0.05;
 
 /// Number of cells for counting samples.
 const CELLS: usize = 2048;
 
 /// Number of neighbouring gathers used to estimate the guiding distribution.
-const LOOKS_AROUND: f64 = 16.0;
+const NEIGHBOURING_GATHERS: f64 = 16.0;
 
 /// Weight of gathers with another normal.
-const AVERTED: f64 = 0.05;
+const OTHER_NORMAL_WEIGHT: f64 = 0.05;
 
 /// Cells above this multiple of the mean brightness get rays of their own.
-const OUTSTANDING: f64 = 2.0;
+const BRIGHT_CELL_RATIO: f64 = 2.0;
 
 impl Default for GuidingRecords {
     fn default() -> Self {
         let hemisphere = Hemisphere::with_divisions(CELLS);
-        GuidingRecords { looks: Vec::new(), places: 0, rarity: 0, passed: 0, blur: 0.0, hemisphere }
+        GuidingRecords { gathers: Vec::new(), samples: 0, rarity: 0, passed: 0, blur: 0.0, hemisphere }
     }
 }
 
 impl GuidingRecords {
     /// Whether nothing bright was found so far.
     pub(crate) fn is_empty(&self) -> bool {
-        self.places == 0
+        self.samples == 0
     }
 
     /// Records the bright hits of a gather from a point with this unit normal.
@@ -101,27 +101,27 @@ impl GuidingRecords {
         if self.passed > self.rarity {
             self.passed = 0;
             let bright = representatives(&bright);
-            self.places += bright.len();
-            self.looks.push(GuidingRecord { point, normal, bright });
+            self.samples += bright.len();
+            self.gathers.push(GuidingRecord { point, normal, bright });
         }
     }
 
     /// Makes recorded samples available, and drops every other gather if there are too many.
     pub(crate) fn settle(&mut self) {
-        while self.looks.len() > MOST_LOOKS || self.places > MOST_PLACES && self.looks.len() > 1 {
+        while self.gathers.len() > MAX_GATHERS || self.samples > MAX_BRIGHT_SAMPLES && self.gathers.len() > 1 {
             let mut index = 0;
-            self.looks.retain(|_| {
+            self.gathers.retain(|_| {
                 index += 1;
                 index % 2 == 0
             });
-            self.places = self.looks.iter().map(|look| look.bright.len()).sum();
+            self.samples = self.gathers.iter().map(|gather| gather.bright.len()).sum();
             self.rarity = 2 * self.rarity + 1;
         }
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let within =
-            |(least, most): (DVec3, DVec3), look: &GuidingRecord| (least.min(look.point), most.max(look.point));
-        let (least, most) = self.looks.iter().fold(start, within);
-        self.blur = LOOKS_AROUND / (2.0 * PI) * least.distance_squared(most) / self.looks.len() as f64;
+            |(least, most): (DVec3, DVec3), gather: &GuidingRecord| (least.min(gather.point), most.max(gather.point));
+        let (least, most) = self.gathers.iter().fold(start, within);
+        self.blur = NEIGHBOURING_GATHERS / (2.0 * PI) * least.distance_squared(most) / self.gathers.len() as f64;
     }
 
     /// The guiding distribution of a point with this unit normal, if it is worth at least one ray
@@ -133,23 +133,24 @@ impl GuidingRecords {
         let [x, y, z] = Record::<1>::frame(normal);
         let mut importances = vec![0.0; self.hemisphere.len()];
         let mut weights = 0.0;
-        let of_looks: Vec<f64> = self.looks.iter().map(|look| look.weight(point, normal, self.blur)).collect();
-        let least = LEAST_SHARE * of_looks.iter().copied().fold(0.0, f64::max);
-        for (look, weight) in self.looks.iter().zip(of_looks).filter(|(_, weight)| *weight >= least) {
+        let gather_weights: Vec<f64> =
+            self.gathers.iter().map(|gather| gather.weight(point, normal, self.blur)).collect();
+        let least = MIN_SHARE * gather_weights.iter().copied().fold(0.0, f64::max);
+        for (gather, weight) in self.gathers.iter().zip(gather_weights).filter(|(_, weight)| *weight >= least) {
             weights += weight;
-            for place in &look.bright {
-                let offset = place.position - point;
+            for sample in &gather.bright {
+                let offset = sample.position - point;
                 let squared = offset.length_squared();
                 let local = DVec3::new(x.dot(offset), y.dot(offset), z.dot(offset)) / squared.sqrt();
                 if local.z > 0.0 {
-                    let importance = weight * place.power * local.z / squared;
+                    let importance = weight * sample.power * local.z / squared;
                     self.hemisphere.splat(local, |cell, share| importances[cell] += share * importance);
                 }
             }
         }
         let all = weights + importances.iter().sum::<f64>();
         let cells = importances.len() as f64;
-        let own = |importance: &f64| around * (importance / all - OUTSTANDING / cells).max(0.0);
+        let own = |importance: &f64| around * (importance / all - BRIGHT_CELL_RATIO / cells).max(0.0);
         let mut rays: Vec<f64> = importances.iter().map(own).collect();
         let total: f64 = rays.iter().sum();
         let whole = total.round();
@@ -171,17 +172,17 @@ impl GuidingRecords {
 
 /// A few samples that represent all: in equal steps of their power, which they share.
 fn representatives(bright: &[GuidingSample]) -> Vec<GuidingSample> {
-    let step = bright.iter().map(|place| place.power).sum::<f64>() / MOST_OF_A_LOOK as f64;
-    if bright.len() <= MOST_OF_A_LOOK {
+    let step = bright.iter().map(|sample| sample.power).sum::<f64>() / MAX_PER_GATHER as f64;
+    if bright.len() <= MAX_PER_GATHER {
         return bright.to_vec();
     }
     let mut due = 0.5 * step;
-    let mut kept = Vec::with_capacity(MOST_OF_A_LOOK);
-    for place in bright {
-        due -= place.power;
-        while due < 0.0 && kept.len() < MOST_OF_A_LOOK {
+    let mut kept = Vec::with_capacity(MAX_PER_GATHER);
+    for sample in bright {
+        due -= sample.power;
+        while due < 0.0 && kept.len() < MAX_PER_GATHER {
             due += step;
-            kept.push(GuidingSample { power: step, ..*place });
+            kept.push(GuidingSample { power: step, ..*sample });
         }
     }
     kept
@@ -190,7 +191,7 @@ fn representatives(bright: &[GuidingSample]) -> Vec<GuidingSample> {
 impl GuidingRecord {
     /// The relevance of a gather for a point with this unit normal.
     fn weight(&self, point: DVec3, normal: DVec3, blur: f64) -> f64 {
-        let turned = self.normal.dot(normal).max(AVERTED);
+        let turned = self.normal.dot(normal).max(OTHER_NORMAL_WEIGHT);
         turned / (self.point.distance_squared(point) + blur).max(f64::MIN_POSITIVE)
     }
 }
@@ -278,13 +279,13 @@ mod tests {
 
     #[test]
     fn few_places_stand_for_many_with_their_power() {
-        let places: Vec<GuidingSample> = (0..40)
+        let samples: Vec<GuidingSample> = (0..40)
             .map(|index| GuidingSample { position: DVec3::X * f64::from(index), power: f64::from(index) })
             .collect();
-        let kept = representatives(&places);
-        let power = |places: &[GuidingSample]| places.iter().map(|place| place.power).sum::<f64>();
-        assert!(kept.len() == MOST_OF_A_LOOK && (power(&kept) - power(&places)).abs() < 1e-9);
-        assert!(kept.iter().all(|place| place.position.x > 10.0), "{kept:?}");
+        let kept = representatives(&samples);
+        let power = |samples: &[GuidingSample]| samples.iter().map(|sample| sample.power).sum::<f64>();
+        assert!(kept.len() == MAX_PER_GATHER && (power(&kept) - power(&samples)).abs() < 1e-9);
+        assert!(kept.iter().all(|sample| sample.position.x > 10.0), "{kept:?}");
     }
 
     #[test]
@@ -294,10 +295,10 @@ mod tests {
         for index in 0..10_000 {
             known.note(DVec3::X * f64::from(index), DVec3::Z, bright.clone());
             known.settle();
-            assert!(known.looks.len() <= MOST_LOOKS && known.places <= MOST_PLACES);
+            assert!(known.gathers.len() <= MAX_GATHERS && known.samples <= MAX_BRIGHT_SAMPLES);
         }
         // The kept gathers are distributed over all recorded ones.
-        assert!(known.looks.first().is_some_and(|look| look.point.x < 200.0));
-        assert!(known.looks.last().is_some_and(|look| look.point.x > 9_800.0));
+        assert!(known.gathers.first().is_some_and(|gather| gather.point.x < 200.0));
+        assert!(known.gathers.last().is_some_and(|gather| gather.point.x > 9_800.0));
     }
 }

@@ -26,7 +26,7 @@ const SHIFT_SEED: u64 = 0x7368_6966_7400;
 const GRAZING: f64 = 0.05;
 
 /// Ray numbers reserved for the guided samples of each gather.
-const MOST_BRIGHT: u64 = 1 << 12;
+const MAX_BRIGHT: u64 = 1 << 12;
 
 /// The portals that the diffuse component sees, if rays can be directed there.
 pub(crate) fn visible_portals<'p, const BANDS: usize>(
@@ -79,13 +79,13 @@ struct GatherTechniques<'p> {
 impl GatherTechniques<'_> {
     /// The balance heuristic: the pdf of cosine-distributed rays over that of all rays in this
     /// direction.
-    fn balance(&self, way: &GatherDirection) -> f64 {
+    fn balance(&self, sample: &GatherDirection) -> f64 {
         let by_cosine = self.around * FRAC_1_PI;
         let visible_portals = self
             .visible_portals
             .as_ref()
-            .map_or(0.0, |visible_portals| visible_portals.pdf(way.direction) / way.local.z);
-        let bright = self.bright.as_ref().map_or(0.0, |bright| bright.pdf(way.local));
+            .map_or(0.0, |visible_portals| visible_portals.pdf(sample.direction) / sample.local.z);
+        let bright = self.bright.as_ref().map_or(0.0, |bright| bright.pdf(sample.local));
         by_cosine / (by_cosine + self.outward * visible_portals + bright)
     }
 }
@@ -94,7 +94,7 @@ impl GatherTechniques<'_> {
 #[derive(Clone, Copy, Debug)]
 struct GatherRay<const BANDS: usize> {
     cell: usize,
-    way: GatherDirection,
+    sample: GatherDirection,
     /// The weight of its radiance in its cell.
     weight: f64,
     found: GatheredRadiance<BANDS>,
@@ -109,37 +109,43 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// cell has a ray, and further rays are guided; each counts in its own cell.
     pub(crate) fn sample_hemisphere(
         &mut self,
-        place: &CachePoint<BANDS>,
-        look: &HemisphereGather<'_>,
+        cache_point: &CachePoint<BANDS>,
+        gather: &HemisphereGather<'_>,
     ) -> HemisphereSamples<BANDS> {
-        let around = look.hemisphere.len();
-        let visible_portals = self.plan.portals.seen_from(place.point, place.normal);
+        let around = gather.hemisphere.len();
+        let visible_portals = self.plan.portals.seen_from(cache_point.point, cache_point.normal);
         let aims = GatherTechniques {
             around: around as f64,
             outward: if visible_portals.is_some() { (OUTWARD_SHARE * around as f64).ceil() } else { 0.0 },
             visible_portals,
-            bright: look.bright.and_then(|bright| bright.seen_from(place.point, place.normal, around as f64)),
+            bright: gather
+                .bright
+                .and_then(|bright| bright.seen_from(cache_point.point, cache_point.normal, around as f64)),
         };
-        let directions: Vec<GatherDirection> = (0..around).map(|cell| self.way(place, look, cell)).collect();
-        let mut gather_rays: Vec<GatherRay<BANDS>> =
-            directions.iter().enumerate().map(|(cell, way)| self.gather_ray(place, (cell, way), &aims)).collect();
-        for way in self.further_directions(place, look, &aims) {
-            let cell = look.hemisphere.cell(way.local);
-            gather_rays.push(self.gather_ray(place, (cell, &way), &aims));
+        let directions: Vec<GatherDirection> =
+            (0..around).map(|cell| self.gather_direction(cache_point, gather, cell)).collect();
+        let mut gather_rays: Vec<GatherRay<BANDS>> = directions
+            .iter()
+            .enumerate()
+            .map(|(cell, sample)| self.gather_ray(cache_point, (cell, sample), &aims))
+            .collect();
+        for sample in self.further_directions(cache_point, gather, &aims) {
+            let cell = gather.hemisphere.cell(sample.local);
+            gather_rays.push(self.gather_ray(cache_point, (cell, &sample), &aims));
         }
-        HemisphereSamples::new(place, around, &gather_rays)
+        HemisphereSamples::new(cache_point, around, &gather_rays)
     }
 
     /// The directions of the guided rays.
     fn further_directions(
         &self,
-        place: &CachePoint<BANDS>,
-        look: &HemisphereGather<'_>,
+        cache_point: &CachePoint<BANDS>,
+        gather: &HemisphereGather<'_>,
         aims: &GatherTechniques<'_>,
     ) -> Vec<GatherDirection> {
-        let [x, y, z] = Record::<BANDS>::frame(place.normal);
+        let [x, y, z] = Record::<BANDS>::frame(cache_point.normal);
         let sampler = |seed: u64, most: u64, draw: u64| {
-            RaySampler::new(self.plan.options.seed ^ seed, look.number.wrapping_mul(most).wrapping_add(draw))
+            RaySampler::new(self.plan.options.seed ^ seed, gather.number.wrapping_mul(most).wrapping_add(draw))
         };
         let outward = aims.visible_portals.iter().flat_map(|visible_portals| {
             (0..aims.outward as u64).filter_map(|draw| {
@@ -153,7 +159,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let bright = aims.bright.iter().flat_map(|bright| {
             let [shift, ..] = sampler(SHIFT_SEED, 1, 0).take(DimensionSet::CAMERA);
             (0..bright.rays()).map(move |draw| {
-                let sampler = sampler(BRIGHT_SEED, MOST_BRIGHT, u64::from(draw));
+                let sampler = sampler(BRIGHT_SEED, MAX_BRIGHT, u64::from(draw));
                 let [u, v, ..] = sampler.take(DimensionSet::CAMERA);
                 let local = bright.draw(draw, shift, [u, v]);
                 let direction = (x * local.x + y * local.y + z * local.z).normalize();
@@ -165,31 +171,32 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 
     fn gather_ray(
         &mut self,
-        place: &CachePoint<BANDS>,
-        (cell, way): (usize, &GatherDirection),
+        cache_point: &CachePoint<BANDS>,
+        (cell, sample): (usize, &GatherDirection),
         aims: &GatherTechniques<'_>,
     ) -> GatherRay<BANDS> {
-        let found = self.look(place, way.direction, way.sampler);
+        let found = self.gather_radiance(cache_point, sample.direction, sample.sampler);
         let seen = self.effective_distance();
         // The sky is visible only if the ray is unobstructed.
         let distance = if seen.is_finite() { seen } else { found.distance };
         GatherRay {
             cell,
-            way: *way,
-            weight: aims.balance(way),
+            sample: *sample,
+            weight: aims.balance(sample),
             found,
             distance,
-            source: self.source(way, distance, aims),
+            source: self.source(sample, distance, aims),
         }
     }
 
     /// The origin of the light at an apparent distance: light through a portal varies with position
     /// as if the portal emitted it.
-    fn source(&self, way: &GatherDirection, distance: f64, aims: &GatherTechniques<'_>) -> (f64, Option<DVec3>) {
-        let portal = aims.visible_portals.as_ref().and_then(|visible_portals| visible_portals.crossed(way.direction));
+    fn source(&self, sample: &GatherDirection, distance: f64, aims: &GatherTechniques<'_>) -> (f64, Option<DVec3>) {
+        let portal =
+            aims.visible_portals.as_ref().and_then(|visible_portals| visible_portals.crossed(sample.direction));
         match portal {
             Some((before, normal)) if before < distance => (before, Some(normal)),
-            _ => (distance, self.first_normal(way.direction).filter(|_| distance == self.first_distance())),
+            _ => (distance, self.first_normal(sample.direction).filter(|_| distance == self.first_distance())),
         }
     }
 }
@@ -207,7 +214,7 @@ pub(crate) struct HemisphereSamples<const BANDS: usize> {
 
 impl<const BANDS: usize> HemisphereSamples<BANDS> {
     /// The first `around` gather rays are one per cell.
-    fn new(place: &CachePoint<BANDS>, around: usize, gather_rays: &[GatherRay<BANDS>]) -> Self {
+    fn new(cache_point: &CachePoint<BANDS>, around: usize, gather_rays: &[GatherRay<BANDS>]) -> Self {
         let mut cells: Vec<_> = gather_rays[..around].iter().map(|gather_ray| gather_ray.found).collect();
         cells.iter_mut().for_each(|cell| cell.radiance = [0.0; BANDS]);
         for gather_ray in gather_rays {
@@ -221,12 +228,12 @@ impl<const BANDS: usize> HemisphereSamples<BANDS> {
             let is_bright = radiance * around as f64 > BRIGHT * total && gather_ray.distance.is_finite();
             let squared = gather_ray.distance * gather_ray.distance;
             is_bright.then(|| GuidingSample {
-                position: place.point + gather_ray.way.direction * gather_ray.distance,
-                power: radiance * gather_ray.weight / total * squared / gather_ray.way.local.z.max(GRAZING),
+                position: cache_point.point + gather_ray.sample.direction * gather_ray.distance,
+                power: radiance * gather_ray.weight / total * squared / gather_ray.sample.local.z.max(GRAZING),
             })
         };
         let hit = |gather_ray: &GatherRay<BANDS>| GatherHit {
-            direction: gather_ray.way.direction,
+            direction: gather_ray.sample.direction,
             distance: gather_ray.source.0,
             normal: gather_ray.source.1,
             irradiance: gather_ray.found.radiance.map(|band| band * gather_ray.weight * PI / around as f64),

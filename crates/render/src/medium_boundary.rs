@@ -68,8 +68,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             }
         }
         if let Some(tree) = &mut self.tree {
-            let haze = std::array::from_fn(|band| self.radiance[band] - before[band]);
-            tree.dim(path.node, left, haze);
+            let in_scattered = std::array::from_fn(|band| self.radiance[band] - before[band]);
+            tree.dim(path.node, left, in_scattered);
         }
         PathState { throughput: product(path.throughput, left), ..*path }
     }
@@ -85,11 +85,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 continue;
             }
             let light = &plan.lights[id.0 as usize];
-            let places = MediumSampler::new(path, medium, light, distance);
+            let medium_sampler = MediumSampler::new(path, medium, light, distance);
             for sample in 0..samples as u32 {
                 let u = self.sampler.take(DimensionSet::render(self.next_set));
                 self.next_set += 1;
-                let (along, pdf) = places.draw((f64::from(sample) + u[0]) / samples, u[3]);
+                let (along, pdf) = medium_sampler.draw((f64::from(sample) + u[0]) / samples, u[3]);
                 let point = path.ray.at(along);
                 let sampler = DirectSampler {
                     point,
@@ -134,10 +134,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let direction = path.ray.direction;
         let behind = direction.dot(hit.front) > 0.0;
         let (pattern, perturbation) = self.body_appearance(path, hit, shader);
-        let met = boundary.refract(direction, hit.front, perturbation);
+        let refraction = boundary.refract(direction, hit.front, perturbation);
         // As in Radiance, the normal of a dielectric points outwards.
-        self.note_normal(path, if behind { -met.normal } else { met.normal });
-        if let Some((transmitted, factor)) = met.transmitted {
+        self.note_normal(path, if behind { -refraction.normal } else { refraction.normal });
+        if let Some((transmitted, factor)) = refraction.transmitted {
             let lights = self.medium(path.medium).lights;
             let next = match boundary.sides(behind)[1] {
                 Some(transmissivity) => Medium::absorbing(transmissivity, pattern, lights),
@@ -147,9 +147,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             let flat = is_flat(self.plan.scene.surfaces[hit.surface].shape) && perturbation == DVec3::ZERO;
             self.specular_into(path, hit, (transmitted, next), [factor; BANDS], Passage::Refraction { flat });
         }
-        let reflected = met.reflected(direction, hit.front);
+        let reflected = refraction.reflected(direction, hit.front);
         let image = self.image_behind(hit, perturbation);
-        self.specular(path, hit, reflected, [met.reflectance; BANDS], Passage::Reflection { image });
+        self.specular(path, hit, reflected, [refraction.reflectance; BANDS], Passage::Reflection { image });
     }
 
     /// The surface of mist: only the medium changes.
@@ -262,8 +262,8 @@ impl MediumSampler {
         let nearest = light.radius.is_finite().then(|| {
             let offset = light.center - path.ray.origin;
             let along = offset.dot(path.ray.direction);
-            let beside = (offset - path.ray.direction * along).length();
-            (along, beside.max(0.5 * light.radius).max(1e-6 * distance))
+            let offset_distance = (offset - path.ray.direction * along).length();
+            (along, offset_distance.max(0.5 * light.radius).max(1e-6 * distance))
         });
         MediumSampler { distance, extinction, nearest }
     }
@@ -271,17 +271,18 @@ impl MediumSampler {
     /// A point from a number of the unit interval and another that selects the technique; its pdf,
     /// 1/scene unit.
     fn draw(&self, u: f64, choice: f64) -> (f64, f64) {
-        let Some((along, beside)) = self.nearest else {
-            let place = self.exponential(u);
-            return (place, self.exponential_pdf(place));
+        let Some((along, offset_distance)) = self.nearest else {
+            let position = self.exponential(u);
+            return (position, self.exponential_pdf(position));
         };
-        let first = (-along / beside).atan();
-        let range = ((self.distance - along) / beside).atan() - first;
-        let place = if choice < 0.5 { along + beside * (first + u * range).tan() } else { self.exponential(u) };
-        let place = place.clamp(0.0, self.distance);
-        let off = place - along;
-        let by_angle = beside / (range * (beside * beside + off * off));
-        (place, 0.5 * (by_angle + self.exponential_pdf(place)))
+        let first = (-along / offset_distance).atan();
+        let range = ((self.distance - along) / offset_distance).atan() - first;
+        let position =
+            if choice < 0.5 { along + offset_distance * (first + u * range).tan() } else { self.exponential(u) };
+        let position = position.clamp(0.0, self.distance);
+        let off = position - along;
+        let by_angle = offset_distance / (range * (offset_distance * offset_distance + off * off));
+        (position, 0.5 * (by_angle + self.exponential_pdf(position)))
     }
 
     fn exponential(&self, u: f64) -> f64 {
@@ -289,8 +290,8 @@ impl MediumSampler {
         (-(-u * lost).ln_1p() / self.extinction).min(self.distance)
     }
 
-    fn exponential_pdf(&self, place: f64) -> f64 {
+    fn exponential_pdf(&self, position: f64) -> f64 {
         let lost = -(-self.extinction * self.distance).exp_m1();
-        self.extinction * (-self.extinction * place).exp() / lost
+        self.extinction * (-self.extinction * position).exp() / lost
     }
 }

@@ -6,29 +6,29 @@
 //! (Hanika, Droske and Fascione 2015). Images that are not found are not lost: random rays still
 //! hit them.
 
-use crate::retrace::{MOST_LIGHTS, MOST_MIRRORS, MirroredRay};
+use crate::retrace::{MAX_LIGHTS, MAX_MIRRORS, MirroredRay};
 use crate::specular_chain::SpecularEvent;
-use crate::specular_return::{TangentPlane, passing_place};
+use crate::specular_return::{TangentPlane, passing_point};
 use crate::trace::PathIntegrator;
 use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
 
 /// Total number of rays over all mirrors, and minimum over the side of one.
-const MOST_RAYS: f64 = 1e5;
-const LEAST_SIDE: usize = 8;
-const MOST_SIDE: usize = 96;
+const MAX_RAYS: f64 = 1e5;
+const MIN_SIDE: usize = 8;
+const MAX_SIDE: usize = 96;
 
 /// Newton's method takes at most this many steps, and converges within this fraction of a light's
 /// radius.
-const MOST_STEPS: u32 = 12;
+const MAX_STEPS: u32 = 12;
 const MET: f64 = 1e-3;
 
 /// Accepted distance where it does not converge, as between the facets of a mesh, in radii of the
 /// light.
-const FARTHEST_MISS: f64 = 1.5;
+const MAX_MISS: f64 = 1.5;
 
 /// Two directions closer than this fraction of an image's size are the same image.
-const SAME: f64 = 0.5;
+const SAME_IMAGE: f64 = 0.5;
 
 /// A light that is seen from a point through mirrors.
 #[derive(Clone, Debug)]
@@ -51,18 +51,18 @@ impl MirroredLight {
 }
 
 /// Where one ray of the grid passes the light, by the number of mirrors before.
-type Passing = [Option<DVec2>; MOST_MIRRORS];
+type Passing = [Option<DVec2>; MAX_MIRRORS];
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The images of lights in curved mirrors that are found from a point.
     pub(crate) fn mirrored_lights(&mut self, from: DVec3) -> Vec<MirroredLight> {
         let plan = self.plan;
         let mut found = Vec::new();
-        if plan.has_antimatter || plan.lights.len() > MOST_LIGHTS || plan.reflectors.is_empty() {
+        if plan.has_antimatter || plan.lights.len() > MAX_LIGHTS || plan.reflectors.is_empty() {
             return found;
         }
-        let side = (MOST_RAYS / plan.reflectors.len() as f64).sqrt() as usize;
-        let side = side.clamp(LEAST_SIDE, MOST_SIDE);
+        let side = (MAX_RAYS / plan.reflectors.len() as f64).sqrt() as usize;
+        let side = side.clamp(MIN_SIDE, MAX_SIDE);
         for reflector in &plan.reflectors {
             let Some((axis, reach)) = reflector.cone(from) else { continue };
             let frame = TangentPlane::new(axis);
@@ -83,7 +83,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             let is_same = |other: &MirroredLight| {
                 other.light == image.light
                     && other.events.len() == image.events.len()
-                    && other.direction.distance(image.direction) < SAME * image.size.max(other.size)
+                    && other.direction.distance(image.direction) < SAME_IMAGE * image.size.max(other.size)
             };
             if !distinct.iter().any(is_same) {
                 distinct.push(image);
@@ -101,8 +101,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 if !light.virtual_sources.is_empty() || light.misses(ray.origin) {
                     return None;
                 }
-                let (place, radius) = passing_place(light, &TangentPlane::new(ray.direction), ray)?;
-                Some(place / radius)
+                let (position, radius) = passing_point(light, &TangentPlane::new(ray.direction), ray)?;
+                Some(position / radius)
             })
         };
         grid.iter().map(passing).collect()
@@ -116,7 +116,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         (light, events): (usize, Vec<SpecularEvent>),
     ) -> Option<MirroredLight> {
         let mut best: Option<(f64, MirroredLight)> = None;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let Some(bundle) = self.bundle((from, None), axis, &events) else { break };
             let Some((center, map)) = bundle.image_of(&self.plan.lights[light]) else { break };
             let miss = (map.inverse() * center).length();
@@ -131,15 +131,15 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             }
             axis = direction;
         }
-        best.filter(|(miss, _)| *miss <= FARTHEST_MISS).map(|(_, image)| image)
+        best.filter(|(miss, _)| *miss <= MAX_MISS).map(|(_, image)| image)
     }
 
     /// Where a ray passes a mirrored light, in radii of the light from its centre; `None` if it
     /// takes another path.
     pub(crate) fn offset_from(&mut self, image: &MirroredLight, ray: &Ray) -> Option<DVec2> {
         let end = self.retrace(*ray, None, image.events.iter().copied())?;
-        let (place, radius) = passing_place(&self.plan.lights[image.light], &image.plane, &end)?;
-        Some(place / radius)
+        let (position, radius) = passing_point(&self.plan.lights[image.light], &image.plane, &end)?;
+        Some(position / radius)
     }
 }
 
@@ -154,7 +154,7 @@ fn nearest(passings: &[Passing], side: usize) -> Vec<(usize, usize)> {
             .all(|other| distance(other, mirrors).is_none_or(|other| own <= other))
     };
     (0..passings.len())
-        .flat_map(|index| (0..MOST_MIRRORS).map(move |mirrors| (index, mirrors)))
+        .flat_map(|index| (0..MAX_MIRRORS).map(move |mirrors| (index, mirrors)))
         .filter(|&(index, mirrors)| distance(index, mirrors).is_some_and(|own| is_least(index, mirrors, own)))
         .map(|(index, mirrors)| (index, mirrors + 1))
         .collect()

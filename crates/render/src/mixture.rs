@@ -37,8 +37,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             }
         }
         if passing > 0.0
-            && let Some(throughput) =
-                self.go_on((path.throughput.map(|band| band * passing), path.pdf_ratio()), path, path.reflections, None)
+            && let Some(throughput) = self.roulette(
+                (path.throughput.map(|band| band * passing), path.pdf_ratio()),
+                path,
+                path.reflections,
+                None,
+            )
         {
             let next = self.passed_through(PathState { throughput, ..*path }, hit);
             self.push(next);

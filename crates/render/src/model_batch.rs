@@ -6,7 +6,7 @@ use radsight_light::LightSample;
 /// The memory of one thread.
 #[derive(Debug, Default)]
 pub(crate) struct ModelBatch {
-    pub(crate) places: Vec<Place>,
+    pub(crate) samples: Vec<BatchSample>,
     /// In the model's frame.
     pub(crate) incident: Vec<DVec3>,
     pub(crate) values: Vec<f64>,
@@ -15,7 +15,7 @@ pub(crate) struct ModelBatch {
 
 /// A sampled point of a light.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct BatchSample {
     pub(crate) light: usize,
     pub(crate) sample: LightSample,
     /// Number of samples of this light.

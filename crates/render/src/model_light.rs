@@ -4,7 +4,7 @@
 //! negligible.
 
 use crate::direct::DirectSampler;
-use crate::model_batch::Place;
+use crate::model_batch::BatchSample;
 use crate::trace::PathIntegrator;
 use radsight_brdf::Brdf;
 use radsight_bsdf::{Bsdf, BsdfValue, model_bands, of_model};
@@ -19,11 +19,11 @@ impl DirectSampler<'_> {
         first_set: u32,
     ) -> [f64; BANDS] {
         let mut batch = std::mem::take(&mut tracer.workspace.batch);
-        batch.places.clear();
+        batch.samples.clear();
         batch.incident.clear();
         self.for_each_light(tracer, first_set, |tracer, light, _, u| {
-            let Some(sample) = self.place(tracer, light.light, u) else { return };
-            batch.places.push(Place { light: light.index, sample, of: light.places });
+            let Some(sample) = self.light_sample(tracer, light.light, u) else { return };
+            batch.samples.push(BatchSample { light: light.index, sample, of: light.samples });
             batch.incident.push(point.frame.to_local(sample.direction));
         });
         batch.values.clear();
@@ -31,21 +31,22 @@ impl DirectSampler<'_> {
         batch.pdfs.clear();
         batch.pdfs.resize(batch.incident.len(), 0.0);
         let mut sum = [0.0; BANDS];
-        if !batch.places.is_empty() {
+        if !batch.samples.is_empty() {
             let outgoing = point.frame.to_local(point.outgoing);
             model.eval_pdf(outgoing, &batch.incident, &mut batch.values, &mut batch.pdfs);
         }
         let answers = batch.incident.iter().zip(batch.values.chunks_exact(model_bands::<BANDS>())).zip(&batch.pdfs);
-        for (place, ((incident, values), pdf)) in batch.places.iter().zip(answers) {
+        for (light_sample, ((incident, values), pdf)) in batch.samples.iter().zip(answers) {
             let cosine = incident.z.abs();
             let bsdf_value = BsdfValue {
                 highlight: of_model(values).map(|band: f64| band * cosine),
-                highlight_pdf: if point.sides_agree(place.sample.direction) { *pdf } else { 0.0 },
+                highlight_pdf: if point.sides_agree(light_sample.sample.direction) { *pdf } else { 0.0 },
                 ..BsdfValue::NONE
             };
-            let light = &tracer.plan.lights[place.light];
-            let between = self.between(tracer.plan, place.light);
-            let given = self.gather(tracer, light, &place.sample, between, f64::from(place.of), &bsdf_value);
+            let light = &tracer.plan.lights[light_sample.light];
+            let between = self.between(tracer.plan, light_sample.light);
+            let given =
+                self.gather(tracer, light, &light_sample.sample, between, f64::from(light_sample.of), &bsdf_value);
             for (sum, given) in sum.iter_mut().zip(given) {
                 *sum += given;
             }

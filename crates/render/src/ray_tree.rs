@@ -91,7 +91,7 @@ impl Image {
 /// The rays of the current tree.
 #[derive(Debug)]
 pub(crate) struct RayTree<const BANDS: usize> {
-    told: RayTreeOutput,
+    output: RayTreeOutput,
     nodes: Vec<Node<BANDS>>,
     /// The coefficient of the next shadow rays relative to the first ray, and the ray that ends at
     /// their point.
@@ -112,7 +112,7 @@ struct Node<const BANDS: usize> {
     /// The contribution to the first ray of emission at its end, and of light scattered by the
     /// medium along it.
     own: [f64; BANDS],
-    haze: [f64; BANDS],
+    in_scattered: [f64; BANDS],
     target: Option<Target>,
 }
 
@@ -129,8 +129,8 @@ struct Target {
 impl<const BANDS: usize> RayTree<BANDS> {
     /// Allocates memory if a tree is requested.
     pub(crate) fn wanted(options: &RenderOptions) -> Option<Box<RayTree<BANDS>>> {
-        let tree = |told| {
-            Box::new(RayTree { told, nodes: Vec::new(), lit: ([0.0; BANDS], NodeId::NONE), shadow: NodeId::NONE })
+        let tree = |output| {
+            Box::new(RayTree { output, nodes: Vec::new(), lit: ([0.0; BANDS], NodeId::NONE), shadow: NodeId::NONE })
         };
         options.ray_tree.map(tree)
     }
@@ -152,7 +152,7 @@ impl<const BANDS: usize> RayTree<BANDS> {
             start: share,
             arrival: share,
             own: [0.0; BANDS],
-            haze: [0.0; BANDS],
+            in_scattered: [0.0; BANDS],
             target: None,
         });
         id
@@ -177,10 +177,10 @@ impl<const BANDS: usize> RayTree<BANDS> {
     }
 
     /// Records the attenuation of a ray by its medium, and the light scattered there.
-    pub(crate) fn dim(&mut self, id: NodeId, left: [f64; BANDS], haze: [f64; BANDS]) {
+    pub(crate) fn dim(&mut self, id: NodeId, left: [f64; BANDS], in_scattered: [f64; BANDS]) {
         if let Some(node) = self.node(id) {
             node.arrival = product(node.start, left);
-            node.haze = haze;
+            node.in_scattered = in_scattered;
         }
     }
 
@@ -205,11 +205,11 @@ impl<const BANDS: usize> Node<BANDS> {
 
     /// Whether it is part of the output: unobstructed shadow rays are optional, and shadow rays
     /// that hit nothing are never output.
-    fn is_told(&self, told: RayTreeOutput) -> bool {
+    fn is_output(&self, output: RayTreeOutput) -> bool {
         match (&self.target, &self.hit) {
             (None, _) => true,
             (Some(_), None) => false,
-            (Some(target), Some(hit)) if target.light == hit.surface => told == RayTreeOutput::AllAndLit,
+            (Some(target), Some(hit)) if target.light == hit.surface => output == RayTreeOutput::AllAndLit,
             (Some(target), Some(hit)) => hit.distance.is_finite() || !target.virtual_form,
         }
     }
@@ -255,7 +255,7 @@ struct Sum<const BANDS: usize> {
 }
 
 /// Radiance includes the medium's attenuation in a ray's weight only if it is stronger than this.
-const DIMMING_THAT_WEIGHS: f64 = 0.1;
+const MIN_ATTENUATION: f64 = 0.1;
 
 impl<const BANDS: usize> Sum<BANDS> {
     /// By ray. Children come after their parents.
@@ -314,7 +314,7 @@ impl<const BANDS: usize> Sum<BANDS> {
         }
         sum.value = divided(sum.given, node.arrival);
         sum.mirrored = divided(sum.given_mirrored, node.arrival);
-        sum.given = added(sum.given, node.haze);
+        sum.given = added(sum.given, node.in_scattered);
         let aimed_at = node.target.is_some_and(|target| node.hit.is_some_and(|hit| hit.surface == target.light));
         sum.is_missed = node.target.is_some() && !aimed_at && sum.given.iter().all(|band| *band <= 0.0);
         sum
@@ -332,7 +332,7 @@ impl<const BANDS: usize> Node<BANDS> {
     fn weight_onward(&self, below: &Node<BANDS>) -> f64 {
         let strongest = |of: [f64; BANDS]| of.into_iter().fold(0.0, f64::max);
         let left = strongest(divided(self.arrival, self.start));
-        let dimmed = if -left.ln() > DIMMING_THAT_WEIGHS { left } else { 1.0 };
+        let dimmed = if -left.ln() > MIN_ATTENUATION { left } else { 1.0 };
         match below.bounce {
             BounceType::Passed | BounceType::Shadow => dimmed,
             _ => dimmed * strongest(divided(below.start, self.arrival)).min(1.0),

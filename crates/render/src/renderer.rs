@@ -214,8 +214,8 @@ impl RayWorker<'_> {
     /// children before their parents; the last one is the ray itself.
     pub fn tree(&mut self, index: u64, ray: &Ray) -> (Traced, Vec<TreeRay>) {
         let traced = self.trace(index, ray);
-        let told = in_bands!(&mut self.0, Bands(tracer) => tracer.take_tree());
-        (traced, told)
+        let tree = in_bands!(&mut self.0, Bands(tracer) => tracer.take_tree());
+        (traced, tree)
     }
 
     /// The images of lights in curved mirrors that are found from a point; scene units.

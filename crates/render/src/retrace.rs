@@ -12,11 +12,11 @@ use radsight_texture::{SurfaceInteraction, mirrored, reflect, shading_normal};
 const MAX_PASSED: u32 = 64;
 
 /// With more lights than this, searching each through mirrors costs more than it saves.
-pub(crate) const MOST_LIGHTS: usize = 256;
+pub(crate) const MAX_LIGHTS: usize = 256;
 
 /// Maximum number of mirrors, and of mirrors and panes, of a ray that searches for lights.
-pub(crate) const MOST_MIRRORS: usize = 3;
-const MOST_EVENTS: usize = 8;
+pub(crate) const MAX_MIRRORS: usize = 3;
+const MAX_EVENTS: usize = 8;
 
 /// A ray behind mirrors, with its chain.
 pub(crate) struct MirroredRay {
@@ -59,8 +59,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     ) -> Vec<MirroredRay> {
         let mut ray = Ray { origin, direction };
         let (mut rays, mut events) = (Vec::new(), Vec::new());
-        while rays.len() < MOST_MIRRORS
-            && events.len() < MOST_EVENTS
+        while rays.len() < MAX_MIRRORS
+            && events.len() < MAX_EVENTS
             && let Some(hit) = self.next_visible(ray, from)
             && let Some((event, direction)) = self.mirrored_step(&ray, &hit)
         {
@@ -115,11 +115,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let is_reflected = event == SpecularEvent::Reflected;
         if let Kind::Dielectric(boundary) = &shader.kind {
             let (_, perturbation) = shader.body_appearance::<BANDS>(scene, &interaction, scratch);
-            let met = boundary.refract(ray.direction, hit.front, perturbation);
+            let refraction = boundary.refract(ray.direction, hit.front, perturbation);
             return if is_reflected {
-                Some(met.reflected(ray.direction, hit.front))
+                Some(refraction.reflected(ray.direction, hit.front))
             } else {
-                met.transmitted.map(|(direction, _)| direction)
+                refraction.transmitted.map(|(direction, _)| direction)
             };
         }
         if !matches!(shader.kind, Kind::Mirror { .. } | Kind::Glass { .. } | Kind::Glossy(_) | Kind::Scatterer(_)) {
@@ -146,8 +146,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 let threshold = self.plan.options.highlight_threshold;
                 let interaction = &interaction;
                 let context = BsdfContext { scene, interaction, turned: &turned, appearance, normal, threshold };
-                let met = scatterer.bsdf_at(&context, scratch);
-                let bounce = if is_reflected { met.mirror } else { met.straight };
+                let scattering = scatterer.bsdf_at(&context, scratch);
+                let bounce = if is_reflected { scattering.mirror } else { scattering.straight };
                 bounce.map(|bounce| bounce.direction)
             }
             _ => None,

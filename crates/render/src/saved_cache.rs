@@ -96,7 +96,7 @@ pub(crate) fn load<const BANDS: usize>(
         return Err(CacheError::Damaged);
     }
     if let Some(own) = gathered.take() {
-        loaded.take_over(own);
+        loaded.merge(own);
     }
     let records = loaded.len();
     *gathered = Some(loaded);

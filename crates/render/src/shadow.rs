@@ -122,7 +122,7 @@ impl DirectSampler<'_> {
                 match tracer.resolve(walk.cut, walk.ray.direction, &mut hit) {
                     AntimatterEvent::Surface(cut) => beyond = cut,
                     AntimatterEvent::Nothing(cut) => {
-                        tracer.note_shadow_met(&hit, walk.medium.shadow_transmission(hit.distance));
+                        tracer.note_shadow_hit(&hit, walk.medium.shadow_transmission(hit.distance));
                         walk.pass(&hit, cut);
                         tracer.note_shadow_bounce(walk.ray, BounceType::Passed, [1.0; BANDS]);
                         continue;
@@ -142,7 +142,7 @@ impl DirectSampler<'_> {
             let last = walk.virtual_form == light.virtual_sources.len();
             let crossing = self.cross(tracer, &mut walk, &hit, plan.shader_at(hit.shader), last.then_some(light));
             let dimmed = walk.medium.shadow_transmission(hit.distance);
-            tracer.note_shadow_met(&hit, dimmed);
+            tracer.note_shadow_hit(&hit, dimmed);
             walk.through = product(walk.through, dimmed);
             let (direction, weight) = match crossing {
                 ShadowEvent::Blocked => return dark,
@@ -180,7 +180,7 @@ impl DirectSampler<'_> {
             return redirect(tracer, walk, virtual_source, redirection, hit);
         }
         let dimmed = walk.medium.shadow_transmission(hit.distance);
-        tracer.note_shadow_met(hit, dimmed);
+        tracer.note_shadow_hit(hit, dimmed);
         if walk.ray.direction.dot(hit.front) >= 0.0 {
             return false;
         }
@@ -425,20 +425,20 @@ impl DirectSampler<'_> {
 /// The surfaces crossed by a shadow ray, to detect coincident ones.
 #[derive(Default)]
 struct Passed {
-    distances: [f64; MOST_PASSED],
+    distances: [f64; MAX_PASSED],
     count: usize,
     is_tied: bool,
 }
 
 /// Maximum number of surfaces on a shadow ray that are compared with each other.
-const MOST_PASSED: usize = 16;
+const MAX_PASSED: usize = 16;
 
 impl Passed {
     #[inline]
     fn add(&mut self, distance: f64, tolerance: f64) {
         self.is_tied |= self.distances[..self.count].iter().any(|passed| (passed - distance).abs() <= tolerance);
-        if let Some(place) = self.distances.get_mut(self.count) {
-            *place = distance;
+        if let Some(slot) = self.distances.get_mut(self.count) {
+            *slot = distance;
             self.count += 1;
         }
     }
@@ -459,7 +459,7 @@ fn redirect<const BANDS: usize>(
     let found = prism.redirect(face, &interaction, aim, &mut tracer.workspace.scratch);
     let Some((coefficient, direction)) = found else { return false };
     let dimmed = walk.medium.shadow_transmission(hit.distance);
-    tracer.note_shadow_met(hit, dimmed);
+    tracer.note_shadow_hit(hit, dimmed);
     walk.through = product(walk.through, dimmed).map(|band| band * coefficient);
     walk.ray = Ray { origin: hit.point, direction };
     tracer.note_shadow_bounce(walk.ray, BounceType::Transmitted { image: Image::InPlace }, [coefficient; BANDS]);
@@ -527,7 +527,7 @@ fn arrive<const BANDS: usize>(
     radiance: [f64; BANDS],
 ) -> [f64; BANDS] {
     let plan = tracer.plan;
-    tracer.note_shadow_met(hit, walk.medium.shadow_transmission(hit.distance));
+    tracer.note_shadow_hit(hit, walk.medium.shadow_transmission(hit.distance));
     let mut found = radiance;
     if walk.bent {
         if walk.ray.direction.dot(hit.front) >= 0.0 {

@@ -14,7 +14,7 @@
 //! and Jakob 2020) in the space of directions, for whole lamps at once. Since it does not depend on
 //! a root, none can be missed or found twice.
 
-use crate::retrace::MOST_LIGHTS;
+use crate::retrace::MAX_LIGHTS;
 use crate::specular_chain::{SpecularChain, SpecularEvent};
 use crate::trace::PathIntegrator;
 use glam::{DMat2, DVec2, DVec3};
@@ -27,17 +27,17 @@ use std::f64::consts::PI;
 
 /// Tangent of the angle between a ray and its adjacent rays: less than an image's size, more than
 /// rounding errors.
-const BESIDE: f64 = 1e-6;
+const DIFFERENCE_STEP: f64 = 1e-6;
 
 /// Maximum distance of an image from the traced ray, and maximum size, as tangents: beyond it the
 /// map is not linear.
-const FARTHEST: f64 = 1.0;
+const MAX_TANGENT: f64 = 1.0;
 
 /// Number of directions sampled from the images of lamps.
 const DRAWS: u32 = 4;
 
 /// Maximum number of rays towards lamps that are refined.
-const MOST_SEEDS: usize = 4;
+const MAX_SEEDS: usize = 4;
 
 /// Images with less than this fraction of the total weight are left to the lobe.
 const NEGLIGIBLE: f64 = 1e-3;
@@ -50,10 +50,10 @@ const NEAR: f64 = 0.1;
 const MARGIN: f64 = 1.15;
 
 /// Maximum number of Newton steps.
-const MOST_STEPS: u32 = 4;
+const MAX_STEPS: u32 = 4;
 
 /// Lamps where the lobe is below this fraction of its peak are ignored.
-const FAINT: f64 = 1e-9;
+const MIN_LOBE: f64 = 1e-9;
 
 /// Directions from a point to the images of lamps in specular surfaces.
 #[derive(Debug, Default)]
@@ -81,7 +81,7 @@ struct LightImage {
 
 impl LightImage {
     /// The point of the unit disk of a unit direction; `None` outside the image.
-    fn place(&self, direction: DVec3) -> Option<DVec2> {
+    fn disk_point(&self, direction: DVec3) -> Option<DVec2> {
         let cosine = direction.dot(self.frame.axis);
         let at = self.inverse * (self.frame.components(direction) / cosine - self.center);
         (cosine > 0.0 && at.length_squared() <= 1.0).then_some(at)
@@ -129,7 +129,7 @@ impl SpecularReturn {
     /// Expected number of samples of [`Self::draw`] per solid angle in a unit direction, 1/sr.
     pub(crate) fn density(&self, direction: DVec3) -> f64 {
         let density = |image: &LightImage| {
-            let Some(at) = image.place(direction) else { return 0.0 };
+            let Some(at) = image.disk_point(direction) else { return 0.0 };
             let cosine = direction.dot(image.frame.axis);
             // dω = cos³θ of the area in the tangent plane.
             image.density * image.warp.pdf(at.into()) / (cosine * cosine * cosine)
@@ -140,7 +140,7 @@ impl SpecularReturn {
     /// Whether the centre of an image lies in a known image of the same light: it was found twice.
     fn holds(&self, other: &LightImage) -> bool {
         let direction = other.frame.direction(other.center);
-        self.images.iter().any(|image| image.light == other.light && image.place(direction).is_some())
+        self.images.iter().any(|image| image.light == other.light && image.disk_point(direction).is_some())
     }
 
     /// Distributes the samples in proportion to the weights of the images; `None` without images.
@@ -158,19 +158,19 @@ impl SpecularReturn {
 pub(crate) struct RayBundle {
     pub(crate) frame: TangentPlane,
     pub(crate) middle: Ray,
-    beside: [Ray; 2],
+    adjacent: [Ray; 2],
 }
 
 impl RayBundle {
     /// The ends of the ray and of the two adjacent ones, each [`Self::step`] away in the tangent
     /// plane.
     pub(crate) fn ends(&self) -> [&Ray; 3] {
-        [&self.middle, &self.beside[0], &self.beside[1]]
+        [&self.middle, &self.adjacent[0], &self.adjacent[1]]
     }
 
     /// Distance in the tangent plane between the ray and the adjacent ones.
     pub(crate) const fn step(&self) -> f64 {
-        BESIDE
+        DIFFERENCE_STEP
     }
 
     /// The image of a light: centre in the tangent plane, and map from the unit disk.
@@ -180,22 +180,22 @@ impl RayBundle {
         }
         let plane = TangentPlane::new(self.middle.direction);
         let [middle, a, b] =
-            [&self.middle, &self.beside[0], &self.beside[1]].map(|ray| passing_place(light, &plane, ray));
+            [&self.middle, &self.adjacent[0], &self.adjacent[1]].map(|ray| passing_point(light, &plane, ray));
         let (middle, radius) = middle?;
-        let slope = DMat2::from_cols((a?.0 - middle) / BESIDE, (b?.0 - middle) / BESIDE);
+        let slope = DMat2::from_cols((a?.0 - middle) / DIFFERENCE_STEP, (b?.0 - middle) / DIFFERENCE_STEP);
         let inverse = slope.inverse();
         let (center, map) = (inverse * -middle, inverse * radius);
         let largest = map.x_axis.length().max(map.y_axis.length());
         let is_good = center.is_finite() && map.determinant().abs() > f64::MIN_POSITIVE;
-        (is_good && center.length() <= FARTHEST && largest <= FARTHEST).then_some((center, map))
+        (is_good && center.length() <= MAX_TANGENT && largest <= MAX_TANGENT).then_some((center, map))
     }
 }
 
 /// Where a ray passes the centre of a light, in the plane through it perpendicular to `plane`'s
 /// axis, and the light's radius there.
-pub(crate) fn passing_place(light: &Light, plane: &TangentPlane, ray: &Ray) -> Option<(DVec2, f64)> {
+pub(crate) fn passing_point(light: &Light, plane: &TangentPlane, ray: &Ray) -> Option<(DVec2, f64)> {
     let along = ray.direction.dot(plane.axis);
-    let (place, radius) = match light.form {
+    let (disk_point, radius) = match light.form {
         LightForm::Distant { direction, half_angle_sin_squared_half: half, .. } => {
             let cosine = direction.dot(plane.axis);
             if half >= 0.25 || cosine <= 0.0 {
@@ -213,7 +213,7 @@ pub(crate) fn passing_place(light: &Light, plane: &TangentPlane, ray: &Ray) -> O
             (ray.at(distance / along) - light.center, light.radius)
         }
     };
-    (along > 0.0).then(|| (plane.components(place), radius))
+    (along > 0.0).then(|| (plane.components(disk_point), radius))
 }
 
 /// A point whose highlight searches for lamps.
@@ -237,7 +237,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         bsdf: &Bsdf<'_, BANDS>,
     ) -> Option<SpecularReturn> {
         let plan = self.plan;
-        if plan.has_antimatter || plan.lights_are_covered || plan.lights.len() > MOST_LIGHTS {
+        if plan.has_antimatter || plan.lights_are_covered || plan.lights.len() > MAX_LIGHTS {
             return None;
         }
         let mut point = ReturnPoint { from, bsdf, peak: bsdf.peak(), least: 0.0 };
@@ -247,14 +247,14 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             self.add_images(&mut found, &point, (bsdf.outgoing, &events));
         }
         if plan.reflectors.iter().any(|reflector| reflector.is_near(from.0, bsdf.outgoing)) {
-            point.least = FAINT * self.lobe(&point, bsdf.outgoing);
+            point.least = MIN_LOBE * self.lobe(&point, bsdf.outgoing);
             let mut seeds = 0;
             for light in plan.lights.iter().filter(|light| light.virtual_sources.is_empty()) {
-                if seeds == MOST_SEEDS {
+                if seeds == MAX_SEEDS {
                     break;
                 }
                 let Some((direction, events)) = self.mirrored_way(light, &point) else { continue };
-                if !found.images.iter().any(|image| image.place(direction).is_some()) {
+                if !found.images.iter().any(|image| image.disk_point(direction).is_some()) {
                     seeds += 1;
                     self.add_images(&mut found, &point, (direction, &events));
                 }
@@ -312,8 +312,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let direction = image.frame.direction(image.center);
         let end = self.retrace(Ray { origin: at, direction }, primitive, events.iter().copied());
         let passed =
-            end.and_then(|end| passing_place(&self.plan.lights[image.light], &TangentPlane::new(end.direction), &end));
-        passed.is_some_and(|(place, radius)| place.length() <= NEAR * radius)
+            end.and_then(|end| passing_point(&self.plan.lights[image.light], &TangentPlane::new(end.direction), &end));
+        passed.is_some_and(|(disk_point, radius)| disk_point.length() <= NEAR * radius)
     }
 
     /// The image of the same light from a bundle around its own centre: Newton's method; `None` if
@@ -325,7 +325,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         events: &[SpecularEvent],
     ) -> Option<LightImage> {
         let mut axis = image.frame.direction(image.center);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let bundle = self.bundle(point.from, axis, events)?;
             let (center, map) = bundle.image_of(&self.plan.lights[image.light])?;
             if (map.inverse() * center).length() <= 0.5 {
@@ -348,8 +348,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             self.retrace(ray, primitive, events.iter().copied())
         };
         let middle = follow(DVec2::ZERO)?;
-        let beside = [follow(DVec2::X * BESIDE)?, follow(DVec2::Y * BESIDE)?];
-        Some(RayBundle { frame, middle, beside })
+        let adjacent = [follow(DVec2::X * DIFFERENCE_STEP)?, follow(DVec2::Y * DIFFERENCE_STEP)?];
+        Some(RayBundle { frame, middle, adjacent })
     }
 
     /// The images of all lights that a bundle ends near, with their weights.
@@ -375,7 +375,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         // The lobe at the centre of the image and where it is nearest to the retroreflected
         // direction.
         let outgoing = point.bsdf.outgoing;
-        let back = frame.components(outgoing) / outgoing.dot(frame.axis).max(FARTHEST / 2.0);
+        let back = frame.components(outgoing) / outgoing.dot(frame.axis).max(MAX_TANGENT / 2.0);
         let step = inverse * (back - center);
         let nearest = center + map * (step / step.length().max(1.0));
         let lobe = self.lobe(point, frame.direction(center)) + self.lobe(point, frame.direction(nearest));

@@ -30,17 +30,17 @@ pub(crate) enum AntimatterEvent {
 impl Subtraction {
     fn pass(&mut self, shader: ShaderId, step: i32) {
         match self.passed.binary_search_by_key(&shader, |(shader, _)| *shader) {
-            Ok(place) if self.passed[place].1 + step == 0 => {
-                self.passed.remove(place);
+            Ok(index) if self.passed[index].1 + step == 0 => {
+                self.passed.remove(index);
             }
-            Ok(place) => self.passed[place].1 += step,
-            Err(place) => self.passed.insert(place, (shader, step)),
+            Ok(index) => self.passed[index].1 += step,
+            Err(index) => self.passed.insert(index, (shader, step)),
         }
     }
 
     fn add(&mut self, shader: ShaderId) {
-        if let Err(place) = self.gone.binary_search(&shader) {
-            self.gone.insert(place, shader);
+        if let Err(index) = self.gone.binary_search(&shader) {
+            self.gone.insert(index, shader);
         }
     }
 

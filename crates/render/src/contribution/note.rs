@@ -9,7 +9,7 @@ use radsight_texture::{BandValues, SurfaceInteraction};
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Records that a ray hits a surface that does not emit.
-    pub(crate) fn note_met(&mut self, path: &PathState<BANDS>, hit: &Intersection, shader: &Shader) {
+    pub(crate) fn note_tracked_hit(&mut self, path: &PathState<BANDS>, hit: &Intersection, shader: &Shader) {
         let (Some(modifier), None) = (shader.tracked, shader.kind.emitter()) else { return };
         let interaction = SurfaceInteraction::at(&path.ray, hit, path.travelled + hit.distance);
         let (before, waiting) = (self.radiance, self.waiting());
@@ -37,11 +37,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 BandValues::new((0..3).map(|band| value[band.min(BANDS - 1)]))
             }
         };
-        let told = |deferred: DeferredContribution<BANDS>| Contribution {
+        let contribution = |deferred: DeferredContribution<BANDS>| Contribution {
             modifier: deferred.modifier as usize,
             value: values(deferred.value),
             interaction: deferred.interaction,
         };
-        contributions.settled.drain(..).map(told).for_each(visit);
+        contributions.settled.drain(..).map(contribution).for_each(visit);
     }
 }

@@ -18,14 +18,14 @@ pub(crate) struct BrightPoint {
     /// The represented area across the ray: one over the density of points there.
     pub(crate) area: f64,
     /// The ray's contribution to the mean square of all: large where it was not expected.
-    pub(crate) surprise: f64,
+    pub(crate) second_moment: f64,
 }
 
 /// Maximum number of patches per round.
-pub(crate) const MOST_PATCHES: usize = 8;
+pub(crate) const MAX_PATCHES: usize = 8;
 
 /// Minimum number of points of a patch: fewer do not determine its extent.
-const LEAST_POINTS: usize = 4;
+const MIN_POINTS: usize = 4;
 
 /// Margin of a patch beyond its points, relative to their extent. The outermost of N uniform points
 /// are on average 1/(N − 1) of their extent from the border; several times that leaves hardly
@@ -34,13 +34,13 @@ const MARGIN: f64 = 0.1;
 const MARGIN_OF_FEW: f64 = 3.0;
 
 /// Minimum fraction of bright points in a patch; below it the bright ones are due to chance.
-const LEAST_BRIGHT: f64 = 0.3;
+const MIN_BRIGHT: f64 = 0.3;
 
 /// Minimum relative reduction for dividing a patch.
-const LEAST_GAIN: f64 = 0.15;
+const MIN_GAIN: f64 = 0.15;
 
 /// Patches that contribute less than this fraction of the mean square of all rays are ignored.
-const LEAST_SURPRISE: f64 = 0.01;
+const MIN_SURPRISE: f64 = 0.01;
 
 /// Number of candidate cuts along each axis.
 const CUTS: usize = 15;
@@ -60,9 +60,12 @@ struct Patch {
 /// The patches among these points where at least `bright` is bright and was not expected, the most
 /// important first.
 pub(crate) fn patches(points: &[BrightPoint], bright: f64) -> Vec<Portal> {
-    let unexpected: Vec<BrightPoint> =
-        points.iter().copied().filter(|point| point.surprise.sqrt() >= bright && point.radiance >= bright).collect();
-    let all: f64 = points.iter().map(|point| point.surprise).sum();
+    let unexpected: Vec<BrightPoint> = points
+        .iter()
+        .copied()
+        .filter(|point| point.second_moment.sqrt() >= bright && point.radiance >= bright)
+        .collect();
+    let all: f64 = points.iter().map(|point| point.second_moment).sum();
     let mut patches: Vec<Patch> = Patch::new(unexpected).into_iter().collect();
     let mut finished = Vec::new();
     while let Some(patch) = patches.pop() {
@@ -72,16 +75,16 @@ pub(crate) fn patches(points: &[BrightPoint], bright: f64) -> Vec<Portal> {
         }
     }
     finished.retain(|patch| {
-        patch.surprise() >= LEAST_SURPRISE * all && patch.share_of_bright(points, bright) >= LEAST_BRIGHT
+        patch.second_moment() >= MIN_SURPRISE * all && patch.share_of_bright(points, bright) >= MIN_BRIGHT
     });
-    finished.sort_by(|one, two| two.surprise().total_cmp(&one.surprise()));
-    finished.iter().filter_map(Patch::portal).take(MOST_PATCHES).collect()
+    finished.sort_by(|one, two| two.second_moment().total_cmp(&one.second_moment()));
+    finished.iter().filter_map(Patch::portal).take(MAX_PATCHES).collect()
 }
 
 impl Patch {
     /// `None` for too few points.
     fn new(points: Vec<BrightPoint>) -> Option<Patch> {
-        if points.len() < LEAST_POINTS {
+        if points.len() < MIN_POINTS {
             return None;
         }
         // Half the side of the square that a point represents. Light outside the box is found by
@@ -107,7 +110,7 @@ impl Patch {
     /// Two patches, if these leave clearly less variance.
     fn divided(&self) -> Option<[Patch; 2]> {
         let mut best: Option<[Patch; 2]> = None;
-        let mut lowest = (1.0 - LEAST_GAIN) * self.cost;
+        let mut lowest = (1.0 - MIN_GAIN) * self.cost;
         let [least, most] = self.bounds;
         for axis in 0..3 {
             for cut in 1..=CUTS {
@@ -125,8 +128,8 @@ impl Patch {
         best
     }
 
-    fn surprise(&self) -> f64 {
-        self.points.iter().map(|point| point.surprise).sum()
+    fn second_moment(&self) -> f64 {
+        self.points.iter().map(|point| point.second_moment).sum()
     }
 
     /// The fraction of bright points among all points inside.
@@ -161,7 +164,7 @@ mod tests {
                 let is_bright = corners.iter().any(|[left, low]| (x - left).abs() < 0.25 && (y - low).abs() < 0.25);
                 let radiance = if is_bright { 50.0 } else { 0.5 };
                 let position = DVec3::new(x, y, 0.0);
-                BrightPoint { position, radiance, area: 0.005, surprise: radiance * radiance }
+                BrightPoint { position, radiance, area: 0.005, second_moment: radiance * radiance }
             })
             .collect()
     }
@@ -171,8 +174,8 @@ mod tests {
         let patches = patches(&floor(), 3.0);
         assert_eq!(patches.len(), 2);
         for patch in patches {
-            let place = patch.center.truncate();
-            assert!(place.distance(glam::dvec2(1.0, 1.0)) < 0.05 || place.distance(glam::dvec2(6.0, 7.0)) < 0.05);
+            let center = patch.center.truncate();
+            assert!(center.distance(glam::dvec2(1.0, 1.0)) < 0.05 || center.distance(glam::dvec2(6.0, 7.0)) < 0.05);
             assert!((0.3..0.5).contains(&patch.radius), "{patch:?}");
         }
     }
@@ -182,7 +185,7 @@ mod tests {
         let mut points = floor();
         for (index, point) in points.iter_mut().enumerate() {
             let radiance = if index % 10 == 0 { 30.0 } else { 0.5 };
-            (point.radiance, point.surprise) = (radiance, radiance * radiance);
+            (point.radiance, point.second_moment) = (radiance, radiance * radiance);
         }
         assert!(patches(&points, 3.0).is_empty());
     }
@@ -190,7 +193,7 @@ mod tests {
     #[test]
     fn what_was_expected_is_no_patch() {
         let mut points = floor();
-        points.iter_mut().for_each(|point| point.surprise = 1.0);
+        points.iter_mut().for_each(|point| point.second_moment = 1.0);
         assert!(patches(&points, 3.0).is_empty());
     }
 }

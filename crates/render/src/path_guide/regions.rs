@@ -9,20 +9,20 @@
 use glam::DVec3;
 
 /// A region with more points than this is divided.
-const MOST_POINTS: usize = 48;
+const MAX_POINTS: usize = 48;
 
 /// A rotation of the normal by one radian counts like this fraction of the extent of all points.
-const TURN: f64 = 0.5;
+const ROTATION_WEIGHT: f64 = 0.5;
 
 /// Weight of the prior, in samples of mean weight.
-const BELIEF: f64 = 16.0;
+const PRIOR_SAMPLES: f64 = 16.0;
 
 /// Minimum and maximum fraction of a region's rays towards portals: unknown light must still be
 /// found.
-const CHANCES: [f64; 2] = [0.05, 0.8];
+const PORTAL_FRACTIONS: [f64; 2] = [0.05, 0.8];
 
 /// Minimum factor relative to the largest: a portal may be visible from a part of the region.
-const LEAST_FACTOR: f64 = 0.01;
+const MIN_FACTOR: f64 = 0.01;
 
 /// A point with a unit normal, in six dimensions.
 type Coordinates = [f64; 6];
@@ -53,7 +53,7 @@ pub(crate) struct Region {
 
 /// Sufficient statistics of a region's samples.
 #[derive(Clone, Debug)]
-pub(crate) struct Experience {
+pub(crate) struct RegionStatistics {
     /// Sum of the samples' weights, and number of samples.
     weights: f64,
     samples: f64,
@@ -91,7 +91,7 @@ impl Regions {
     }
 
     fn coordinates(&self, point: DVec3, normal: DVec3) -> Coordinates {
-        let (point, normal) = (point * self.scale, normal * TURN);
+        let (point, normal) = (point * self.scale, normal * ROTATION_WEIGHT);
         [point.x, point.y, point.z, normal.x, normal.y, normal.z]
     }
 
@@ -104,7 +104,7 @@ impl Regions {
         };
         let axis = (0..6).max_by(|one, two| extent(*one).total_cmp(&extent(*two))).unwrap_or(0);
         let node = self.nodes.len();
-        if points.len() <= MOST_POINTS || extent(axis) <= 0.0 {
+        if points.len() <= MAX_POINTS || extent(axis) <= 0.0 {
             self.nodes.push(Node::Leaf(self.leaves.len()));
             self.leaves.push(Region { factors: Vec::new(), chance: 0.0 });
             return;
@@ -145,18 +145,18 @@ impl Regions {
     }
 
     /// Updates each region from its statistics.
-    pub(crate) fn learn(&mut self, experiences: &[Experience]) {
-        for (region, experience) in self.leaves.iter_mut().zip(experiences) {
-            region.learn(experience);
+    pub(crate) fn learn(&mut self, statistics: &[RegionStatistics]) {
+        for (region, statistics) in self.leaves.iter_mut().zip(statistics) {
+            region.learn(statistics);
         }
     }
 }
 
-impl Experience {
+impl RegionStatistics {
     /// Without samples.
-    pub(crate) fn new(portals: usize) -> Experience {
+    pub(crate) fn new(portals: usize) -> RegionStatistics {
         let nothing = vec![0.0; portals];
-        Experience { weights: 0.0, samples: 0.0, outward: 0.0, parts: nothing.clone(), shares: nothing }
+        RegionStatistics { weights: 0.0, samples: 0.0, outward: 0.0, parts: nothing.clone(), shares: nothing }
     }
 
     /// Adds a sample with a weight and a unit direction, and the terms of its pdf: the fraction of
@@ -182,22 +182,23 @@ impl Experience {
 }
 
 impl Region {
-    fn learn(&mut self, experience: &Experience) {
-        let Experience { weights, samples, .. } = *experience;
+    fn learn(&mut self, statistics: &RegionStatistics) {
+        let RegionStatistics { weights, samples, .. } = *statistics;
         if weights <= 0.0 {
             return;
         }
-        let belief = BELIEF * weights / samples;
-        let all = weights + belief;
-        for (factor, (part, share)) in self.factors.iter_mut().zip(experience.parts.iter().zip(&experience.shares)) {
+        let prior = PRIOR_SAMPLES * weights / samples;
+        let all = weights + prior;
+        for (factor, (part, share)) in self.factors.iter_mut().zip(statistics.parts.iter().zip(&statistics.shares)) {
             if *share > 0.0 {
                 let before = share / weights;
-                *factor *= (part + belief * before) / (all * before);
+                *factor *= (part + prior * before) / (all * before);
             }
         }
         let most = self.factors.iter().copied().fold(0.0, f64::max);
-        self.factors.iter_mut().for_each(|factor| *factor = factor.max(LEAST_FACTOR * most));
-        self.chance = ((experience.outward + belief * self.chance) / all).clamp(CHANCES[0], CHANCES[1]);
+        self.factors.iter_mut().for_each(|factor| *factor = factor.max(MIN_FACTOR * most));
+        self.chance =
+            ((statistics.outward + prior * self.chance) / all).clamp(PORTAL_FRACTIONS[0], PORTAL_FRACTIONS[1]);
     }
 }
 
@@ -225,7 +226,7 @@ mod tests {
         for (point, normal) in &points {
             counts[regions.find(*point, *normal)][usize::from(normal.x > 0.0)] += 1;
         }
-        assert!(counts.iter().all(|[one, two]| (one + two <= MOST_POINTS) && (*one == 0 || *two == 0)), "{counts:?}");
+        assert!(counts.iter().all(|[one, two]| (one + two <= MAX_POINTS) && (*one == 0 || *two == 0)), "{counts:?}");
     }
 
     #[test]
@@ -246,7 +247,7 @@ mod tests {
             let region = regions.region(0).clone();
             let shares =
                 [region.factors[0], region.factors[1]].map(|factor| factor / region.factors.iter().sum::<f64>());
-            let mut experience = Experience::new(2);
+            let mut statistics = RegionStatistics::new(2);
             for index in 0..400 {
                 // Half of the directions are in each portal, where its pdf is 2 and that of the
                 // cosine 1.
@@ -255,9 +256,9 @@ mod tests {
                     let density = if portal == inside { 2.0 } else { 0.0 };
                     (portal, shares[portal], shares[portal] * density)
                 });
-                experience.add(if inside == 1 { 1.0 } else { 0.0 }, 1.0 - region.chance, region.chance, parts);
+                statistics.add(if inside == 1 { 1.0 } else { 0.0 }, 1.0 - region.chance, region.chance, parts);
             }
-            regions.learn(&[experience]);
+            regions.learn(&[statistics]);
         }
         let Region { factors, chance } = regions.region(0);
         assert!(factors[1] > 20.0 * factors[0], "{factors:?}");

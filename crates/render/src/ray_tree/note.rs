@@ -33,7 +33,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// The shadow ray hits a surface with the remaining transmittance `left`.
-    pub(crate) fn note_shadow_met(&mut self, hit: &Intersection, left: [f64; BANDS]) {
+    pub(crate) fn note_shadow_hit(&mut self, hit: &Intersection, left: [f64; BANDS]) {
         let Some(tree) = &mut self.tree else { return };
         let id = tree.shadow;
         tree.end(id, FirstHit::at(hit, hit.distance));
@@ -75,7 +75,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let Some(tree) = &self.tree else { return Vec::new() };
         let below = Below::new(&tree.nodes);
         let sums = Sum::all(&tree.nodes, &below);
-        let mut told = Vec::with_capacity(tree.nodes.len());
+        let mut output = Vec::with_capacity(tree.nodes.len());
         // A ray is output after all its children.
         let mut open: Vec<(usize, usize)> = if tree.nodes.is_empty() { Vec::new() } else { vec![(0, 0)] };
         while let Some((id, next)) = open.last_mut() {
@@ -87,14 +87,14 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             let (id, depth) = (*id, open.len() - 1);
             open.pop();
             let node = &tree.nodes[id];
-            if node.is_told(tree.told) {
-                told.push(self.telling(node, &sums[id], depth));
+            if node.is_output(tree.output) {
+                output.push(self.output_ray(node, &sums[id], depth));
             }
         }
-        told
+        output
     }
 
-    fn telling(&self, node: &Node<BANDS>, sum: &Sum<BANDS>, depth: usize) -> TreeRay {
+    fn output_ray(&self, node: &Node<BANDS>, sum: &Sum<BANDS>, depth: usize) -> TreeRay {
         let unmirrored = std::array::from_fn(|band| sum.value[band] - sum.mirrored[band]);
         TreeRay {
             depth,

@@ -24,10 +24,10 @@ const LAST_SPLIT_DEPTH: u32 = 2;
 
 /// Maximum pdf ratio for Russian roulette of a ray to a light's image that the lobe would hardly
 /// ever sample.
-const MOST_FAVOURED: f64 = 1e6;
+const MAX_PDF_RATIO: f64 = 1e6;
 
 /// Maximum number of highlight rays (`-ss`): they are all pending at once.
-const MOST_HIGHLIGHT_SAMPLES: f64 = 16.0;
+const MAX_HIGHLIGHT_SAMPLES: f64 = 16.0;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Direct light, and the rays for indirect light.
@@ -62,7 +62,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         } else {
             None
         };
-        let asked = Branches {
+        let requested = Branches {
             diffuse: u32::from(follow_diffuse),
             highlight: match images {
                 Some(_) => 1,
@@ -70,16 +70,16 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 None => 0,
             },
         };
-        let mut branches = if self.splits { self.branches(path, point, asked) } else { asked };
+        let mut branches = if self.splits { self.branches(path, point, requested) } else { requested };
         if images.is_some() {
-            branches.highlight = asked.highlight;
+            branches.highlight = requested.highlight;
         }
         let set = self.next_set;
         // An unsplit ray uses the sample points of pictures.
-        let is_split = branches != asked;
+        let is_split = branches != requested;
         self.next_set += if is_split { Branches::SETS } else { branches.highlight.max(1) };
         let mut reception = point.reception(self.plan.light_draws[usize::from(path.is_scattered())]);
-        reception.samples = self.places(path, branches);
+        reception.samples = self.light_samples(path, branches);
         // Mist attenuates shadow rays less than others, so MIS does not apply.
         let shared = !self.plan.lights_are_covered;
         let mut visible_portals =
@@ -174,7 +174,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             let by_lobe = f64::from(draws) * value.highlight_pdf;
             let pdf = by_lobe + images.density(direction);
             let weight = value.highlight.map(|band| band / pdf);
-            let pdf_ratio = (pdf / by_lobe).min(MOST_FAVOURED);
+            let pdf_ratio = (pdf / by_lobe).min(MAX_PDF_RATIO);
             let drawn = BsdfSample { direction, weight, pdf: Density::Continuous(pdf), pdf_ratio };
             self.scatter(path, direct, (drawn, Lobe::Highlight), path.ambient_bounces);
         }
@@ -257,7 +257,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Number of highlight samples: the requested number times the path's weight.
     fn highlight_samples(&self, path: &PathState<BANDS>) -> u32 {
         let strongest = path.throughput.iter().copied().fold(0.0, f64::max).min(1.0);
-        (self.plan.options.highlight_samples * strongest + 0.5).clamp(1.0, MOST_HIGHLIGHT_SAMPLES) as u32
+        (self.plan.options.highlight_samples * strongest + 0.5).clamp(1.0, MAX_HIGHLIGHT_SAMPLES) as u32
     }
 
     /// Adds a sampled ray.
@@ -271,7 +271,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let throughput = product(path.throughput, drawn.weight);
         let reflections = path.reflections + 1;
         let share = (throughput, drawn.pdf_ratio);
-        let Some(throughput) = self.go_on(share, path, reflections, Some(lobe)) else { return };
+        let Some(throughput) = self.roulette(share, path, reflections, Some(lobe)) else { return };
         let mut mis = match drawn.pdf {
             Density::Continuous(pdf) => {
                 let at = (from.point, drawn.direction);

@@ -61,7 +61,7 @@ pub struct Traced {
 }
 
 /// Surfaces with less than this fraction of a ray's weight are not part of the key.
-const LEAST_SEEN: f64 = 0.15;
+const MIN_SEEN: f64 = 0.15;
 
 /// Beyond this number of branches one is selected at random.
 const MAX_BRANCHES: usize = 32;
@@ -162,7 +162,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             node: NodeId::NONE,
         };
         if self.plan.options.quantity == Quantity::Irradiance {
-            let node = self.told(&start, BounceType::Passed);
+            let node = self.new_node(&start, BounceType::Passed);
             self.irradiance(&PathState { throughput: [PI; BANDS], node, ..start });
             self.follow_waiting();
         } else {
@@ -179,17 +179,17 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     }
 
     /// The values of bands in spectral rendering.
-    pub(crate) fn spectrum(&self, places: &[f64; BANDS]) -> Option<BandValues> {
-        (BANDS > 3).then(|| BandValues::new(self.plan.layout.collect(places)))
+    pub(crate) fn spectrum(&self, values: &[f64; BANDS]) -> Option<BandValues> {
+        (BANDS > 3).then(|| BandValues::new(self.plan.layout.collect(values)))
     }
 
     /// Values as red, green and blue.
-    pub(crate) fn rgb(&self, places: &[f64; BANDS]) -> [f64; 3] {
+    pub(crate) fn rgb(&self, values: &[f64; BANDS]) -> [f64; 3] {
         if BANDS <= 3 {
-            return std::array::from_fn(|band| places[band.min(BANDS - 1)]);
+            return std::array::from_fn(|band| values[band.min(BANDS - 1)]);
         }
         let mut bands = [0.0; Sampling::MOST_BANDS];
-        for (band, value) in bands.iter_mut().zip(self.plan.layout.collect(places)) {
+        for (band, value) in bands.iter_mut().zip(self.plan.layout.collect(values)) {
             *band = value;
         }
         self.plan.layout.sampling().rgb(&bands)
@@ -297,13 +297,13 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
 
     fn push_on(&mut self, mut path: PathState<BANDS>, bounce: BounceType) {
         if self.waiting.len() < MAX_BRANCHES && path.throughput.iter().any(|band| *band > 0.0) {
-            path.node = self.told(&path, bounce);
+            path.node = self.new_node(&path, bounce);
             self.waiting.push(path);
         }
     }
 
     /// The node of a new ray, if a tree is requested.
-    fn told(&mut self, path: &PathState<BANDS>, bounce: BounceType) -> NodeId {
+    fn new_node(&mut self, path: &PathState<BANDS>, bounce: BounceType) -> NodeId {
         let Some(tree) = &mut self.tree else { return NodeId::NONE };
         tree.begin(path.node, bounce, path.ray, path.throughput)
     }
@@ -311,12 +311,12 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     fn follow(&mut self, mut path: PathState<BANDS>) {
         // Invisible surfaces and back faces are passed in this loop.
         loop {
-            let met = self.plan.first_hit(&path.ray, path.from);
-            let distance = met.as_ref().map_or(f64::INFINITY, |hit| hit.distance);
+            let first = self.plan.first_hit(&path.ray, path.from);
+            let distance = first.as_ref().map_or(f64::INFINITY, |hit| hit.distance);
             if path.reflections == 0 && path.travelled + distance > self.limit {
                 return;
             }
-            let Some(mut hit) = met else {
+            let Some(mut hit) = first else {
                 return self.leave(&path);
             };
             if self.plan.has_antimatter {
@@ -324,23 +324,23 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
                 let (AntimatterEvent::Surface(beyond) | AntimatterEvent::Nothing(beyond)) = meeting;
                 path.subtraction_beyond = beyond;
                 if meeting == AntimatterEvent::Nothing(beyond) {
-                    path = self.unmet(&path, &hit);
+                    path = self.without_interaction(&path, &hit);
                     continue;
                 }
             }
             let shader = self.plan.shader_at(hit.shader);
             if matches!(shader.kind, Kind::Transparent) {
-                path = self.unmet(&path, &hit);
+                path = self.without_interaction(&path, &hit);
                 continue;
             }
             path.follows_no_diffuse = self.plan.excludes_indirect(hit.shader);
             let behind = path.ray.direction.dot(hit.front) > 0.0;
             if behind && self.plan.hides_its_back(shader) {
-                path = self.unmet(&path, &hit);
+                path = self.without_interaction(&path, &hit);
                 continue;
             }
             if self.contributions.is_some() {
-                self.note_met(&path, &hit, shader);
+                self.note_tracked_hit(&path, &hit, shader);
             }
             return self.shade(&path, &hit, shader);
         }
@@ -356,7 +356,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     }
 
     /// The ray behind a surface that has no effect on it.
-    fn unmet(&mut self, path: &PathState<BANDS>, hit: &Intersection) -> PathState<BANDS> {
+    fn without_interaction(&mut self, path: &PathState<BANDS>, hit: &Intersection) -> PathState<BANDS> {
         if path.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit::at(hit, path.travelled + hit.distance));
             self.first_is_passed = true;
@@ -385,7 +385,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     /// Adds a hit of an unscattered ray to the surface key, if its weight is large enough.
     pub(crate) fn note_surface(&mut self, path: &PathState<BANDS>, number: u32) {
         let seen = path.throughput.iter().copied().fold(0.0, f64::max);
-        if path.mis.is_none() && seen >= LEAST_SEEN {
+        if path.mis.is_none() && seen >= MIN_SEEN {
             let name = u64::from(path.depth) << 32 | u64::from(number);
             // The order of branches must not matter: a sum of hashes (the multiplier of
             // SplitMix64).

@@ -88,7 +88,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
         let cut = if reflected { path.cut } else { path.subtraction_beyond };
         let share = (throughput, path.pdf_ratio());
-        let Some(throughput) = self.go_on(share, path, reflections, None) else { return };
+        let Some(throughput) = self.roulette(share, path, reflections, None) else { return };
         let hides_what_is_beyond = match passage {
             Passage::Other | Passage::Reflection { .. } | Passage::Sheet { .. } => true,
             Passage::Refraction { flat } | Passage::Prism { flat } => !flat,

@@ -10,12 +10,12 @@ use radsight_sampling::DimensionSet;
 const ROULETTE_DEPTH: u32 = 4;
 
 /// Throughput below which paths may be terminated before a diffuse bounce.
-const ROULETTE_SHARE: f64 = 0.25;
+const ROULETTE_THROUGHPUT: f64 = 0.25;
 
 /// Throughput below which other paths may be terminated. They may be the narrow view of a light,
 /// thousands of times as bright as its surroundings. Surviving paths are weighted by 1/p, so a
 /// small p makes fireflies.
-const ROULETTE_SHARE_OF_VIEWS: f64 = 0.05;
+const ROULETTE_VIEW_THROUGHPUT: f64 = 0.05;
 
 /// Maximum path length. With a reflectance of 0.99 one path in 10¹⁷ would be longer.
 const MAX_DEPTH: u32 = 4096;
@@ -28,7 +28,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The minimum weight (`-lw`) is compared with the weight of the ray, as in Radiance: one of
     /// many branches has a small weight. `PathLimit::Cut` ignores splitting, since cutting branches
     /// would lose light.
-    pub(crate) fn go_on(
+    pub(crate) fn roulette(
         &mut self,
         (throughput, pdf_ratio): ([f64; BANDS], f64),
         path: &PathState<BANDS>,
@@ -54,7 +54,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             // A path with a sampled ray is noisy anyway; one through mirrors from the eye is not,
             // and stays so.
             let drawn = path.mis.is_some() && depth >= ROULETTE_DEPTH;
-            let usual = if lobe == Some(Lobe::Diffuse) { ROULETTE_SHARE } else { ROULETTE_SHARE_OF_VIEWS };
+            let usual = if lobe == Some(Lobe::Diffuse) { ROULETTE_THROUGHPUT } else { ROULETTE_VIEW_THROUGHPUT };
             let by_weight = if roulette > 0.0 { strongest / roulette } else { 1.0 };
             let by_share = if drawn { unsplit / usual } else { 1.0 };
             by_weight.min(by_share).min(1.0)

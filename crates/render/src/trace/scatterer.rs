@@ -28,16 +28,16 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let scene = shader.textures.home.scene(&self.plan.scene);
         let threshold = self.plan.options.highlight_threshold;
         let context = BsdfContext { scene, interaction, turned: &turned, appearance, normal, threshold };
-        let met = scatterer.bsdf_at(&context, &mut self.workspace.scratch);
-        if let Some(straight) = &met.straight {
+        let scattering = scatterer.bsdf_at(&context, &mut self.workspace.scratch);
+        if let Some(straight) = &scattering.straight {
             let undisturbed = straight.direction == interaction.direction;
-            let passage = Passage::Sheet { undisturbed, image: image_beyond(&met, straight) };
+            let passage = Passage::Sheet { undisturbed, image: image_beyond(&scattering, straight) };
             self.specular(path, hit, straight.direction, straight.weight, passage);
         }
-        if let Some(mirror) = &met.mirror {
+        if let Some(mirror) = &scattering.mirror {
             self.specular(path, hit, mirror.direction, mirror.weight, Passage::Other);
         }
-        self.light_and_scatter(path, hit.point, Some(hit.primitive), &met.point, interaction.total_distance);
+        self.light_and_scatter(path, hit.point, Some(hit.primitive), &scattering.point, interaction.total_distance);
     }
 
     /// A ray hits measured data, or passes their proxy geometry.
@@ -80,7 +80,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 }
 
 /// Straight transmission keeps its apparent position if it exceeds scattered transmission.
-fn image_beyond<const BANDS: usize>(met: &SurfaceScattering<'_, BANDS>, straight: &SpecularBounce<BANDS>) -> Image {
-    let transmission = met.point.transmission.as_ref().map_or(0.0, |transmission| luminance(&transmission.diffuse));
-    Image::in_place_if(luminance(&straight.weight) > transmission + luminance(&met.point.diffuse))
+fn image_beyond<const BANDS: usize>(
+    scattering: &SurfaceScattering<'_, BANDS>,
+    straight: &SpecularBounce<BANDS>,
+) -> Image {
+    let transmission =
+        scattering.point.transmission.as_ref().map_or(0.0, |transmission| luminance(&transmission.diffuse));
+    Image::in_place_if(luminance(&straight.weight) > transmission + luminance(&scattering.point.diffuse))
 }

@@ -31,7 +31,7 @@ use std::f64::consts::FRAC_1_PI;
 const MARGIN: f64 = 0.8;
 
 /// Square root of the minimum number of rays for cached irradiance.
-const LEAST_SIDE: f64 = 8.0;
+const MIN_SIDE: f64 = 8.0;
 
 /// The number of rays into which a ray splits at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,15 +64,15 @@ impl Branches {
 /// Samples per square of Radiance's light subdivision. Radiance halves a light until its pieces are
 /// no larger than a square, along each side separately, so they have about half its area. Random
 /// points have as much noise in penumbrae with about two per square.
-const PLACES_IN_A_SQUARE: f64 = 2.0;
+const SAMPLES_PER_SQUARE: f64 = 2.0;
 
 /// Number of branches per additional sample of each light, and the maximum.
-const BRANCHES_FOR_A_PLACE: f64 = 32.0;
-const MOST_PLACES_FOR_BRANCHES: f64 = 16.0;
+const BRANCHES_PER_SAMPLE: f64 = 32.0;
+const MAX_SAMPLES_FOR_BRANCHES: f64 = 16.0;
 
 /// A sensor takes several samples of few lights, since it may be in their penumbra.
 const FEW_LIGHTS: usize = 4;
-const PLACES_ON_FEW_LIGHTS: f64 = 2.0;
+const SAMPLES_OF_FEW_LIGHTS: f64 = 2.0;
 
 /// The state of a ray that splits, restored after its branches.
 pub(super) struct SuspendedPath {
@@ -89,14 +89,14 @@ pub(super) struct SuspendedPath {
 fn hemisphere_rays(options: &RenderOptions, weight: f64, reflectance: f64, least_side: f64) -> u32 {
     let gathering = &options.gathering;
     let divisions = f64::from(gathering.divisions);
-    let wanted = if gathering.accuracy > 0.0 {
+    let rays = if gathering.accuracy > 0.0 {
         divisions * weight
     } else {
         (divisions * weight).min(most_above_least_weight(options, weight * reflectance))
     };
-    let side = wanted.sqrt().round().max(least_side);
-    let super_samples = (f64::from(gathering.super_samples) * (wanted / divisions.max(1.0))).round();
-    let is_worth_it = side > LEAST_SIDE && super_samples >= 4.0 * side;
+    let side = rays.sqrt().round().max(least_side);
+    let super_samples = (f64::from(gathering.super_samples) * (rays / divisions.max(1.0))).round();
+    let is_worth_it = side > MIN_SIDE && super_samples >= 4.0 * side;
     (side * side + if is_worth_it { super_samples } else { 0.0 }) as u32
 }
 
@@ -117,24 +117,24 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         (unit * path.pdf_ratio() * mean(&path.throughput)).min(1.0)
     }
 
-    /// The number of rays into which a ray splits; `asked` is the number without splitting.
-    pub(super) fn branches(&self, path: &PathState<BANDS>, point: &Bsdf<'_, BANDS>, asked: Branches) -> Branches {
+    /// The number of rays into which a ray splits; `requested` is the number without splitting.
+    pub(super) fn branches(&self, path: &PathState<BANDS>, point: &Bsdf<'_, BANDS>, requested: Branches) -> Branches {
         let options = &self.plan.options;
         let weight = self.weight(path);
         let shares = options.gathering.accuracy > 0.0;
-        let diffuse = if asked.diffuse > 0 && !point.is_retroreflector() {
+        let diffuse = if requested.diffuse > 0 && !point.is_retroreflector() {
             let is_first = path.ambient_bounces == options.ambient_bounces;
-            let least_side = if shares && is_first { LEAST_SIDE } else { 1.0 };
+            let least_side = if shares && is_first { MIN_SIDE } else { 1.0 };
             hemisphere_rays(options, weight, mean(&point.ambient_reflectance()), least_side)
         } else {
-            asked.diffuse
+            requested.diffuse
         };
-        let highlight = if asked.highlight > 0 && path.ambient_bounces > 0 && !shares {
+        let highlight = if requested.highlight > 0 && path.ambient_bounces > 0 && !shares {
             let carried = weight * point.highlight_strength().min(1.0);
-            let wanted = (f64::from(options.gathering.divisions) * carried).sqrt();
-            (wanted.min(most_above_least_weight(options, carried)) as u32).max(asked.highlight)
+            let rays = (f64::from(options.gathering.divisions) * carried).sqrt();
+            (rays.min(most_above_least_weight(options, carried)) as u32).max(requested.highlight)
         } else {
-            asked.highlight
+            requested.highlight
         };
         Branches { diffuse, highlight }
     }
@@ -145,7 +145,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     ///
     /// Unsplit rays of radiance get one sample: the caller averages many, and they use the sample
     /// points of pictures.
-    pub(super) fn places(&self, path: &PathState<BANDS>, branches: Branches) -> LightSampleCount {
+    pub(super) fn light_samples(&self, path: &PathState<BANDS>, branches: Branches) -> LightSampleCount {
         let options = &self.plan.options;
         let is_sensor = options.quantity != Quantity::Radiance && path.mis.is_none();
         if options.light_division == LightDivision::BySize && path.mis.is_none() {
@@ -157,9 +157,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             return LightSampleCount::ONE;
         }
         let side = options.source_sampling;
-        let per_sr = if side > 0.0 { PLACES_IN_A_SQUARE * self.weight(path) / (side * side) } else { 0.0 };
-        let for_branches = (f64::from(branches.diffuse) / BRANCHES_FOR_A_PLACE).min(MOST_PLACES_FOR_BRANCHES).floor();
-        let for_few = if is_sensor && self.plan.lights.len() <= FEW_LIGHTS { PLACES_ON_FEW_LIGHTS } else { 1.0 };
+        let per_sr = if side > 0.0 { SAMPLES_PER_SQUARE * self.weight(path) / (side * side) } else { 0.0 };
+        let for_branches = (f64::from(branches.diffuse) / BRANCHES_PER_SAMPLE).min(MAX_SAMPLES_FOR_BRANCHES).floor();
+        let for_few = if is_sensor && self.plan.lights.len() <= FEW_LIGHTS { SAMPLES_OF_FEW_LIGHTS } else { 1.0 };
         LightSampleCount { per_sr, least: for_branches.max(for_few) }
     }
 
@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn shared_irradiance_has_its_rays_whatever_the_weight() {
-        assert_eq!(hemisphere_rays(&options(1024, 0, 0.1, 1e-2), 1.0, 0.1, LEAST_SIDE), 1024);
-        assert_eq!(hemisphere_rays(&options(1024, 0, 0.1, 1e-2), 1e-3, 0.1, LEAST_SIDE), 64);
+        assert_eq!(hemisphere_rays(&options(1024, 0, 0.1, 1e-2), 1.0, 0.1, MIN_SIDE), 1024);
+        assert_eq!(hemisphere_rays(&options(1024, 0, 0.1, 1e-2), 1e-3, 0.1, MIN_SIDE), 64);
     }
 }
