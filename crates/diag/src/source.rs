@@ -1,6 +1,6 @@
 //! Source texts, spans in them, and their chains of inclusion.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Identifies a text in a [`SourceMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -44,6 +44,30 @@ struct Source {
     included_at: Option<Span>,
     /// Offsets of the line starts, kept when the text is dropped.
     line_starts: Vec<u32>,
+    /// Number of line ends before each [`STRIDE`] bytes of the text, counted when first asked for.
+    line_ends: OnceLock<Vec<usize>>,
+}
+
+/// Bytes of text between two entries of [`Source::line_ends`].
+const STRIDE: usize = 4096;
+
+impl Source {
+    fn new(name: String, text: Arc<[u8]>, included_at: Option<Span>) -> Source {
+        Source { name, text, included_at, line_starts: Vec::new(), line_ends: OnceLock::new() }
+    }
+
+    /// Number of line ends before an offset. A message needs it, and there can be a thousand.
+    fn line_ends_before(&self, offset: usize) -> usize {
+        let line_ends = |bytes: &[u8]| bytes.iter().filter(|&&byte| byte == b'\n').count();
+        let before = self.line_ends.get_or_init(|| {
+            let ends = self.text.chunks(STRIDE).scan(0, |sum, chunk| {
+                *sum += line_ends(chunk);
+                Some(*sum)
+            });
+            std::iter::once(0).chain(ends).collect()
+        });
+        before[offset / STRIDE] + line_ends(&self.text[offset / STRIDE * STRIDE..offset])
+    }
 }
 
 /// All the texts that were read.
@@ -57,8 +81,15 @@ impl SourceMap {
     /// name, and so on.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<[u8]>>, included_at: Option<Span>) -> SourceId {
         let id = SourceId(u32::try_from(self.sources.len()).expect("fewer than 2^32 files are read"));
-        self.sources.push(Source { name: name.into(), text: text.into(), included_at, line_starts: Vec::new() });
+        self.sources.push(Source::new(name.into(), text.into(), included_at));
         id
+    }
+
+    /// Gives a text that was added empty its bytes, for readers that write it as they go. Spans may
+    /// point into it before.
+    pub fn set_text(&mut self, source: SourceId, text: impl Into<Arc<[u8]>>) {
+        let source = &mut self.sources[source.0 as usize];
+        *source = Source::new(std::mem::take(&mut source.name), text.into(), source.included_at);
     }
 
     /// A span of bytes `start..end` of `source`. Offsets past 4 GiB are clamped.
@@ -115,7 +146,7 @@ impl SourceMap {
         let text = self.text(span.source);
         let start = (span.start as usize).min(text.len());
         let line_start = text[..start].iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-        let line = 1 + text[..start].iter().filter(|&&byte| byte == b'\n').count();
+        let line = 1 + self.sources[span.source.0 as usize].line_ends_before(start);
         let column = 1 + String::from_utf8_lossy(&text[line_start..start]).chars().count();
         Position { line: u32::try_from(line).unwrap_or(u32::MAX), column: u32::try_from(column).unwrap_or(u32::MAX) }
     }
@@ -135,6 +166,23 @@ impl SourceMap {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_of_a_long_text_are_counted_from_its_start() {
+        let text: Vec<u8> = (0..3 * STRIDE).map(|at| if at % 7 == 3 { b'\n' } else { b'x' }).collect();
+        let mut sources = SourceMap::default();
+        let file = sources.add("a", &b""[..], None);
+        sources.set_text(file, &text[..]);
+        for start in [0, 3, 4, STRIDE - 1, STRIDE, STRIDE + 1, 2 * STRIDE + 5, 3 * STRIDE, 4 * STRIDE] {
+            let before = &text[..start.min(text.len())];
+            let lines = before.split(|byte| *byte == b'\n');
+            let expected = Position {
+                line: lines.clone().count() as u32,
+                column: 1 + lines.last().map_or(0, |line| line.len() as u32),
+            };
+            assert_eq!(sources.position(sources.span(file, start, start)), expected, "at byte {start}");
+        }
+    }
 
     #[test]
     fn a_forgotten_text_keeps_its_lines_and_columns() {

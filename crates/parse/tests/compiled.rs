@@ -201,6 +201,58 @@ fn mutually_recursive_octrees_are_an_error() {
     assert!(shown.contains("b.rad:1:") && shown.contains("scene.rad:1:"), "{shown}");
 }
 
+/// A frozen octree of objects.
+fn frozen(objects: Vec<radsight_formats::Object<'_>>) -> Vec<u8> {
+    let mut header = radsight_picture::Header::new("RADIANCE");
+    header.push_variable("FORMAT", radsight_formats::OCTREE_FORMAT);
+    let object_count = objects.len();
+    let content = radsight_formats::OctreeContent::Objects(objects);
+    let octree = radsight_formats::Octree { header, origin: [0.0; 3], size: 4.0, object_count, content };
+    octree.write(&radsight_formats::Tree::Empty).unwrap()
+}
+
+fn object<'a>(kind: &'a str, modifier: Option<usize>, name: &'a str) -> radsight_formats::Object<'a> {
+    let (kind, name) = (kind.as_bytes().into(), name.as_bytes().into());
+    radsight_formats::Object { kind, modifier, name, strings: Vec::new(), reals: Vec::new() }
+}
+
+#[test]
+fn objects_of_a_frozen_octree_keep_odd_names_and_every_digit() {
+    // A coordinate that an octree's four bytes of digits hold.
+    let exact = f64::from(f32::from_bits(0x3f9d_70a4));
+    let square = vec![0.0, 0.0, exact, 1.0, 0.0, exact, 1.0, 1.0, exact, 0.0, 1.0, exact];
+    let paint =
+        radsight_formats::Object { reals: vec![0.5, 0.5, 0.5, 0.0, 0.0], ..object("plastic", None, "# a \"b\" 'c'") };
+    let other =
+        radsight_formats::Object { strings: vec![b"# a \"b\" 'c'"[..].into()], ..object("alias", None, "other") };
+    let polygon = radsight_formats::Object { reals: square, ..object("polygon", Some(2), "!p q") };
+    let bytes = frozen(vec![paint, other, object("alias", Some(0), "same"), polygon]);
+    let loader = MemoryLoader::default().with("a.oct", bytes.clone());
+    let scene = sound(read_scene(&[Input::File("a.oct".to_owned())], &loader, &ReadOptions::default()));
+    let names: Vec<&str> = scene.modifiers.items().iter().map(|modifier| scene.names.get(modifier.name)).collect();
+    assert!(names.contains(&"same"), "{names:?}");
+    let Shape::Polygon { start: 0, count: 4 } = scene.surfaces.items()[0].shape else { panic!("a polygon") };
+    let radsight_formats::OctreeContent::Objects(stored) = radsight_formats::Octree::read(&bytes).unwrap().content
+    else {
+        panic!("a frozen octree")
+    };
+    let read: Vec<f64> = scene.vertices.iter().flat_map(|vertex| vertex.to_array()).collect();
+    assert_eq!(read, stored[3].reals);
+}
+
+#[test]
+fn a_mistake_in_a_frozen_octree_is_shown_with_its_line() {
+    let short = radsight_formats::Object { reals: vec![0.0, 0.0, 1.0], ..object("sphere", None, "short") };
+    let loader = MemoryLoader::default().with("a.oct", frozen(vec![object("lamp", None, "x"), short]));
+    let read = read_scene(&[Input::File("a.oct".to_owned())], &loader, &ReadOptions::default());
+    let text = read.render(10);
+    for expected in
+        ["<objects of a.oct>:1:6: error: unknown type \"lamp\"", "<objects of a.oct>:8:1: error: sphere \"short\""]
+    {
+        assert!(text.contains(expected), "{text}");
+    }
+}
+
 #[test]
 fn a_chain_of_octrees_that_doubles_at_each_level_is_read_once() {
     let mut loader = MemoryLoader::default().with("s30.rad", "void sphere s 0 0 4 0 0 0 1\n");

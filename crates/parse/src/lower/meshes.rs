@@ -1,17 +1,13 @@
 //! Meshes, with the materials inside their files.
 
 use super::modifiers::{RawHandle, RawWord};
-use super::objects::scene_text;
-use super::reader::{Context, Here, Reader};
-use crate::placement::Placement;
-use crate::syntax::Items;
+use super::reader::Reader;
 use glam::DVec3;
 use radsight_diag::{Diagnostic, Span};
 use radsight_formats::{Mesh as MeshFile, Object};
 use radsight_ir::{Cube, Handle, Mesh, MeshTriangle, ModifierHandle, Shape};
 use radsight_loader::{FileKind, Loader};
 use std::collections::HashMap;
-use std::sync::Arc;
 
 /// The meshes of a scene.
 #[derive(Default)]
@@ -61,27 +57,14 @@ impl Reader<'_> {
         if objects.is_empty() {
             return Vec::new();
         }
-        let source = self.sources.add(format!("<materials of {path}>"), scene_text(objects).into_bytes(), Some(span));
-        let text = Arc::clone(self.sources.text(source));
-        let context = Context::new(Placement::default(), String::new());
-        let here = Here { source, context: &context };
-        let mut items = match Items::new(&text) {
-            Ok(items) => items,
-            Err(error) => {
-                self.log.push(error.diagnostic(source));
-                return vec![None; objects.len()];
-            }
-        };
         let surfaces = self.surface_modifiers.len();
         let numberer = std::mem::take(&mut self.numberer);
         self.modifiers.open_scope();
-        let handles = objects.iter().map(|object| {
-            if let Some(item) = items.advance() {
-                self.item(item, here);
-            }
-            self.modifiers.find(&object.name)
+        let mut handles = Vec::with_capacity(objects.len());
+        self.read_objects(format!("<materials of {path}>"), objects, Some(span), |reader, object| {
+            handles.push(reader.modifiers.find(&object.name));
         });
-        let handles = handles.collect();
+        handles.resize(objects.len(), None);
         self.modifiers.close_scope();
         self.numberer = numberer;
         if self.surface_modifiers.len() > surfaces {

@@ -1,42 +1,123 @@
-//! Writes the primitives of compiled files as scene text, so that mistakes in them are reported
-//! like any other.
+//! Reads the primitives of compiled files.
+//!
+//! Messages need a text to point into. It holds the heads of the primitives: their words, the
+//! string arguments and the counts, but no real arguments, which are most of a file.
 
+use super::reader::{Context, Here, Reader};
+use crate::Kind;
+use crate::placement::Placement;
+use crate::syntax::{Alias, Item, Primitive, SyntaxError, Word};
 use crate::write::Quoted;
+use radsight_diag::Span;
 use radsight_formats::Object;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
-/// One item of scene text per object. A name refers to the object of that name read last, as in any
-/// scene text.
-pub(super) fn scene_text(objects: &[Object<'_>]) -> String {
-    let mut text = String::new();
-    for object in objects {
-        let lossy = |bytes| String::from_utf8_lossy(bytes).into_owned();
-        let parent = object.modifier.map_or("void".to_owned(), |index| lossy(&objects[index].name));
-        let (kind, name) = (lossy(&object.kind), lossy(&object.name));
-        let _ = match (&*kind, object.strings.first()) {
-            ("alias", Some(target)) => {
-                writeln!(text, "{} alias {} {}", Quoted(&parent), Quoted(&name), Quoted(&lossy(target)))
+impl Reader<'_> {
+    /// Reads objects as if they stood in a scene text of this name. A modifier is the primitive of
+    /// its name read last, as in any scene text. `each` is called after each object that was read.
+    pub(super) fn read_objects(
+        &mut self,
+        name: String,
+        objects: &[Object<'_>],
+        included_at: Option<Span>,
+        mut each: impl FnMut(&mut Self, &Object<'_>),
+    ) {
+        let source = self.sources.add(name, &b""[..], included_at);
+        let context = Context::new(Placement::default(), String::new());
+        let mut heads = Heads::default();
+        for object in objects {
+            let length = heads.text.len();
+            let item = heads.item(objects, object);
+            self.item(item, Here { source, context: &context });
+            each(self, object);
+            let added = heads.text.len() - length;
+            if self.is_stopped || !self.count_bytes(added + 2 * object.reals.len(), included_at) {
+                break;
             }
-            ("alias", None) => writeln!(text, "inherit alias {} {}", Quoted(&name), Quoted(&parent)),
-            _ => write_primitive(&mut text, object, [&parent, &kind, &name]),
-        };
+        }
+        if heads.text.len() > self.options.longest_kept_text {
+            self.long_texts.push(source);
+        }
+        self.sources.set_text(source, heads.text.into_bytes());
     }
-    text
 }
 
-fn write_primitive(text: &mut String, object: &Object<'_>, words: [&str; 3]) -> std::fmt::Result {
-    let [parent, kind, name] = words.map(Quoted);
-    writeln!(text, "{parent} {kind} {name}")?;
-    write!(text, "{}", object.strings.len())?;
-    for string in &object.strings {
-        write!(text, " {}", Quoted(&String::from_utf8_lossy(string)))?;
+/// The text of the heads so far.
+#[derive(Default)]
+struct Heads {
+    text: String,
+    /// The string arguments of the object written last.
+    strings: Vec<Word>,
+}
+
+impl Heads {
+    /// Appends the head of an object, and makes an item of it.
+    fn item<'a>(&'a mut self, objects: &[Object<'_>], object: &'a Object<'_>) -> Result<Item<'a>, SyntaxError> {
+        let parent = object.modifier.map_or(&b"void"[..], |index| &objects[index].name);
+        if *object.kind == *b"alias" {
+            return Ok(Item::Alias(self.alias(parent, object)));
+        }
+        let modifier = self.word(parent, ' ');
+        let kind_word = self.word(&object.kind, ' ');
+        let name = self.word(&object.name, '\n');
+        let strings = self.count(object.strings.len(), if object.strings.is_empty() { '\n' } else { ' ' });
+        self.strings.clear();
+        for (index, string) in object.strings.iter().enumerate() {
+            let is_last = index + 1 == object.strings.len();
+            let word = self.word(string, if is_last { '\n' } else { ' ' });
+            self.strings.push(word);
+        }
+        let integers = self.count(0, '\n');
+        let reals = self.count(object.reals.len(), '\n');
+        let Some(kind) = Kind::from_word(&object.kind) else {
+            let word = String::from_utf8_lossy(&object.kind).into_owned();
+            return Err(SyntaxError::unknown_type(kind_word.place(), word));
+        };
+        Ok(Item::Primitive(Primitive {
+            whole: self.text.as_bytes(),
+            modifier,
+            kind,
+            kind_word,
+            name,
+            strings: &self.strings,
+            integers: &[],
+            reals: &object.reals,
+            counts: [strings, integers, reals],
+            end: reals.end,
+        }))
     }
-    write!(text, "\n0\n{}", object.reals.len())?;
-    let mut digits = zmij::Buffer::new();
-    for value in &object.reals {
-        text.push(' ');
-        text.push_str(digits.format(*value));
+
+    /// An alias without a string argument has its modifier as target.
+    fn alias(&mut self, parent: &[u8], object: &Object<'_>) -> Alias<'_> {
+        let (modifier, target) = match object.strings.first() {
+            Some(target) => (parent, &**target),
+            None => (&b"inherit"[..], parent),
+        };
+        let modifier = self.word(modifier, ' ');
+        let kind = self.word(&object.kind, ' ');
+        let name = self.word(&object.name, ' ');
+        let target = self.word(target, '\n');
+        Alias { whole: self.text.as_bytes(), modifier, kind, name, target }
     }
-    text.push('\n');
-    Ok(())
+
+    fn word(&mut self, word: &[u8], after: char) -> Word {
+        let word = self.push(Quoted(&String::from_utf8_lossy(word)), after);
+        // A word with quotes begins with one.
+        let is_quoted = matches!(self.text.as_bytes()[word.start as usize], b'"' | b'\'');
+        Word { is_quoted, ..word }
+    }
+
+    fn count(&mut self, count: usize, after: char) -> Word {
+        self.push(count, after)
+    }
+
+    fn push(&mut self, value: impl Display, after: char) -> Word {
+        let offset = |text: &String| u32::try_from(text.len()).unwrap_or(u32::MAX);
+        let start = offset(&self.text);
+        // Writing to a string does not fail.
+        let _ = write!(self.text, "{value}");
+        let end = offset(&self.text);
+        self.text.push(after);
+        Word { start, end, is_quoted: false }
+    }
 }

@@ -3,7 +3,6 @@
 use super::meshes::Meshes;
 use super::modifiers::{ModifierTable, RawHandle, RawWord};
 use super::numbering::Numberer;
-use super::objects::scene_text;
 use super::reader::{Context, Here, Reader};
 use crate::placement::Placement;
 use glam::DVec3;
@@ -146,16 +145,12 @@ impl Reader<'_> {
     }
 
     fn read_content(&mut self, path: &str, octree: &Octree<'_>, placed_at: Option<Span>) {
-        let context = Context::new(Placement::default(), String::new());
         match &octree.content {
             OctreeContent::Objects(objects) => {
-                let text = scene_text(objects);
-                if self.count_bytes(text.len(), placed_at) && !objects.is_empty() {
-                    let source = self.sources.add(format!("<objects of {path}>"), text.into_bytes(), placed_at);
-                    self.walk(Here { source, context: &context });
-                }
+                self.read_objects(format!("<objects of {path}>"), objects, placed_at, |_, _| {});
             }
             OctreeContent::Files(files) => {
+                let context = Context::new(Placement::default(), String::new());
                 let text = files.join(&b'\n');
                 let source = self.sources.add(format!("<files of {path}>"), text, placed_at);
                 self.read_files(files, source, &context);

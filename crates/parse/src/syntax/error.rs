@@ -122,7 +122,7 @@ impl SyntaxError {
     }
 
     /// An error about a word in place of a type.
-    pub(super) fn unknown_type(place: Place, word: String) -> Self {
+    pub(crate) fn unknown_type(place: Place, word: String) -> Self {
         let hint = hint_nearest(&word, Kind::ALL.iter().map(|kind| kind.name()));
         SyntaxError::new(place, Mistake::UnknownType { word }).maybe_hint(hint)
     }

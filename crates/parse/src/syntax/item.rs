@@ -49,7 +49,7 @@ pub enum Item<'a> {
 /// Another name for a modifier.
 #[derive(Clone, Copy, Debug)]
 pub struct Alias<'a> {
-    pub(super) whole: &'a [u8],
+    pub(crate) whole: &'a [u8],
     /// The modifier of the new name; `inherit` for the target's own modifier.
     pub modifier: Word,
     /// The word `alias`.
@@ -71,7 +71,7 @@ impl<'a> Alias<'a> {
 /// Any primitive but an alias.
 #[derive(Clone, Copy, Debug)]
 pub struct Primitive<'a> {
-    pub(super) whole: &'a [u8],
+    pub(crate) whole: &'a [u8],
     /// Its modifier.
     pub modifier: Word,
     /// Its type.
