@@ -298,12 +298,13 @@ impl<'a> AdaptiveSampler<'a> {
     /// sequence.
     pub(crate) fn sums(&self, worker: &mut Workers<'_>, pixel: usize, samples: std::ops::Range<u32>) -> Sums {
         let first = (pixel as u64) << SEQUENCE_LOG2;
-        let Exposer { rays, weights, .. } = *self.exposer;
+        let Exposer { renderer, rays, weights, .. } = *self.exposer;
+        let plan = renderer.plan();
         let number = pixel as u64;
         let drawn = samples.filter_map(|sample| {
             let index = first | u64::from(sample);
             let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
-            self.images.ray(rays, pixel, u).map(|(ray, weight)| (index, ray, weight))
+            self.images.ray((plan, rays), pixel, u).map(|(ray, weight)| (index, ray, weight))
         });
         if self.bands == 0 {
             let light = drawn

@@ -13,6 +13,7 @@ mod edges;
 mod fixed;
 mod lattice;
 mod mirrored_lights;
+mod plane_images;
 mod region;
 mod sparse;
 mod sparse_estimate;

@@ -6,10 +6,14 @@
 //! points of the pinhole that see the image fill an ellipse, known from the linear map from pinhole
 //! to light. The rays of a pixel are then drawn from a mixture of densities and divided by its pdf,
 //! so the estimate stays unbiased (Owen and Zhou 2000).
+//!
+//! Images in plane mirrors are known exactly, so their rays form a stratum of their own
+//! ([`PlaneImages`]).
 
+use crate::plane_images::{Domain, PlaneImage, PlaneImages, stratified};
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Hole, Rays};
-use radsight_render::{MirroredLight, Ray, RayWorker, Renderer};
+use radsight_render::{MirroredLight, Ray, RayWorker, RenderPlan, Renderer};
 use radsight_sampling::{choose, unit_disk};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
@@ -43,6 +47,9 @@ pub(crate) struct PixelImages {
     hole: Hole,
     /// By pixel; empty if no pixel sees any.
     images: Vec<Vec<PixelImage>>,
+    /// The lights that plane mirrors may show, and their images.
+    in_plane_mirrors: Vec<MirroredLight>,
+    plane: PlaneImages,
 }
 
 /// The image of a light in a pixel: an ellipse on the pinhole, or on the pixel itself if the
@@ -63,10 +70,13 @@ struct PixelImage {
 }
 
 /// The image of a light under the linear map.
-struct Ellipse {
-    center: DVec2,
-    slope: DMat2,
-    map: DMat2,
+pub(crate) struct Ellipse {
+    /// For the centre of the pixel.
+    pub(crate) center: DVec2,
+    /// Derivative of the centre by the point on the pixel.
+    pub(crate) slope: DMat2,
+    /// From the unit disk.
+    pub(crate) map: DMat2,
 }
 
 impl Ellipse {
@@ -91,76 +101,93 @@ impl PixelImage {
 impl PixelImages {
     /// Whether no pixel sees an image.
     pub(crate) fn is_empty(&self) -> bool {
-        self.images.is_empty()
+        self.images.is_empty() && self.plane.is_empty()
     }
 
     /// Whether a pixel sees an image.
     pub(crate) fn sees_any(&self, pixel: usize) -> bool {
-        self.images.get(pixel).is_some_and(|images| !images.is_empty())
+        self.images.get(pixel).is_some_and(|images| !images.is_empty()) || self.plane.sees_any(pixel)
     }
 
     /// Finds the images that the pixels of a camera see.
     pub(crate) fn find(renderer: &Renderer, rays: &Rays) -> PixelImages {
-        let hole = rays.hole();
-        let none = PixelImages { hole, images: Vec::new() };
-        let camera = rays.camera();
+        let (hole, camera) = (rays.hole(), rays.camera());
+        let none =
+            PixelImages { hole, images: Vec::new(), in_plane_mirrors: Vec::new(), plane: PlaneImages::default() };
         if hole == Hole::Pattern {
             return none;
         }
-        let found = renderer.worker().mirrored_lights(camera.position_m() / camera.scene_unit_m());
-        if found.is_empty() {
+        let position = camera.position_m() / camera.scene_unit_m();
+        let curved = renderer.worker().mirrored_lights(position);
+        let in_plane_mirrors = MirroredLight::in_plane_mirrors(renderer.plan(), position);
+        if curved.is_empty() && in_plane_mirrors.is_empty() {
             return none;
         }
-        let images: Vec<Vec<PixelImage>> = (0..camera.pixel_count() as usize)
+        let of_pixel = |worker: &mut RayWorker<'_>, pixel: usize| {
+            let pixel = pixel as u64;
+            let Some(cone) = PixelCone::new(rays, pixel) else { return (Vec::new(), Vec::new()) };
+            let search = &mut Search { worker, rays, pixel };
+            let ellipses: Vec<_> = cone.seen(&curved).filter_map(|(_, image)| search.image(image)).collect();
+            let share = (ellipses.len() as f64).recip();
+            let images = ellipses.into_iter().flat_map(|ellipse| ellipse.images(hole, share));
+            let images = images.filter(|image| image.density.is_finite()).collect();
+            let plane = cone.seen(&in_plane_mirrors).filter_map(|image| search.plane_image(renderer.plan(), image));
+            (images, plane.collect())
+        };
+        let (images, plane): (Vec<_>, Vec<_>) = (0..camera.pixel_count() as usize)
             .into_par_iter()
             .with_min_len(64)
-            .map_init(
-                || renderer.worker(),
-                |worker, pixel| {
-                    let pixel = pixel as u64;
-                    let cone = PixelCone::new(rays, pixel);
-                    let images = found.iter().filter(|image| cone.as_ref().is_some_and(|cone| cone.contains(image)));
-                    let search = &mut Search { worker, rays, pixel };
-                    let ellipses: Vec<_> = images.filter_map(|image| search.image(image)).collect();
-                    let share = (ellipses.len() as f64).recip();
-                    let images = ellipses.into_iter().flat_map(|ellipse| ellipse.images(hole, share));
-                    images.filter(|image| image.density.is_finite()).collect()
-                },
-            )
-            .collect();
-        PixelImages { hole, images }
+            .map_init(|| renderer.worker(), of_pixel)
+            .unzip();
+        PixelImages { hole, images, in_plane_mirrors, plane: PlaneImages::new(plane) }
     }
 
     /// The ray of a pixel for a point of the unit cube, and its weight; `None` where it would miss
-    /// the pinhole or the pixel.
+    /// the pinhole or the pixel, or its light belongs to another stratum.
     #[inline]
-    pub(crate) fn ray(&self, rays: &Rays, pixel: usize, u: [f64; 4]) -> Option<(CameraRay, f64)> {
-        match self.images.get(pixel) {
-            Some(images) if !images.is_empty() => self.mixed_ray(rays, (pixel, images), u),
-            _ => Some((rays.ray(pixel as u64, u), 1.0)),
+    pub(crate) fn ray(
+        &self,
+        (plan, rays): (&RenderPlan, &Rays),
+        pixel: usize,
+        u: [f64; 4],
+    ) -> Option<(CameraRay, f64)> {
+        if !self.sees_any(pixel) {
+            return Some((rays.ray(pixel as u64, u), 1.0));
         }
-    }
-
-    fn mixed_ray(&self, rays: &Rays, (pixel, images): (usize, &[PixelImage]), u: [f64; 4]) -> Option<(CameraRay, f64)> {
         // If the pinhole is a point, the point on the pixel is drawn from the image.
         let is_point = self.hole == Hole::Point;
         let [fixed, drawn] = if is_point { [[u[2], u[3]], [u[0], u[1]]] } else { [[u[0], u[1]], [u[2], u[3]]] };
         let fixed = DVec2::from(fixed);
+        let mixed = |drawn| self.mixed_point(&self.images[pixel], fixed, drawn);
+        let ray = |at| {
+            let (place, on_pinhole) = if is_point { (at, DVec2::ZERO) } else { (fixed, at) };
+            rays.ray_through(pixel as u64, place.into(), on_pinhole.into())
+        };
+        let hits = |at, light: usize| {
+            let ray = ray(at).and_then(|ray| Ray::new(ray.origin, ray.direction));
+            ray.is_some_and(|ray| self.in_plane_mirrors[light].is_in_plane_mirror(plan, &ray))
+        };
+        let (at, weight) = match self.plane.of_pixel(pixel) {
+            [] => mixed(drawn)?,
+            images => stratified(images, Domain::of(self.hole), (fixed, drawn), hits, mixed)?,
+        };
+        Some((ray(at)?, weight))
+    }
+
+    /// A point of the pinhole, or of the pixel for a point pinhole, with its weight.
+    fn mixed_point(&self, images: &[PixelImage], fixed: DVec2, drawn: [f64; 2]) -> Option<(DVec2, f64)> {
+        let domain = Domain::of(self.hole);
+        if images.is_empty() {
+            return Some((domain.uniform(drawn), 1.0));
+        }
         let at = if drawn[0] < IMAGE_FRACTION {
             let (chosen, u) = choose(images.iter().map(|image| image.probability), drawn[0] / IMAGE_FRACTION)?;
             let image = &images[chosen];
-            let at = DVec2::from(unit_disk(u, drawn[1]));
-            image.center_at(fixed) + image.map * at
+            image.center_at(fixed) + image.map * DVec2::from(unit_disk(u, drawn[1]))
         } else {
-            let uniform = [(drawn[0] - IMAGE_FRACTION) / (1.0 - IMAGE_FRACTION), drawn[1]];
-            if is_point { DVec2::from(uniform) } else { DVec2::from(unit_disk(uniform[0], uniform[1])) }
+            domain.uniform([(drawn[0] - IMAGE_FRACTION) / (1.0 - IMAGE_FRACTION), drawn[1]])
         };
-        let is_inside = if is_point {
-            at.cmpge(DVec2::ZERO).all() && at.cmplt(DVec2::ONE).all()
-        } else {
-            at.length_squared() <= 1.0
-        };
-        if !is_inside {
+        if !domain.contains(at) {
             return None;
         }
         let density = |image: &PixelImage| {
@@ -168,9 +195,7 @@ impl PixelImages {
             if place.length_squared() <= 1.0 { image.density } else { 0.0 }
         };
         let mixed = (1.0 - IMAGE_FRACTION) + IMAGE_FRACTION * images.iter().map(density).sum::<f64>();
-        let (place, on_pinhole) = if is_point { (at, DVec2::ZERO) } else { (fixed, at) };
-        let ray = rays.ray_through(pixel as u64, place.into(), on_pinhole.into())?;
-        Some((ray, mixed.recip()))
+        Some((at, mixed.recip()))
     }
 }
 
@@ -194,8 +219,12 @@ impl PixelCone {
         Some(PixelCone { middle, max_chord_squared: (2.0 * widest).powi(2).min(0.25) })
     }
 
-    fn contains(&self, image: &MirroredLight) -> bool {
-        self.middle.distance_squared(image.direction()) <= self.max_chord_squared
+    /// The images that the pixel may see, with their indices.
+    fn seen<'i>(&self, images: &'i [MirroredLight]) -> impl Iterator<Item = (usize, &'i MirroredLight)> {
+        images
+            .iter()
+            .enumerate()
+            .filter(|(_, image)| self.middle.distance_squared(image.direction()) <= self.max_chord_squared)
     }
 }
 
@@ -265,6 +294,28 @@ impl Search<'_, '_> {
             at = center;
         }
         best.filter(|(miss, _)| *miss <= MAX_MISS).map(|(_, ellipse)| ellipse)
+    }
+
+    /// The image of a light in a plane mirror; `None` if the pixel does not see it.
+    fn plane_image(&mut self, plan: &RenderPlan, (light, image): (usize, &MirroredLight)) -> Option<PlaneImage> {
+        let hole = self.rays.hole();
+        let (rays, pixel) = (self.rays, self.pixel);
+        let ray = |(fixed, at): (DVec2, DVec2)| {
+            let (place, on_pinhole) = if hole == Hole::Point { (at, DVec2::ZERO) } else { (fixed, at) };
+            let ray = rays.ray_through(pixel, place.into(), on_pinhole.into())?;
+            Ray::new(ray.origin, ray.direction)
+        };
+        let found = PlaneImage::new(self.image(image)?, light, Domain::of(hole))?;
+        let mut points = found.overlap_points(Domain::of(hole)).filter_map(ray);
+        if !points.any(|ray| image.is_in_plane_mirror(plan, &ray)) {
+            return None;
+        }
+        let mut farthest = 0.0_f64;
+        for (fixed, at) in found.own_points() {
+            let offset = self.worker.offset_from(image, &ray((fixed, at))?)?;
+            farthest = farthest.max(offset.distance(found.offset(fixed, at)));
+        }
+        found.widened(farthest)
     }
 
     /// Derivative of the centre of an ellipse by the point on the pixel.

@@ -12,6 +12,9 @@ use crate::specular_return::{TangentPlane, passing_point};
 use crate::trace::PathIntegrator;
 use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
+use radsight_compile::{Kind, RenderPlan};
+use radsight_ir::SurfaceHandle;
+use radsight_light::{Light, LightForm};
 
 /// Total number of rays over all mirrors, and minimum over the side of one.
 const MAX_RAYS: f64 = 1e5;
@@ -34,7 +37,10 @@ const SAME_IMAGE: f64 = 0.5;
 #[derive(Clone, Debug)]
 pub struct MirroredLight {
     light: usize,
+    /// What happens to a ray on the way. None for a virtual source, whose rays are straight.
     events: Vec<SpecularEvent>,
+    /// The plane mirror of a virtual source.
+    mirror: Option<SurfaceHandle>,
     /// The plane in which rays' distances from the light's centre are measured.
     plane: TangentPlane,
     direction: DVec3,
@@ -47,6 +53,44 @@ impl MirroredLight {
     #[must_use]
     pub fn direction(&self) -> DVec3 {
         self.direction
+    }
+
+    /// Whether a ray first hits the plane mirror of a virtual source.
+    #[must_use]
+    pub fn is_in_plane_mirror(&self, plan: &RenderPlan, ray: &Ray) -> bool {
+        plan.first_hit(ray, None).is_some_and(|hit| Some(hit.surface) == self.mirror)
+    }
+
+    /// The virtual sources that a point may see in plane mirrors; scene units.
+    #[must_use]
+    pub fn in_plane_mirrors(plan: &RenderPlan, from: DVec3) -> Vec<MirroredLight> {
+        if plan.has_antimatter || plan.lights.len() > MAX_LIGHTS {
+            return Vec::new();
+        }
+        let image = |(index, light): (usize, &Light)| {
+            let nearest = light.virtual_sources.first()?;
+            let shader = plan.virtual_source_shader(nearest.surface);
+            if !matches!(shader.kind, Kind::Mirror { substitute: None, .. }) {
+                return None;
+            }
+            let [direction, axis] = match light.form {
+                LightForm::Distant { direction, .. } => [direction, direction],
+                LightForm::DistantImage { .. } => return None,
+                // In its own plane the image of a flat light is exact.
+                LightForm::Disk { normal, .. } => [(light.center - from).normalize_or_zero(), -normal],
+                _ => [(light.center - from).normalize_or_zero(); 2],
+            };
+            let size = light.radius / from.distance(light.center);
+            (direction.dot(axis) > 0.0).then(|| MirroredLight {
+                light: index,
+                events: Vec::new(),
+                mirror: Some(nearest.surface),
+                plane: TangentPlane::new(axis),
+                direction,
+                size,
+            })
+        };
+        plan.lights.iter().enumerate().filter_map(image).collect()
     }
 }
 
@@ -124,7 +168,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             if best.as_ref().is_none_or(|(least, _)| miss < *least) {
                 let size = map.determinant().abs().sqrt();
                 let plane = TangentPlane::new(bundle.middle.direction);
-                best = Some((miss, MirroredLight { light, events: events.clone(), plane, direction, size }));
+                best =
+                    Some((miss, MirroredLight { light, events: events.clone(), mirror: None, plane, direction, size }));
             }
             if miss <= MET {
                 break;

@@ -1,0 +1,343 @@
+//! Rays towards the images of lights in plane mirrors.
+//!
+//! A plane mirror shows a light with its full radiance, a thousand times that of a sheet. For a
+//! point on the pixel, the points of the pinhole that may see the image fill the overlap of pinhole
+//! and ellipse. Most rays are aimed at these overlaps, and of them only those that hit the mirror
+//! are traced. The other rays sample the whole pinhole and leave out what the first ones trace.
+//! Among the aimed rays the radiance is nearly constant, so that few of them suffice.
+
+use crate::mirrored_lights::Ellipse;
+use glam::{DMat2, DVec2};
+use radsight_pinhole::Hole;
+use radsight_sampling::{choose, unit_disk};
+use std::f64::consts::PI;
+
+/// Fraction of the rays that are not aimed at images. A power of two: then the low-discrepancy sequence
+/// divides the rays exactly.
+const REST: f64 = 0.125;
+
+/// Strips by which the area of an overlap is estimated.
+const STRIPS: usize = 6;
+
+/// An image that fills more than this fraction of the domain needs no stratum.
+const MAX_FRACTION: f64 = 0.9;
+
+/// The linear map of an image may be wrong by this fraction of the light's radius.
+const MAX_MISS: f64 = 0.1;
+
+/// Minimum enlargement of an image, for rounding.
+const MARGIN: f64 = 1e-4;
+
+/// What two of the dimensions sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Domain {
+    /// The pinhole, in its radii.
+    Disk,
+    /// The pixel in front of a point pinhole.
+    Square,
+}
+
+impl Domain {
+    pub(crate) fn of(hole: Hole) -> Domain {
+        if hole == Hole::Point { Domain::Square } else { Domain::Disk }
+    }
+
+    /// A point uniform by area.
+    pub(crate) fn uniform(self, u: [f64; 2]) -> DVec2 {
+        match self {
+            Domain::Disk => DVec2::from(unit_disk(u[0], u[1])),
+            Domain::Square => DVec2::from(u),
+        }
+    }
+
+    pub(crate) fn contains(self, at: DVec2) -> bool {
+        match self {
+            Domain::Disk => at.length_squared() <= 1.0,
+            Domain::Square => at.cmpge(DVec2::ZERO).all() && at.cmplt(DVec2::ONE).all(),
+        }
+    }
+
+    fn area(self) -> f64 {
+        if self == Domain::Disk { PI } else { 1.0 }
+    }
+
+    /// The direction of the strips across it, unit. With it the strips of a disk and a circle are
+    /// tight.
+    fn axis(self, center: DVec2) -> DVec2 {
+        if self == Domain::Disk { center.normalize_or(DVec2::X) } else { DVec2::X }
+    }
+
+    /// The extent along the axis.
+    fn extent(self) -> [f64; 2] {
+        if self == Domain::Disk { [-1.0, 1.0] } else { [0.0, 1.0] }
+    }
+
+    /// The extent of the strip at a coordinate along the axis.
+    fn strip(self, along: f64) -> [f64; 2] {
+        match self {
+            Domain::Disk => {
+                let half = (1.0 - along * along).max(0.0).sqrt();
+                [-half, half]
+            }
+            Domain::Square => [0.0, 1.0],
+        }
+    }
+}
+
+/// The images of each pixel.
+#[derive(Debug, Default)]
+pub(crate) struct PlaneImages {
+    /// By pixel; empty if no pixel sees any.
+    images: Vec<Vec<PlaneImage>>,
+}
+
+impl PlaneImages {
+    pub(crate) fn new(images: Vec<Vec<PlaneImage>>) -> PlaneImages {
+        PlaneImages { images: if images.iter().all(Vec::is_empty) { Vec::new() } else { images } }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.images.is_empty()
+    }
+
+    pub(crate) fn of_pixel(&self, pixel: usize) -> &[PlaneImage] {
+        self.images.get(pixel).map_or(&[], Vec::as_slice)
+    }
+
+    pub(crate) fn sees_any(&self, pixel: usize) -> bool {
+        !self.of_pixel(pixel).is_empty()
+    }
+}
+
+/// The image of a light in one pixel: an ellipse.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlaneImage {
+    /// For the centre of the pixel.
+    center: DVec2,
+    /// Derivative of the centre by the point on the pixel.
+    slope: DMat2,
+    /// From the unit disk.
+    map: DMat2,
+    inverse: DMat2,
+    /// Its index in the list of lights in plane mirrors.
+    light: usize,
+}
+
+impl PlaneImage {
+    /// `None` for an image without area or one that fills the domain.
+    pub(crate) fn new(ellipse: Ellipse, light: usize, domain: Domain) -> Option<PlaneImage> {
+        let Ellipse { center, slope, map } = ellipse;
+        let image = PlaneImage { center, slope, map, inverse: map.inverse(), light };
+        let area = PI * map.determinant().abs();
+        (image.inverse.is_finite() && area <= MAX_FRACTION * domain.area()).then_some(image)
+    }
+
+    /// Widened for an error of the linear map, in radii of the light; `None` if it is too large.
+    pub(crate) fn widened(&self, miss: f64) -> Option<PlaneImage> {
+        let map = self.map * (1.0 + MARGIN + 2.0 * miss);
+        (miss <= MAX_MISS).then(|| PlaneImage { map, inverse: map.inverse(), ..*self })
+    }
+
+    fn center_at(&self, fixed: DVec2) -> DVec2 {
+        self.center + self.slope * (fixed - 0.5)
+    }
+
+    /// Position of a point relative to the light's centre, in radii of the light.
+    pub(crate) fn offset(&self, fixed: DVec2, at: DVec2) -> DVec2 {
+        self.inverse * (at - self.center_at(fixed))
+    }
+
+    fn contains(&self, fixed: DVec2, at: DVec2) -> bool {
+        self.offset(fixed, at).length_squared() <= 1.0
+    }
+
+    /// Points of the overlap with the domain, each with its fixed point: where the image may be
+    /// seen.
+    pub(crate) fn overlap_points(&self, domain: Domain) -> impl Iterator<Item = (DVec2, DVec2)> {
+        const INSIDE: [f64; 3] = [0.02, 0.5, 0.98];
+        let square = || INSIDE.into_iter().flat_map(|x| INSIDE.map(|y| [x, y]));
+        let image = *self;
+        square().flat_map(move |fixed| {
+            let fixed = DVec2::from(fixed);
+            let overlap = Overlap::new(&image, domain, fixed);
+            let point = move |u| Some((fixed, overlap.as_ref()?.point(u)?.0));
+            square().filter_map(point)
+        })
+    }
+
+    /// The middle of the image and points of its rim, each with its fixed point.
+    pub(crate) fn own_points(&self) -> impl Iterator<Item = (DVec2, DVec2)> {
+        let image = *self;
+        [DVec2::ZERO, DVec2::ONE].into_iter().flat_map(move |fixed| {
+            let offsets = [DVec2::ZERO, DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y];
+            offsets.map(|offset| (fixed, image.center_at(fixed) + image.map * offset))
+        })
+    }
+}
+
+/// The overlap of an image with the domain for one fixed point.
+struct Overlap {
+    domain: Domain,
+    axis: DVec2,
+    /// Centre of the ellipse, and the inverse of its map, along the axis and across.
+    center: DVec2,
+    inverse: DMat2,
+    /// Along the axis.
+    start: f64,
+    length: f64,
+}
+
+impl Overlap {
+    /// `None` where they do not overlap.
+    fn new(image: &PlaneImage, domain: Domain, fixed: DVec2) -> Option<Overlap> {
+        let center = image.center_at(fixed);
+        let axis = domain.axis(center);
+        let turned = DMat2::from_cols(axis, axis.perp());
+        let reach = (image.map.transpose() * axis).length();
+        let center = turned.transpose() * center;
+        let [first, last] = domain.extent();
+        let (start, end) = (first.max(center.x - reach), last.min(center.x + reach));
+        let inverse = image.inverse * turned;
+        (start < end).then(|| Overlap { domain, axis, center, inverse, start, length: end - start })
+    }
+
+    /// The extent of the strip at a coordinate along the axis; `None` where it is empty.
+    fn strip(&self, along: f64) -> Option<[f64; 2]> {
+        // |x·a + y·b|² = 1 with x and y from the ellipse's centre.
+        let (a, b) = (self.inverse.x_axis * (along - self.center.x), self.inverse.y_axis);
+        let (square, half, rest) = (b.dot(b), a.dot(b), a.dot(a) - 1.0);
+        let root = (half * half - square * rest).max(0.0).sqrt();
+        let [low, high] = [-root, root].map(|root| self.center.y + (root - half) / square);
+        let [first, last] = self.domain.strip(along);
+        let (low, high) = (low.max(first), high.min(last));
+        (low < high).then_some([low, high])
+    }
+
+    /// Approximate area.
+    fn area(&self) -> f64 {
+        let width = self.length / STRIPS as f64;
+        let strips = (0..STRIPS).filter_map(|strip| self.strip(self.start + (strip as f64 + 0.5) * width));
+        strips.map(|[low, high]| (high - low) * width).sum()
+    }
+
+    /// A point of the overlap and its inverse density by area.
+    fn point(&self, u: [f64; 2]) -> Option<(DVec2, f64)> {
+        let along = self.start + self.length * u[0];
+        let [low, high] = self.strip(along)?;
+        let across = low + (high - low) * u[1];
+        Some((self.axis * along + self.axis.perp() * across, self.length * (high - low)))
+    }
+}
+
+/// A point of the domain with its weight: aimed at an image, or by `rest`. `hits` tells whether the
+/// ray of a point first hits the mirror of this light. `None` where `rest` has no point, and where the light
+/// belongs to another stratum.
+pub(crate) fn stratified(
+    images: &[PlaneImage],
+    domain: Domain,
+    (fixed, drawn): (DVec2, [f64; 2]),
+    hits: impl Fn(DVec2, usize) -> bool,
+    rest: impl FnOnce([f64; 2]) -> Option<(DVec2, f64)>,
+) -> Option<(DVec2, f64)> {
+    let overlap = |image| {
+        let overlap = Overlap::new(image, domain, fixed)?;
+        let area = overlap.area();
+        (area > 0.0).then_some((image, overlap, area))
+    };
+    let overlaps: Vec<(&PlaneImage, Overlap, f64)> = images.iter().filter_map(overlap).collect();
+    let total: f64 = overlaps.iter().map(|(_, _, area)| area).sum();
+    if overlaps.is_empty() {
+        return rest(drawn);
+    }
+    let is_seen = |(image, ..): &(&PlaneImage, _, _), at| image.contains(fixed, at) && hits(at, image.light);
+    if drawn[0] < REST {
+        let (at, weight) = rest([drawn[0] / REST, drawn[1]])?;
+        let is_aimed_at = overlaps.iter().any(|overlap| is_seen(overlap, at));
+        return (!is_aimed_at).then_some((at, weight / REST));
+    }
+    let shares = overlaps.iter().map(|(_, _, area)| area / total);
+    let (chosen, u) = choose(shares, (drawn[0] - REST) / (1.0 - REST))?;
+    let (image, overlap, area) = &overlaps[chosen];
+    let (at, inverse_density) = overlap.point([u, drawn[1]])?;
+    // Where images overlap, the point belongs to the first.
+    let is_taken = || overlaps[..chosen].iter().any(|overlap| is_seen(overlap, at));
+    let weight = inverse_density / domain.area() * total / (area * (1.0 - REST));
+    (hits(at, image.light) && !is_taken()).then_some((at, weight))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(center: [f64; 2], map: [f64; 4]) -> PlaneImage {
+        let ellipse = Ellipse { center: center.into(), slope: DMat2::ZERO, map: DMat2::from_cols_array(&map) };
+        PlaneImage::new(ellipse, 0, Domain::Disk).expect("an ellipse")
+    }
+
+    /// A mirror that ends within the images.
+    fn hits(at: DVec2, _: usize) -> bool {
+        at.x + at.y < 0.7
+    }
+
+    /// Points of a grid over the unit square.
+    fn grid() -> impl Iterator<Item = [f64; 2]> {
+        let side = 1024;
+        let at = move |index: i32| (f64::from(index) + 0.5) / f64::from(side);
+        (0..side * side).map(move |index| [at(index % side), at(index / side)])
+    }
+
+    /// The mean of a function over the domain by strata.
+    fn mean_by_strata(images: &[PlaneImage], domain: Domain, value: impl Fn(DVec2) -> f64) -> f64 {
+        let uniform = |u| Some((domain.uniform(u), 1.0));
+        let light = |u| stratified(images, domain, (DVec2::splat(0.5), u), hits, uniform);
+        grid().filter_map(light).map(|(at, weight)| weight * value(at)).sum::<f64>() / grid().count() as f64
+    }
+
+    /// The same by a grid of squares, not by the map to the disk.
+    fn mean_by_grid(domain: Domain, value: impl Fn(DVec2) -> f64) -> f64 {
+        let points: Vec<DVec2> = match domain {
+            Domain::Disk => grid().map(|u| 2.0 * DVec2::from(u) - 1.0).filter(|at| domain.contains(*at)).collect(),
+            Domain::Square => grid().map(DVec2::from).collect(),
+        };
+        points.iter().map(|at| value(*at)).sum::<f64>() / points.len() as f64
+    }
+
+    #[test]
+    fn strata_integrate_any_function_over_the_domain() {
+        let round = [0.35, 0.0, 0.0, 0.35];
+        let oblique = [0.4, 0.1, -0.05, 0.2];
+        let cases = [
+            vec![image([0.0, 0.0], round)],
+            vec![image([0.9, 0.3], round)],
+            vec![image([-0.8, 0.1], oblique), image([0.3, 0.2], round)],
+            vec![image([0.1, 0.1], oblique), image([0.3, 0.2], round), image([5.0, 0.0], round)],
+        ];
+        for images in &cases {
+            for domain in [Domain::Disk, Domain::Square] {
+                let smooth = |at: DVec2| 1.0 + at.x + 0.3 * at.y * at.y;
+                let seen = |at: DVec2| {
+                    let is_seen = images.iter().any(|image| image.contains(DVec2::splat(0.5), at));
+                    smooth(at) * if is_seen { 1000.0 } else { 1.0 }
+                };
+                let [a, b] = [mean_by_strata(images, domain, seen), mean_by_grid(domain, seen)];
+                assert!((a / b - 1.0).abs() < 2e-3, "{domain:?} {images:?}: {a} for {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_light_of_an_image_hardly_varies() {
+        let images = [image([0.6, 0.5], [0.35, 0.0, 0.0, 0.35])];
+        let fixed = DVec2::splat(0.5);
+        let uniform = |u| Some((Domain::Disk.uniform(u), 1.0));
+        let light = |u| {
+            let seen = stratified(&images, Domain::Disk, (fixed, u), |_, _| true, uniform);
+            seen.map_or(0.0, |(at, weight)| if images[0].contains(fixed, at) { weight } else { 0.0 })
+        };
+        let (sum, squares) = grid().map(light).fold((0.0, 0.0), |(sum, squares), l| (sum + l, squares + l * l));
+        let count = grid().count() as f64;
+        let relative = (squares * count / (sum * sum) - 1.0).sqrt();
+        // Uniform sampling: √((1−p)/p) ≈ 3 for a tenth of the pinhole.
+        assert!(relative < 0.6, "{relative}");
+    }
+}
