@@ -3,7 +3,8 @@
 //!
 //! `tests/gripps/truth/part-*.pfm` and `tall-washer.pfm` were made once by `radsight capture
 //! tests/gripps/part.toml … --samples 65536` before lights were sampled through mirrors, so neither
-//! tested strategy influenced them.
+//! tested strategy influenced them. `axis-washer.pfm` was made in the same way before lights in plane
+//! mirrors were sampled as strata.
 
 use crate::pictures::{Difference, exposure_file, show};
 use crate::program::{Folder, gripps, radsight, root};
@@ -65,4 +66,9 @@ fn a_machined_ring_is_rough() {
 #[test]
 fn a_tall_washer_lights_the_sheet_beside_it() {
     check("tall-washer", &file("tall-washer.rad"), 0.02);
+}
+
+#[test]
+fn a_flat_washer_shows_leds() {
+    check("axis-washer", &file("axis-washer.rad"), 0.02);
 }
