@@ -305,7 +305,12 @@ impl Search<'_, '_> {
             let ray = rays.ray_through(pixel, place.into(), on_pinhole.into())?;
             Ray::new(ray.origin, ray.direction)
         };
-        let found = PlaneImage::new(self.image(image)?, light, Domain::of(hole))?;
+        let mut found = PlaneImage::new(self.image(image)?, light, Domain::of(hole))?;
+        let place_in_ring = |fixed, at| image.place_in_ring(&ray((fixed, at))?);
+        if let (Some(opening), Some(ring)) = (image.ring_opening(), linear_map(Domain::of(hole), place_in_ring)) {
+            let miss = |fixed, at, place: DVec2| Some(place_in_ring(fixed, at)?.distance(place));
+            found = found.clipped(ring, opening, miss);
+        }
         let mut points = found.overlap_points(Domain::of(hole)).filter_map(ray);
         if !points.any(|ray| image.is_in_plane_mirror(plan, &ray)) {
             return None;
@@ -315,7 +320,7 @@ impl Search<'_, '_> {
             let offset = self.worker.offset_from(image, &ray((fixed, at))?)?;
             farthest = farthest.max(offset.distance(found.offset(fixed, at)));
         }
-        found.widened(farthest)
+        found.widened(farthest)?.overlapping(Domain::of(hole))
     }
 
     /// Derivative of the centre of an ellipse by the point on the pixel.
@@ -332,4 +337,16 @@ impl Search<'_, '_> {
         let [x, y] = [DVec2::X, DVec2::Y].map(|side| offset(self, at, middle + side * STEP));
         Some(map * DMat2::from_cols((at_center - x?) / STEP, (at_center - y?) / STEP))
     }
+}
+
+/// The ellipse of the points whose place, a function of the points on the pixel and in the domain,
+/// is within 1: to first order around the middle of both.
+fn linear_map(domain: Domain, place: impl Fn(DVec2, DVec2) -> Option<DVec2>) -> Option<Ellipse> {
+    let middle = DVec2::splat(0.5);
+    let at = if domain == Domain::Square { middle } else { DVec2::ZERO };
+    let own = place(middle, at)?;
+    let [x, y] = [DVec2::X, DVec2::Y].map(|side| Some((place(middle, at + side * STEP)? - own) / STEP));
+    let map = DMat2::from_cols(x?, y?).inverse();
+    let [x, y] = [DVec2::X, DVec2::Y].map(|side| Some((place(middle + side * STEP, at)? - own) / STEP));
+    Some(Ellipse { center: at - map * own, slope: -map * DMat2::from_cols(x?, y?), map })
 }

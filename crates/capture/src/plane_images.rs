@@ -17,12 +17,12 @@ use std::f64::consts::PI;
 const REST: f64 = 0.125;
 
 /// Strips by which the area of an overlap is estimated.
-const STRIPS: usize = 6;
+const STRIPS: usize = 12;
 
 /// An image that fills more than this fraction of the domain needs no stratum.
 const MAX_FRACTION: f64 = 0.9;
 
-/// The linear map of an image may be wrong by this fraction of the light's radius.
+/// A linear map may be wrong by this fraction of the radius of the light or the mirror.
 const MAX_MISS: f64 = 0.1;
 
 /// Minimum enlargement of an image, for rounding.
@@ -109,9 +109,9 @@ impl PlaneImages {
     }
 }
 
-/// The image of a light in one pixel: an ellipse.
+/// An ellipse in the domain that moves with the point on the pixel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PlaneImage {
+struct MovingEllipse {
     /// For the centre of the pixel.
     center: DVec2,
     /// Derivative of the centre by the point on the pixel.
@@ -119,49 +119,106 @@ pub(crate) struct PlaneImage {
     /// From the unit disk.
     map: DMat2,
     inverse: DMat2,
-    /// Its index in the list of lights in plane mirrors.
-    light: usize,
 }
 
-impl PlaneImage {
-    /// `None` for an image without area or one that fills the domain.
-    pub(crate) fn new(ellipse: Ellipse, light: usize, domain: Domain) -> Option<PlaneImage> {
-        let Ellipse { center, slope, map } = ellipse;
-        let image = PlaneImage { center, slope, map, inverse: map.inverse(), light };
-        let area = PI * map.determinant().abs();
-        (image.inverse.is_finite() && area <= MAX_FRACTION * domain.area()).then_some(image)
+impl MovingEllipse {
+    fn new(Ellipse { center, slope, map }: Ellipse) -> Option<MovingEllipse> {
+        let inverse = map.inverse();
+        (inverse.is_finite() && center.is_finite()).then_some(MovingEllipse { center, slope, map, inverse })
     }
 
-    /// Widened for an error of the linear map, in radii of the light; `None` if it is too large.
-    pub(crate) fn widened(&self, miss: f64) -> Option<PlaneImage> {
-        let map = self.map * (1.0 + MARGIN + 2.0 * miss);
-        (miss <= MAX_MISS).then(|| PlaneImage { map, inverse: map.inverse(), ..*self })
+    fn scaled(&self, by: f64) -> MovingEllipse {
+        let map = self.map * by;
+        MovingEllipse { map, inverse: map.inverse(), ..*self }
     }
 
     fn center_at(&self, fixed: DVec2) -> DVec2 {
         self.center + self.slope * (fixed - 0.5)
     }
 
-    /// Position of a point relative to the light's centre, in radii of the light.
-    pub(crate) fn offset(&self, fixed: DVec2, at: DVec2) -> DVec2 {
+    fn offset(&self, fixed: DVec2, at: DVec2) -> DVec2 {
         self.inverse * (at - self.center_at(fixed))
     }
 
     fn contains(&self, fixed: DVec2, at: DVec2) -> bool {
         self.offset(fixed, at).length_squared() <= 1.0
     }
+}
+
+/// The image of a light in one pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlaneImage {
+    image: MovingEllipse,
+    /// The outline of a mirror that is a ring, and its opening.
+    outline: Option<MovingEllipse>,
+    opening: Option<MovingEllipse>,
+    /// Its index in the list of lights in plane mirrors.
+    light: usize,
+    /// Approximate area of the overlap with the domain, averaged over the pixel.
+    area: f64,
+}
+
+impl PlaneImage {
+    /// `None` for an image without area or one that fills the domain.
+    pub(crate) fn new(ellipse: Ellipse, light: usize, domain: Domain) -> Option<PlaneImage> {
+        let area = PI * ellipse.map.determinant().abs();
+        let image = MovingEllipse::new(ellipse)?;
+        let is_small = area <= MAX_FRACTION * domain.area();
+        is_small.then_some(PlaneImage { image, outline: None, opening: None, light, area: 0.0 })
+    }
+
+    /// Widened for an error of the linear map, in radii of the light; `None` if it is too large.
+    pub(crate) fn widened(&self, miss: f64) -> Option<PlaneImage> {
+        (miss <= MAX_MISS).then(|| PlaneImage { image: self.image.scaled(1.0 + MARGIN + 2.0 * miss), ..*self })
+    }
+
+    /// Clipped by the outline of a ring with an opening in outer radii. `misses` gives the error of
+    /// the linear map at a point in the same unit, if it is known.
+    pub(crate) fn clipped(
+        &self,
+        ring: Ellipse,
+        opening: f64,
+        misses: impl Fn(DVec2, DVec2, DVec2) -> Option<f64>,
+    ) -> PlaneImage {
+        let Some(ring) = MovingEllipse::new(ring) else { return *self };
+        let mut margin = MARGIN;
+        for (fixed, at) in self.own_points() {
+            match misses(fixed, at, ring.offset(fixed, at)) {
+                Some(miss) if miss <= MAX_MISS => margin = margin.max(MARGIN + 2.0 * miss),
+                _ => return *self,
+            }
+        }
+        let opening = (opening > 2.0 * margin).then(|| ring.scaled(opening - margin));
+        PlaneImage { outline: Some(ring.scaled(1.0 + margin)), opening, ..*self }
+    }
+
+    /// Position of a point relative to the light's centre, in radii of the light.
+    pub(crate) fn offset(&self, fixed: DVec2, at: DVec2) -> DVec2 {
+        self.image.offset(fixed, at)
+    }
+
+    fn contains(&self, fixed: DVec2, at: DVec2) -> bool {
+        let is_within = |ellipse: &MovingEllipse| ellipse.contains(fixed, at);
+        is_within(&self.image)
+            && self.outline.as_ref().is_none_or(is_within)
+            && !self.opening.as_ref().is_some_and(is_within)
+    }
+
+    /// With the area of its overlaps; `None` if there are none.
+    pub(crate) fn overlapping(&self, domain: Domain) -> Option<PlaneImage> {
+        let overlaps = grid_of_nine().map(|fixed| Overlap::new(self, domain, fixed.into()));
+        let area = overlaps.map(|overlap| overlap.map_or(0.0, |overlap| overlap.area())).sum::<f64>() / 9.0;
+        (area > 0.0).then_some(PlaneImage { area, ..*self })
+    }
 
     /// Points of the overlap with the domain, each with its fixed point: where the image may be
     /// seen.
     pub(crate) fn overlap_points(&self, domain: Domain) -> impl Iterator<Item = (DVec2, DVec2)> {
-        const INSIDE: [f64; 3] = [0.02, 0.5, 0.98];
-        let square = || INSIDE.into_iter().flat_map(|x| INSIDE.map(|y| [x, y]));
         let image = *self;
-        square().flat_map(move |fixed| {
+        grid_of_nine().flat_map(move |fixed| {
             let fixed = DVec2::from(fixed);
             let overlap = Overlap::new(&image, domain, fixed);
-            let point = move |u| Some((fixed, overlap.as_ref()?.point(u)?.0));
-            square().filter_map(point)
+            grid_of_nine().filter_map(move |u| Some((fixed, overlap.as_ref()?.point(u)?.0)))
         })
     }
 
@@ -170,18 +227,53 @@ impl PlaneImage {
         let image = *self;
         [DVec2::ZERO, DVec2::ONE].into_iter().flat_map(move |fixed| {
             let offsets = [DVec2::ZERO, DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y];
-            offsets.map(|offset| (fixed, image.center_at(fixed) + image.map * offset))
+            offsets.map(|offset| (fixed, image.image.center_at(fixed) + image.image.map * offset))
         })
     }
 }
 
-/// The overlap of an image with the domain for one fixed point.
+/// Points of the unit square, nearly to its rim.
+fn grid_of_nine() -> impl Iterator<Item = [f64; 2]> {
+    const INSIDE: [f64; 3] = [0.02, 0.5, 0.98];
+    INSIDE.into_iter().flat_map(|x| INSIDE.map(|y| [x, y]))
+}
+
+/// An ellipse in coordinates along an axis and across.
+#[derive(Clone, Copy)]
+struct TurnedEllipse {
+    center: DVec2,
+    inverse: DMat2,
+    /// Extent along the axis on each side of the centre.
+    reach: f64,
+}
+
+impl TurnedEllipse {
+    fn new(ellipse: &MovingEllipse, axis: DVec2, fixed: DVec2) -> TurnedEllipse {
+        let turned = DMat2::from_cols(axis, axis.perp());
+        TurnedEllipse {
+            center: turned.transpose() * ellipse.center_at(fixed),
+            inverse: ellipse.inverse * turned,
+            reach: (ellipse.map.transpose() * axis).length(),
+        }
+    }
+
+    /// The extent across at a coordinate along the axis; `None` outside.
+    fn strip(&self, along: f64) -> Option<[f64; 2]> {
+        // |x·a + y·b|² = 1 with x and y from the ellipse's centre.
+        let (a, b) = (self.inverse.x_axis * (along - self.center.x), self.inverse.y_axis);
+        let (square, half, rest) = (b.dot(b), a.dot(b), a.dot(a) - 1.0);
+        let root = half * half - square * rest;
+        (root > 0.0).then(|| [-root.sqrt(), root.sqrt()].map(|root| self.center.y + (root - half) / square))
+    }
+}
+
+/// The overlap of an image with its mirror and the domain for one fixed point.
 struct Overlap {
     domain: Domain,
     axis: DVec2,
-    /// Centre of the ellipse, and the inverse of its map, along the axis and across.
-    center: DVec2,
-    inverse: DMat2,
+    image: TurnedEllipse,
+    outline: Option<TurnedEllipse>,
+    opening: Option<TurnedEllipse>,
     /// Along the axis.
     start: f64,
     length: f64,
@@ -190,42 +282,52 @@ struct Overlap {
 impl Overlap {
     /// `None` where they do not overlap.
     fn new(image: &PlaneImage, domain: Domain, fixed: DVec2) -> Option<Overlap> {
-        let center = image.center_at(fixed);
-        let axis = domain.axis(center);
-        let turned = DMat2::from_cols(axis, axis.perp());
-        let reach = (image.map.transpose() * axis).length();
-        let center = turned.transpose() * center;
-        let [first, last] = domain.extent();
-        let (start, end) = (first.max(center.x - reach), last.min(center.x + reach));
-        let inverse = image.inverse * turned;
-        (start < end).then(|| Overlap { domain, axis, center, inverse, start, length: end - start })
+        let axis = domain.axis(image.image.center_at(fixed));
+        let turned = |ellipse: &MovingEllipse| TurnedEllipse::new(ellipse, axis, fixed);
+        let (opening, outline) = (image.opening.as_ref().map(turned), image.outline.as_ref().map(turned));
+        let image = turned(&image.image);
+        let [mut start, mut end] = domain.extent();
+        for ellipse in [Some(&image), outline.as_ref()].into_iter().flatten() {
+            start = start.max(ellipse.center.x - ellipse.reach);
+            end = end.min(ellipse.center.x + ellipse.reach);
+        }
+        (start < end).then(|| Overlap { domain, axis, image, outline, opening, start, length: end - start })
     }
 
-    /// The extent of the strip at a coordinate along the axis; `None` where it is empty.
-    fn strip(&self, along: f64) -> Option<[f64; 2]> {
-        // |x·a + y·b|² = 1 with x and y from the ellipse's centre.
-        let (a, b) = (self.inverse.x_axis * (along - self.center.x), self.inverse.y_axis);
-        let (square, half, rest) = (b.dot(b), a.dot(b), a.dot(a) - 1.0);
-        let root = (half * half - square * rest).max(0.0).sqrt();
-        let [low, high] = [-root, root].map(|root| self.center.y + (root - half) / square);
-        let [first, last] = self.domain.strip(along);
-        let (low, high) = (low.max(first), high.min(last));
-        (low < high).then_some([low, high])
+    /// The extent of the strip at a coordinate along the axis, in two parts where the opening
+    /// divides it. A part may be empty.
+    fn strip(&self, along: f64) -> [[f64; 2]; 2] {
+        const EMPTY: [f64; 2] = [0.0; 2];
+        let [mut low, mut high] = self.domain.strip(along);
+        for ellipse in [Some(&self.image), self.outline.as_ref()].into_iter().flatten() {
+            let Some(strip) = ellipse.strip(along) else { return [EMPTY; 2] };
+            (low, high) = (low.max(strip[0]), high.min(strip[1]));
+        }
+        if low >= high {
+            return [EMPTY; 2];
+        }
+        match self.opening.as_ref().and_then(|opening| opening.strip(along)) {
+            Some([first, last]) => [[low, high.min(first).max(low)], [low.max(last).min(high), high]],
+            None => [[low, high], EMPTY],
+        }
     }
 
     /// Approximate area.
     fn area(&self) -> f64 {
         let width = self.length / STRIPS as f64;
-        let strips = (0..STRIPS).filter_map(|strip| self.strip(self.start + (strip as f64 + 0.5) * width));
-        strips.map(|[low, high]| (high - low) * width).sum()
+        let strip = |strip: usize| self.strip(self.start + (strip as f64 + 0.5) * width);
+        (0..STRIPS).flat_map(strip).map(|[low, high]| (high - low) * width).sum()
     }
 
     /// A point of the overlap and its inverse density by area.
     fn point(&self, u: [f64; 2]) -> Option<(DVec2, f64)> {
         let along = self.start + self.length * u[0];
-        let [low, high] = self.strip(along)?;
-        let across = low + (high - low) * u[1];
-        Some((self.axis * along + self.axis.perp() * across, self.length * (high - low)))
+        let [first, second] = self.strip(along);
+        let [near, far] = [first, second].map(|[low, high]| high - low);
+        let place = u[1] * (near + far);
+        let across = if place < near { first[0] + place } else { second[0] + (place - near) };
+        let point = self.axis * along + self.axis.perp() * across;
+        (near + far > 0.0).then_some((point, self.length * (near + far)))
     }
 }
 
@@ -239,29 +341,20 @@ pub(crate) fn stratified(
     hits: impl Fn(DVec2, usize) -> bool,
     rest: impl FnOnce([f64; 2]) -> Option<(DVec2, f64)>,
 ) -> Option<(DVec2, f64)> {
-    let overlap = |image| {
-        let overlap = Overlap::new(image, domain, fixed)?;
-        let area = overlap.area();
-        (area > 0.0).then_some((image, overlap, area))
-    };
-    let overlaps: Vec<(&PlaneImage, Overlap, f64)> = images.iter().filter_map(overlap).collect();
-    let total: f64 = overlaps.iter().map(|(_, _, area)| area).sum();
-    if overlaps.is_empty() {
-        return rest(drawn);
-    }
-    let is_seen = |(image, ..): &(&PlaneImage, _, _), at| image.contains(fixed, at) && hits(at, image.light);
+    let is_seen = |image: &PlaneImage, at| image.contains(fixed, at) && hits(at, image.light);
     if drawn[0] < REST {
         let (at, weight) = rest([drawn[0] / REST, drawn[1]])?;
-        let is_aimed_at = overlaps.iter().any(|overlap| is_seen(overlap, at));
+        let is_aimed_at = images.iter().any(|image| is_seen(image, at));
         return (!is_aimed_at).then_some((at, weight / REST));
     }
-    let shares = overlaps.iter().map(|(_, _, area)| area / total);
+    let total: f64 = images.iter().map(|image| image.area).sum();
+    let shares = images.iter().map(|image| image.area / total);
     let (chosen, u) = choose(shares, (drawn[0] - REST) / (1.0 - REST))?;
-    let (image, overlap, area) = &overlaps[chosen];
-    let (at, inverse_density) = overlap.point([u, drawn[1]])?;
+    let image = &images[chosen];
+    let (at, inverse_density) = Overlap::new(image, domain, fixed)?.point([u, drawn[1]])?;
     // Where images overlap, the point belongs to the first.
-    let is_taken = || overlaps[..chosen].iter().any(|overlap| is_seen(overlap, at));
-    let weight = inverse_density / domain.area() * total / (area * (1.0 - REST));
+    let is_taken = || images[..chosen].iter().any(|image| is_seen(image, at));
+    let weight = inverse_density / domain.area() * total / (image.area * (1.0 - REST));
     (hits(at, image.light) && !is_taken()).then_some((at, weight))
 }
 
@@ -269,9 +362,17 @@ pub(crate) fn stratified(
 mod tests {
     use super::*;
 
+    fn ellipse(center: [f64; 2], map: [f64; 4]) -> Ellipse {
+        Ellipse { center: center.into(), slope: DMat2::ZERO, map: DMat2::from_cols_array(&map) }
+    }
+
+    /// An image in a ring.
+    fn ringed(center: [f64; 2], map: [f64; 4], ring: [f64; 2]) -> PlaneImage {
+        image(center, map).clipped(ellipse(ring, [0.9, 0.0, 0.1, 0.8]), 0.5, |_, _, _| Some(0.0))
+    }
+
     fn image(center: [f64; 2], map: [f64; 4]) -> PlaneImage {
-        let ellipse = Ellipse { center: center.into(), slope: DMat2::ZERO, map: DMat2::from_cols_array(&map) };
-        PlaneImage::new(ellipse, 0, Domain::Disk).expect("an ellipse")
+        PlaneImage::new(ellipse(center, map), 0, Domain::Disk).expect("an ellipse")
     }
 
     /// A mirror that ends within the images.
@@ -311,9 +412,12 @@ mod tests {
             vec![image([0.9, 0.3], round)],
             vec![image([-0.8, 0.1], oblique), image([0.3, 0.2], round)],
             vec![image([0.1, 0.1], oblique), image([0.3, 0.2], round), image([5.0, 0.0], round)],
+            vec![ringed([0.1, 0.1], oblique, [0.5, 0.1]), ringed([0.3, 0.2], round, [0.4, 0.3])],
+            vec![ringed([0.1, 0.1], oblique, [0.9, -0.7])],
         ];
         for images in &cases {
             for domain in [Domain::Disk, Domain::Square] {
+                let images = &images.iter().filter_map(|image| image.overlapping(domain)).collect::<Vec<_>>();
                 let smooth = |at: DVec2| 1.0 + at.x + 0.3 * at.y * at.y;
                 let seen = |at: DVec2| {
                     let is_seen = images.iter().any(|image| image.contains(DVec2::splat(0.5), at));
@@ -328,7 +432,8 @@ mod tests {
 
     #[test]
     fn the_light_of_an_image_hardly_varies() {
-        let images = [image([0.6, 0.5], [0.35, 0.0, 0.0, 0.35])];
+        let image = image([0.6, 0.5], [0.35, 0.0, 0.0, 0.35]);
+        let images = [image.overlapping(Domain::Disk).expect("an overlap")];
         let fixed = DVec2::splat(0.5);
         let uniform = |u| Some((Domain::Disk.uniform(u), 1.0));
         let light = |u| {

@@ -13,7 +13,7 @@ use crate::trace::PathIntegrator;
 use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
 use radsight_compile::{Kind, RenderPlan};
-use radsight_ir::SurfaceHandle;
+use radsight_ir::{Ring, Shape, SurfaceHandle};
 use radsight_light::{Light, LightForm};
 
 /// Total number of rays over all mirrors, and minimum over the side of one.
@@ -39,8 +39,9 @@ pub struct MirroredLight {
     light: usize,
     /// What happens to a ray on the way. None for a virtual source, whose rays are straight.
     events: Vec<SpecularEvent>,
-    /// The plane mirror of a virtual source.
+    /// The plane mirror of a virtual source, and its outline if it is a ring.
     mirror: Option<SurfaceHandle>,
+    outline: Option<Ring>,
     /// The plane in which rays' distances from the light's centre are measured.
     plane: TangentPlane,
     direction: DVec3,
@@ -59,6 +60,22 @@ impl MirroredLight {
     #[must_use]
     pub fn is_in_plane_mirror(&self, plan: &RenderPlan, ray: &Ray) -> bool {
         plan.first_hit(ray, None).is_some_and(|hit| Some(hit.surface) == self.mirror)
+    }
+
+    /// Where a ray crosses the plane of a mirror that is a ring: its position relative to the ring's
+    /// centre, in outer radii.
+    #[must_use]
+    pub fn place_in_ring(&self, ray: &Ray) -> Option<DVec2> {
+        let ring = self.outline.as_ref()?;
+        let distance = (ring.center - ray.origin).dot(ring.normal) / ray.direction.dot(ring.normal);
+        let place = TangentPlane::new(ring.normal).components(ray.at(distance) - ring.center) / ring.outer_radius;
+        place.is_finite().then_some(place)
+    }
+
+    /// Inner radius of a mirror that is a ring, in outer radii.
+    #[must_use]
+    pub fn ring_opening(&self) -> Option<f64> {
+        self.outline.as_ref().map(|ring| ring.inner_radius / ring.outer_radius)
     }
 
     /// The virtual sources that a point may see in plane mirrors; scene units.
@@ -85,6 +102,10 @@ impl MirroredLight {
                 light: index,
                 events: Vec::new(),
                 mirror: Some(nearest.surface),
+                outline: match plan.scene.surfaces[nearest.surface].shape {
+                    Shape::Ring(ring) => Some(plan.scene.rings[ring]),
+                    _ => None,
+                },
                 plane: TangentPlane::new(axis),
                 direction,
                 size,
@@ -168,8 +189,18 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             if best.as_ref().is_none_or(|(least, _)| miss < *least) {
                 let size = map.determinant().abs().sqrt();
                 let plane = TangentPlane::new(bundle.middle.direction);
-                best =
-                    Some((miss, MirroredLight { light, events: events.clone(), mirror: None, plane, direction, size }));
+                best = Some((
+                    miss,
+                    MirroredLight {
+                        light,
+                        events: events.clone(),
+                        mirror: None,
+                        outline: None,
+                        plane,
+                        direction,
+                        size,
+                    },
+                ));
             }
             if miss <= MET {
                 break;

@@ -106,7 +106,7 @@ impl TangentPlane {
     }
 
     /// Components of a vector in the plane.
-    fn components(&self, vector: DVec3) -> DVec2 {
+    pub(crate) fn components(&self, vector: DVec3) -> DVec2 {
         DVec2::new(vector.dot(self.across[0]), vector.dot(self.across[1]))
     }
 }
