@@ -7,7 +7,7 @@
 //! to light. The rays of a pixel are then drawn from a mixture of densities and divided by its pdf,
 //! so the estimate stays unbiased (Owen and Zhou 2000).
 //!
-//! Images in plane mirrors are known exactly, so their rays form a stratum of their own
+//! Images in plane mirrors are known exactly, so rays aimed at them form strata of their own
 //! ([`PlaneImages`]).
 
 use crate::plane_images::{Domain, PlaneImage, PlaneImages, stratified};

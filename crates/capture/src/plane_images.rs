@@ -1,8 +1,8 @@
 //! Rays towards the images of lights in plane mirrors.
 //!
 //! A plane mirror shows a light with its full radiance, a thousand times that of a sheet. For a
-//! point on the pixel, the points of the pinhole that may see the image fill the overlap of pinhole
-//! and ellipse. Most rays are aimed at these overlaps, and of them only those that hit the mirror
+//! point on the pixel, the points of the pinhole that may see the image fill the overlap of the
+//! pinhole, the image's ellipse and, for a ring, the mirror's outline. Most rays are aimed at these overlaps, and of them only those that hit the mirror
 //! are traced. The other rays sample the whole pinhole and leave out what the first ones trace.
 //! Among the aimed rays the radiance is nearly constant, so that few of them suffice.
 
@@ -12,8 +12,8 @@ use radsight_pinhole::Hole;
 use radsight_sampling::{choose, unit_disk};
 use std::f64::consts::PI;
 
-/// Fraction of the rays that are not aimed at images. A power of two: then the low-discrepancy sequence
-/// divides the rays exactly.
+/// Fraction of the rays that are not aimed at images. A power of two: then the low-discrepancy
+/// sequence divides the rays exactly.
 const REST: f64 = 0.125;
 
 /// Strips by which the area of an overlap is estimated.
@@ -291,7 +291,7 @@ impl Overlap {
             start = start.max(ellipse.center.x - ellipse.reach);
             end = end.min(ellipse.center.x + ellipse.reach);
         }
-        (start < end).then(|| Overlap { domain, axis, image, outline, opening, start, length: end - start })
+        (start < end).then_some(Overlap { domain, axis, image, outline, opening, start, length: end - start })
     }
 
     /// The extent of the strip at a coordinate along the axis, in two parts where the opening
@@ -332,8 +332,8 @@ impl Overlap {
 }
 
 /// A point of the domain with its weight: aimed at an image, or by `rest`. `hits` tells whether the
-/// ray of a point first hits the mirror of this light. `None` where `rest` has no point, and where the light
-/// belongs to another stratum.
+/// ray of a point first hits the mirror of this light. `None` where `rest` has no point, and where
+/// the light belongs to another stratum.
 pub(crate) fn stratified(
     images: &[PlaneImage],
     domain: Domain,
