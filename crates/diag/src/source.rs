@@ -175,10 +175,10 @@ mod tests {
         sources.set_text(file, &text[..]);
         for start in [0, 3, 4, STRIDE - 1, STRIDE, STRIDE + 1, 2 * STRIDE + 5, 3 * STRIDE, 4 * STRIDE] {
             let before = &text[..start.min(text.len())];
-            let lines = before.split(|byte| *byte == b'\n');
+            let mut lines = before.split(|byte| *byte == b'\n');
             let expected = Position {
                 line: lines.clone().count() as u32,
-                column: 1 + lines.last().map_or(0, |line| line.len() as u32),
+                column: 1 + lines.next_back().map_or(0, |line| line.len() as u32),
             };
             assert_eq!(sources.position(sources.span(file, start, start)), expected, "at byte {start}");
         }
