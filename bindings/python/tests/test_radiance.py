@@ -36,6 +36,15 @@ def test_signatures_are_pyradiances(name):
     assert parameters(getattr(radiance, name)) == parameters(getattr(pyradiance, name))
 
 
+@needs_program
+def test_every_program_of_both_has_its_function(tmp_path):
+    radiance.run("install-links", tmp_path)
+    programs = {program.stem.lower() for program in tmp_path.iterdir()}
+    public = {name for name in dir(pyradiance) if callable(getattr(pyradiance, name)) and not name.startswith("_")}
+    both = {name for name in public if name.lower() in programs}
+    assert len(both) > 30 and both <= set(radiance.__all__)
+
+
 @pytest.fixture
 def octree(tmp_path):
     (tmp_path / "scene.rad").write_bytes(SCENE)
@@ -86,6 +95,126 @@ def test_scenes_and_numbers_are_radiances():
     matrix = b"#?RADIANCE\nNROWS=2\nNCOLS=2\nNCOMP=1\nFORMAT=ascii\n\n1 2\n3 4\n"
     for module in (radiance, pyradiance):
         assert [float(number) for number in module.rmtxop(matrix, transpose=True).split()[-4:]] == [1, 3, 2, 4]
+
+
+def without_header(data):
+    """What follows the information header, in which the programs tell their names and options."""
+    return data.split(b"\n\n", 1)[1] if data.startswith(b"#?") else data
+
+
+def lines(text):
+    """Scene text word by word, numbers as they read, without comments."""
+
+    def read(word):
+        try:
+            return float(word)
+        except ValueError:
+            return word
+
+    words = b" ".join(line for line in text.split(b"\n") if not line.startswith((b"#", b"!"))).split()
+    return [read(word) for word in words]
+
+
+@needs_program
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda module: module.genblinds("grey", "slats", 0.05, 1, 1.2, 4, 30, rcurv=0.1),
+        lambda module: module.genprism("grey", "bar", vertices=[0, 0, 1, 0, 0, 1], lvect=[0, 0, 2]),
+        lambda module: module.genrev("grey", "vase", "t", "1+t", 5, smooth=True),
+        lambda module: module.gensurf("grey", "wave", "s", "t", "s*t", 3, 4, invert=True),
+        lambda module: module.obj2rad(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", objname="part"),
+    ],
+    ids=["genblinds", "genprism", "genrev", "gensurf", "obj2rad"],
+)
+def test_generated_scenes_are_radiances(call):
+    ours, theirs = (lines(call(module)) for module in (radiance, pyradiance))
+    assert len(ours) == len(theirs) > 10
+    for a, b in zip(ours, theirs, strict=True):
+        assert a == (b if isinstance(b, bytes) else pytest.approx(b, rel=1e-5, abs=1e-9))
+
+
+@pytest.fixture
+def picture(octree):
+    view = ["-vp", "0", "-4", "3", "-vd", "0", "4", "-3", "-vh", "60", "-vv", "45"]
+    return pyradiance.rpict(view, octree, xres=32, yres=32)
+
+
+@needs_program
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda module, picture: module.Pcomb(expression="ro=2*ri(1);go=gi(1);bo=bi(1)").add(picture, scaler=0.5)(),
+        lambda module, picture: module.Pcomb(xres=3, yres=2, expression=["ro=x", "go=y"], fout=False)(),
+        lambda module, picture: module.pcompos([picture], pos=[(2, 3)], xres=40, yres=40, background=(1, 0, 0)),
+        lambda module, picture: module.pcompos([picture], ncols=1, spacing=2),
+        lambda module, picture: module.ra_ppm(picture, exposure=-1, greyscale=True),
+        lambda module, picture: module.ra_rgbe(picture, rle=True, exposure=1),
+        lambda module, picture: module.ra_xyze(picture),
+    ],
+    ids=["Pcomb", "Pcomb without input", "pcompos", "pcompos in columns", "ra_ppm", "ra_rgbe", "ra_xyze"],
+)
+def test_pictures_are_changed_as_by_radiance(call, picture):
+    ours, theirs = (without_header(call(module, picture)) for module in (radiance, pyradiance))
+    assert len(theirs) > 20 and ours == theirs
+
+
+@needs_program
+def test_extremes_and_tiffs_are_radiances(picture, tmp_path):
+    assert tuple(radiance.pextrem(picture)) == tuple(pyradiance.pextrem(picture))
+    assert radiance.pextrem(picture)[1].R > 0
+    for module, name in ((radiance, "ours.tif"), (pyradiance, "theirs.tif")):
+        assert module.ra_tiff(picture, str(tmp_path / name), ieee32=True) is None
+    back = [radiance.ra_tiff(tmp_path / name, reverse=True) for name in ("ours.tif", "theirs.tif")]
+    assert without_header(back[0]) == without_header(back[1])
+    brighter = [without_header(radiance.ra_ppm(picture, exposure=stops)) for stops in (0, 1)]
+    assert sum(brighter[1]) > sum(brighter[0])
+    with pytest.raises(ValueError, match="expected out"):
+        radiance.ra_tiff(picture)
+
+
+@needs_program
+def test_matrices_and_records_are_joined_as_by_radiance(tmp_path):
+    matrix = b"#?RADIANCE\nNROWS=2\nNCOLS=2\nNCOMP=1\nFORMAT=ascii\n\n1 2\n3 4\n"
+    (tmp_path / "m.mtx").write_bytes(matrix)
+    (tmp_path / "columns.txt").write_text("5 6\n7 8\n")
+    for call in (
+        lambda module: module.Rmtxop().add_input(matrix, scale=2).add_input(tmp_path / "m.mtx", op="+")(),
+        lambda module: module.Rmtxop().add_input(tmp_path / "m.mtx").add_input(matrix, transpose=True)(),
+        lambda module: module.Rcomb(expression="co(i)=ci(1,i)*2", header=False).add_input(matrix)(),
+        lambda module: module.rlam(b"1 2\n3 4\n", tmp_path / "columns.txt"),
+    ):
+        ours, theirs = (without_header(call(module)).split() for module in (radiance, pyradiance))
+        assert len(theirs) >= 4 and [float(word) for word in ours] == [float(word) for word in theirs]
+    # pyradiance comes without this program.
+    assert without_header(radiance.rcollate(matrix, ncomp=1, transpose=True)).split() == [b"1", b"3", b"2", b"4"]
+    with pytest.raises(ValueError, match="at most one"):
+        radiance.rlam(b"1\n", b"2\n")
+
+
+@needs_program
+def test_files_of_others_become_scenes_as_by_radiance(tmp_path, octree):
+    weather = "place x\nlatitude 40\nlongitude 105\ntime_zone 105\nsite_elevation 0\nweather_data_file_units 1\n"
+    weather += "6 21 12.0 800 100\n"
+    skies = [
+        np.array(without_header(module.gendaymtx(weather.encode(), sky_only=True)).split(), float)
+        for module in (radiance, pyradiance)
+    ]
+    assert skies[0].size == 146 * 3
+    np.testing.assert_allclose(skies[0], skies[1], rtol=0.01, atol=1e-3)
+    lamp = "IESNA91\nTILT=NONE\n1 1000 1 3 1 1 2 .1 .1 0\n1 1 50\n0 45 90\n0\n100 50 0\n"
+    (tmp_path / "lamp.ies").write_text(lamp)
+    for module, name in ((radiance, "ours"), (pyradiance, "theirs")):
+        module.ies2rad(tmp_path / "lamp.ies", outname=str(tmp_path / name), lamp_color=(1, 0.9, 0.8))
+    ours, theirs = (lines((tmp_path / f"{name}.rad").read_bytes()) for name in ("ours", "theirs"))
+    assert len(ours) == len(theirs) > 10
+    triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    assert radiance.obj2mesh(triangle, matfiles=None).startswith(b"#?RADIANCE")
+    (tmp_path / "room.mgf").write_text("v a =\np 0 0 0\nv b =\np 1 0 0\nv c =\np 0 1 0\nf a b c\n")
+    ours, theirs = (lines(module.mgf2rad(str(tmp_path / "room.mgf"))) for module in (radiance, pyradiance))
+    assert [word for word in ours if word == b"polygon"] == [word for word in theirs if word == b"polygon"] != []
+    window = b"#@mkillum i=pane d=4 s=4 b=0\ngrey polygon pane 0 0 12 0 0 2 1 0 2 1 1 2 0 1 2\n"
+    assert b"illum" in radiance.mkillum(window, octree)
 
 
 @needs_program

@@ -1,0 +1,190 @@
+"""Matrices of flux and daylight."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+from ._command import Format, PathLike, Source, one_source, option, run, source_of, switches
+
+
+def rfluxmtx(
+    receiver: PathLike,
+    surface: None | PathLike = None,
+    rays: None | bytes = None,
+    params: None | Sequence[str] = None,
+    octree: None | PathLike = None,
+    scene: None | Sequence[PathLike] = None,
+) -> bytes:
+    """Flux transfer matrices: ``rfluxmtx``.
+
+    Parameters
+    ----------
+    receiver : path-like
+    surface : path-like, optional
+        The sender; without it ``rays``.
+    rays : bytes, optional
+    params : sequence of str, optional
+    octree : path-like, optional
+    scene : sequence of path-like, optional
+    """
+    sender = "-" if surface is None else str(surface)
+    words = [*(params or []), sender, receiver, *option("-i", octree), *(scene or [])]
+    return run("rfluxmtx", *words, stdin=rays)
+
+
+def rmtxop(
+    inp: Source,
+    outform: Literal["a", "f", "d", "c"] = "a",
+    transpose: bool = False,
+    scale: None | float = None,
+    transform: None | str | Sequence[float] = None,
+    reflectance: None | str = None,
+) -> bytes:
+    """Change a matrix: ``rmtxop``."""
+    word, stdin = source_of(inp, "-")
+    words = [*switches({"-t": transpose}), f"-f{outform}", *option("-s", scale)]
+    if transform is not None:
+        words += ["-c", *([transform] if isinstance(transform, str) else map(str, transform))]
+    words += [f"-r{reflectance[0]}"] if reflectance else []
+    return run("rmtxop", *words, *word, stdin=stdin)
+
+
+def dctimestep(
+    *mtx: Source,
+    nstep: None | int = None,
+    header: bool = True,
+    xres: None | int = None,
+    yres: None | int = None,
+    inform: None | str = None,
+    outform: None | str = None,
+    ospec: None | str = None,
+) -> None | bytes:
+    """Products of daylight matrices: ``dctimestep``. The last may be bytes. ``None`` where ``ospec`` names files."""
+    if not 1 <= len(mtx) <= 4:
+        raise ValueError(f"{len(mtx)} matrices, expected 1 to 4")
+    if any(isinstance(matrix, bytes) for matrix in mtx[:-1]):
+        raise ValueError("only the last matrix may be bytes")
+    last, stdin = source_of(mtx[-1])
+    words = [*option("-n", nstep), *switches({"-h": not header}), *option("-x", xres), *option("-y", yres)]
+    words += [f"-i{inform}"] if inform else []
+    words += [f"-o{outform}"] if outform else []
+    said = run("dctimestep", *words, *option("-o", ospec), *mtx[:-1], *last, stdin=stdin)
+    return None if ospec else said
+
+
+class Rmtxop:
+    """Combine matrices: ``rmtxop``. Add them with `add_input`, then call it.
+
+    Parameters
+    ----------
+    outform : str
+        ``a`` text, ``f`` floats, ``d`` doubles, ``c`` a picture.
+    color : None
+        ``rmtxop`` has no such option: see ``transform`` of `add_input`.
+    """
+
+    def __init__(self, outform: Format = "a", color: None | str = None) -> None:
+        _check_no_color(color)
+        self._words, self._inputs = [f"-f{outform}"], 0
+        self._stdin: None | bytes = None
+
+    def add_input(
+        self,
+        input_data: Source,
+        op: Literal["*", "/", "+", "."] = ".",
+        scale: None | float | Sequence[float] = None,
+        transform: None | str | Sequence[float] = None,
+        transpose: bool = False,
+        refl_side: None | str = None,
+        color: None | str = None,
+    ) -> Rmtxop:
+        """Add a matrix, and by which operation it joins those before."""
+        _check_no_color(color)
+        self._words += [op] if self._inputs else []
+        if scale is not None:
+            self._words += ["-s", *map(str, [scale] if isinstance(scale, int | float) else scale)]
+        self._words += [f"-r{refl_side[0]}"] if refl_side else []
+        self._words += switches({"-t": transpose})
+        if transform is not None:
+            self._words += ["-c", *([transform] if isinstance(transform, str) else map(str, transform))]
+        self._stdin = one_source(self._words, self._stdin, input_data)
+        self._inputs += 1
+        return self
+
+    def __call__(self) -> bytes:
+        return run("rmtxop", *self._words, stdin=self._stdin)
+
+
+def _check_no_color(color: None | str) -> None:
+    if color is not None:
+        raise ValueError("rmtxop has no option -C; expected transform")
+
+
+class Rcomb:
+    """Combine matrices row by row: ``rcomb``. Add them with `add_input`, then call it.
+
+    Parameters
+    ----------
+    transform : str, optional
+        Of the first input's components (``-c``); ``transform_all`` of all inputs' (``-C``).
+    source : str, optional
+        A file of functions.
+    expression : str, optional
+    concat : sequence of str, optional
+        Matrices that the result is multiplied with (``-m``).
+    outform : str, optional
+    header : bool
+    silent : bool
+        Whether warnings are left out.
+    """
+
+    def __init__(
+        self,
+        transform: None | str = None,
+        transform_all: None | str = None,
+        source: None | str = None,
+        expression: None | str = None,
+        concat: None | Sequence[str] = None,
+        outform: None | Format = None,
+        header: bool = True,
+        silent: bool = False,
+    ) -> None:
+        words = [*switches({"-h": not header, "-w": silent}), *option("-e", expression)]
+        words += [word for matrix in concat or [] for word in ("-m", matrix)]
+        words += [*option("-C", transform_all), *option("-f", source)]
+        words += [f"-f{outform}"] if outform else []
+        self._words = [*words, *option("-c", transform)]
+        self._stdin: None | bytes = None
+
+    def add_input(
+        self, input: Source, transform: None | str = None, scale: None | Sequence[float] = None
+    ) -> Rcomb:
+        """Add a matrix."""
+        self._words += [*option("-c", transform), *([] if scale is None else ["-s", *map(str, scale)])]
+        self._stdin = one_source(self._words, self._stdin, input)
+        return self
+
+    def __call__(self) -> bytes:
+        return run("rcomb", *self._words, stdin=self._stdin)
+
+
+def rcollate(
+    inp: Source,
+    header: bool = True,
+    warn: bool = True,
+    inform: Format = "a",
+    ncomp: int = 3,
+    nrows: None | int = None,
+    ncols: None | int = None,
+    orows: None | int = None,
+    ocols: None | int = None,
+    transpose: bool = False,
+) -> bytes:
+    """Reorder a matrix: ``rcollate``."""
+    words = switches({"-h": not header, "-w": not warn})
+    words += [] if (inform, ncomp) == ("a", 3) else [f"-f{inform}{'' if ncomp == 1 else ncomp}"]
+    words += [*switches({"-t": transpose}), *option("-ir", nrows), *option("-ic", ncols)]
+    words += [*option("-or", orows), *option("-oc", ocols)]
+    word, stdin = source_of(inp, "-")
+    return run("rcollate", *words, *word, stdin=stdin)

@@ -1,0 +1,119 @@
+"""Headers, and numbers in columns."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ._command import Source, one_source, option, run, source_of, switches
+
+
+def getinfo(
+    *inputs: Source,
+    dimension_only: bool = False,
+    dimension: bool = False,
+    strip_header: bool = False,
+    replace: str = "",
+    append: str = "",
+    command: str = "",
+) -> bytes:
+    """Headers of files: ``getinfo``."""
+    words = next(
+        (
+            words
+            for is_asked, words in (
+                (dimension_only, ["-d"]),
+                (dimension, ["+d"]),
+                (replace, ["-r", replace]),
+                (append, ["-a", append]),
+            )
+            if is_asked
+        ),
+        [],
+    )
+    words = [*words, *option("-c", command or None)]
+    if len(inputs) == 1 and (strip_header or isinstance(inputs[0], bytes)):
+        source = inputs[0]
+        data = source if isinstance(source, bytes) else Path(source).read_bytes()
+        return run("getinfo", *words, *switches({"-": strip_header}), stdin=data)
+    if strip_header:
+        raise ValueError(f"{len(inputs)} inputs, expected one where its header is stripped")
+    if any(isinstance(source, bytes) for source in inputs):
+        raise TypeError("bytes beside other inputs")
+    return run("getinfo", *words, *inputs)
+
+
+def get_header(inp: Source, dimension: bool = False) -> bytes:
+    """The header of a picture, matrix or octree."""
+    word, stdin = source_of(inp)
+    return run("getinfo", *switches({"-d": dimension}), *word, stdin=stdin)
+
+
+def cnt(*dims: int, shuffled: bool = False) -> bytes:
+    """Count: ``cnt``."""
+    return run("cnt", *switches({"-s": shuffled}), *dims)
+
+
+def total(
+    inp: None | Source,
+    mean: bool = False,
+    sumpower: int = 0,
+    multiply: bool = False,
+    find_max: bool = False,
+    find_min: bool = False,
+    inform: None | str = None,
+    incount: int = 1,
+    outform: None | str = None,
+    substep: None | int = None,
+    substep_reset: bool = True,
+    inlimit: None | int = None,
+    outlimit: None | int = None,
+    sep: None | str = None,
+) -> bytes:
+    """Sums of columns: ``total``."""
+    word, stdin = source_of(inp if inp is not None else b"")
+    words = switches({"-m": mean, "-p": multiply, "-u": find_max, "-l": find_min})
+    words += [f"-s{sumpower}"] if sumpower else []
+    words += [f"-i{inform}{incount if incount > 1 else ''}"] if inform else []
+    words += [f"-o{outform}"] if outform else []
+    words += [f"-{substep}{'' if substep_reset else 'r'}"] if substep else []
+    words += [*option("-in", inlimit), *option("-on", outlimit)]
+    words += [f"-t{sep}"] if sep else []
+    return run("total", *words, *word, stdin=stdin)
+
+
+def rcalc(
+    inp: Source,
+    sep: None | str = None,
+    inform: None | str = None,
+    incount: int = 1,
+    outform: None | str = None,
+    passive: bool = False,
+    pass_negative: bool = False,
+    inlimit: None | int = None,
+    outlimit: None | int = None,
+    source: None | str = None,
+    expr: None | str = None,
+    assign: None | str = None,
+    exact_only: bool = False,
+    ignore_newlines: bool = False,
+    silent: bool = False,
+) -> bytes:
+    """Calculate with columns: ``rcalc``."""
+    word, stdin = source_of(inp)
+    words = [f"-t{sep}"] if sep else []
+    words += [f"-i{inform}{incount if incount > 1 else ''}"] if inform else []
+    words += [f"-o{outform}"] if outform else []
+    words += switches({"-p": passive, "-P": pass_negative and not passive})
+    words += [*option("-in", inlimit), *option("-on", outlimit), *option("-f", source)]
+    words += [*option("-e", expr), *option("-s", assign)]
+    words += switches({"-b": exact_only, "-l": ignore_newlines, "-w": silent})
+    return run("rcalc", *words, *word, stdin=stdin)
+
+
+def rlam(*inputs: Source) -> bytes:
+    """Records of several inputs side by side: ``rlam``. One of them may be bytes."""
+    words: list[str] = []
+    stdin = None
+    for source in inputs:
+        stdin = one_source(words, stdin, source)
+    return run("rlam", *words, stdin=stdin)
