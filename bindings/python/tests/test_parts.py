@@ -109,6 +109,10 @@ def test_types_are_right(checker, tmp_path):
 
 def test_the_package_itself_has_types():
     pytest.importorskip("mypy")
+    pyright = [sys.executable, "-m", "pyright", "--pythonpath", sys.executable]
+    if subprocess.run([*pyright, "--version"], capture_output=True).returncode == 0:
+        done = subprocess.run([*pyright, str(PACKAGE)], capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout
     # Most of Dask has no types.
     dask = ["--ignore-missing-imports", "--allow-untyped-calls", "--allow-any-generics"]
     run = [sys.executable, "-m", "mypy", "--strict", *dask, "-p", "radsight"]

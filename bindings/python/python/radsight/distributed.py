@@ -20,7 +20,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -180,7 +180,7 @@ def capture_series(
             client.submit(_expose_whole, many.share(camera), many.share(scene), pure=False)
             for camera, scene in captures
         ]
-        results = client.gather(futures)
+        results = _gathered(client, futures)
     exposures = np.stack([exposure for exposure, _ in results])
     series: dict[str, npt.NDArray[Any]] = {"exposure_j_per_m2": exposures}
     greys = [grey for _, grey in results if grey is not None]
@@ -227,7 +227,7 @@ def trace(
             )
             for first in range(0, len(rays), rays_a_job)
         ]
-        parts = client.gather(futures)
+        parts = _gathered(client, futures)
     return {name: np.concatenate([part[name] for part in parts]) for name in ask}
 
 
@@ -271,7 +271,7 @@ def contributions(
             )
             for first in range(0, len(rays), rays_a_job)
         ]
-        return np.concatenate(client.gather(futures))
+        return np.concatenate(_gathered(client, futures))
 
 
 class _SharedMany:
@@ -422,6 +422,11 @@ def _merged(client: Client, futures: list[Future], partial: Partial | None) -> M
     return MergedJob(parts)
 
 
+def _gathered(client: Client, futures: list[Future]) -> list[Any]:
+    """Results of a client that is not asynchronous."""
+    return cast("list[Any]", client.gather(futures))
+
+
 def _tile(size: tuple[int, int], jobs: int) -> tuple[int, int]:
     """Columns and rows of the rectangles, nearly squares, of which there are about so many in a picture."""
     columns, rows = size
@@ -430,7 +435,10 @@ def _tile(size: tuple[int, int], jobs: int) -> tuple[int, int]:
 
 
 def _jobs(client: Client, asked: int | None) -> int:
-    return max(1, asked if asked is not None else _JOBS_A_THREAD * sum(client.nthreads().values()))
+    if asked is not None:
+        return max(1, asked)
+    threads = cast("dict[str, int]", client.nthreads())
+    return max(1, _JOBS_A_THREAD * sum(threads.values()))
 
 
 def _check_threads(options: dict[str, Any]) -> None:
