@@ -136,7 +136,7 @@ pub(crate) fn repeats(folder: &Path, reference: &Reference) -> Vec<Image<f32>> {
 
 /// The program whose `rtrace` is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Tracer {
+pub(crate) enum RtraceProgram {
     Real,
     Ours,
 }
@@ -212,7 +212,7 @@ impl Scenes<'_> {
     /// Radiance along rays through these positions by `rtrace`, with additional options.
     pub(crate) fn radiance_at(
         &self,
-        tracer: Tracer,
+        program: RtraceProgram,
         reference: &Reference,
         places: &[(f64, f64)],
         more: &str,
@@ -221,9 +221,9 @@ impl Scenes<'_> {
         let more: Vec<&str> = more.split_whitespace().collect();
         let words = [&["-h", "-fff", "-ov"][..], &tracing, &more, &[&reference.octree]].concat();
         let rays = self.rays_through(reference, places);
-        let run = match tracer {
-            Tracer::Real => self.real("rtrace", &words, Some(&rays)),
-            Tracer::Ours => self.ours(&[&["rtrace"], &words[..]].concat(), Some(&rays)),
+        let run = match program {
+            RtraceProgram::Real => self.real("rtrace", &words, Some(&rays)),
+            RtraceProgram::Ours => self.ours(&[&["rtrace"], &words[..]].concat(), Some(&rays)),
         };
         let values = run.done();
         let values: Vec<f64> =

@@ -7,7 +7,7 @@
 //! `RADSIGHT_ORACLE` names.
 
 use crate::blocks::{Block, Noise, is_near, outside};
-use crate::commands::{Reference, Scenes, Tracer, oracle, radiance_values, repeats};
+use crate::commands::{Reference, RtraceProgram, Scenes, oracle, radiance_values, repeats};
 use crate::exceptions::{self, Shown};
 use crate::shared;
 use radsight_picture::Image;
@@ -24,7 +24,7 @@ const SIDE: usize = 8;
 const RAYS: usize = 100;
 
 /// The blocks of a picture whose truth is computed.
-struct Look {
+struct BlockSelection {
     /// Largest number of blocks.
     blocks: usize,
     /// Results are kept in `PICTURE-KIND.tsv`.
@@ -32,15 +32,15 @@ struct Look {
 }
 
 /// Any blocks.
-const ANYWHERE: Look = Look { blocks: 24, kind: "anywhere" };
+const ANYWHERE: BlockSelection = BlockSelection { blocks: 24, kind: "anywhere" };
 
 /// Blocks in which ours and the reference differ.
-const OUTSIDE: Look = Look { blocks: 24, kind: "outside" };
+const OUTSIDE: BlockSelection = BlockSelection { blocks: 24, kind: "outside" };
 
 /// All blocks.
-const EVERYWHERE: Look = Look { blocks: usize::MAX, kind: "everywhere" };
+const EVERYWHERE: BlockSelection = BlockSelection { blocks: usize::MAX, kind: "everywhere" };
 
-impl Look {
+impl BlockSelection {
     fn path(&self, folder: &Path, reference: &Reference) -> PathBuf {
         folder.join(format!("{}-{}.tsv", reference.name, self.kind))
     }
@@ -95,22 +95,22 @@ fn write_truths(path: &Path, truths: &[Truth]) {
 /// The truth of these blocks: stored results, and new ones up to the required number.
 fn truths_of(
     blocks: &[Block],
-    look: &Look,
+    selection: &BlockSelection,
     folder: &Path,
     scenes: &mut Scenes<'_>,
     reference: &Reference,
 ) -> Vec<Truth> {
-    let path = look.path(folder, reference);
+    let path = selection.path(folder, reference);
     let mut truths = read_truths(&path, reference);
     let corner = |block: &Block| (block.left, block.top);
     let known: HashSet<_> = truths.iter().map(|truth| corner(&truth.block)).collect();
     let mut unknown: Vec<Block> = blocks.iter().filter(|block| !known.contains(&corner(block))).copied().collect();
-    let missing = look.blocks.saturating_sub(blocks.len() - unknown.len()).min(unknown.len());
+    let missing = selection.blocks.saturating_sub(blocks.len() - unknown.len()).min(unknown.len());
     let mut random = Random(0x5eed);
     let drawn: Vec<_> = (0..missing).map(|_| unknown.swap_remove(random.below(unknown.len()))).collect();
     if !drawn.is_empty() {
         scenes.build(reference);
-        truths.extend(find_truths(scenes, Tracer::Real, reference, &drawn));
+        truths.extend(find_truths(scenes, RtraceProgram::Real, reference, &drawn));
         write_truths(&path, &truths);
     }
     let wanted: HashSet<_> = blocks.iter().map(corner).collect();
@@ -119,7 +119,7 @@ fn truths_of(
 }
 
 /// The radiance that a program computes in these blocks.
-fn find_truths(scenes: &Scenes<'_>, tracer: Tracer, reference: &Reference, blocks: &[Block]) -> Vec<Truth> {
+fn find_truths(scenes: &Scenes<'_>, program: RtraceProgram, reference: &Reference, blocks: &[Block]) -> Vec<Truth> {
     let mut random = Random(0x5eed ^ blocks.len() as u64);
     let mut places = Vec::new();
     let jitter = reference.jitter();
@@ -131,7 +131,7 @@ fn find_truths(scenes: &Scenes<'_>, tracer: Tracer, reference: &Reference, block
             }
         }
     }
-    let values = scenes.radiance_at(tracer, reference, &places, UNBIASED);
+    let values = scenes.radiance_at(program, reference, &places, UNBIASED);
     let truth = |(block, values): (&Block, &[f64])| {
         let means: Vec<f64> =
             values.chunks_exact(SIDE * SIDE).map(|pass| pass.iter().sum::<f64>() / pass.len() as f64).collect();
@@ -177,7 +177,7 @@ fn pixels_found(scenes: &Scenes<'_>, reference: &Reference, picture: &Image<f32>
     let (width, height) = reference.size();
     let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let places: Vec<_> = pixels().map(|(x, y)| (x as f64 + from_edges, y as f64 + from_edges)).collect();
-    let values = scenes.radiance_at(Tracer::Real, reference, &places, CERTAIN);
+    let values = scenes.radiance_at(RtraceProgram::Real, reference, &places, CERTAIN);
     // The picture's values are rounded to eight bits.
     let found = pixels().zip(values).filter(|((x, y), value)| {
         let pixel = Block::new((*x, *y), (width, height), 1).mean(picture);
@@ -226,7 +226,11 @@ fn whole_pictures_against_their_truth() {
 
 /// Prints a line of a table of `docs/render-tests.md` for each picture, or for those with this
 /// evidence.
-fn against_truth(look: &Look, only: Option<Shown>, blocks: impl Fn(&Path, &Reference, &Image<f32>) -> Vec<Block>) {
+fn against_truth(
+    selection: &BlockSelection,
+    only: Option<Shown>,
+    blocks: impl Fn(&Path, &Reference, &Image<f32>) -> Vec<Block>,
+) {
     let (Some(shared), Some(radiance), Some(folder)) = (shared(), Radiance::find(), oracle()) else { return };
     let mut scenes = Scenes::new(&shared, &radiance);
     let mut wrong = Vec::new();
@@ -234,7 +238,7 @@ fn against_truth(look: &Look, only: Option<Shown>, blocks: impl Fn(&Path, &Refer
         let shown = exceptions::shown(&reference.name);
         let Some(ours) = reference.our_picture().filter(|_| only.is_none() || shown == only) else { continue };
         let blocks = blocks(&folder, &reference, &ours);
-        let truths = truths_of(&blocks, look, &folder, &mut scenes, &reference);
+        let truths = truths_of(&blocks, selection, &folder, &mut scenes, &reference);
         let row = BesideTruth::new(&ours, &reference.picture, &truths);
         println!("| `{}` | {} | {row}", reference.name, blocks.len());
         if shown == only.or(Some(Shown::ManyRays)) && !row.ours_is_right() {
@@ -255,7 +259,7 @@ fn without_sharing_both_find_the_same() {
         let real = truths_of(&all_blocks(&reference), &ANYWHERE, &folder, &mut scenes, &reference);
         let blocks: Vec<Block> = real.iter().map(|truth| truth.block).collect();
         scenes.build(&reference);
-        let ours = find_truths(&scenes, Tracer::Ours, &reference, &blocks);
+        let ours = find_truths(&scenes, RtraceProgram::Ours, &reference, &blocks);
         let (difference, error) = difference_of(&ours, &real);
         println!("| `{}` | {:+.2} ± {:.2} |", reference.name, 100.0 * difference, 100.0 * error);
         let differs = difference.abs() > f64::max(SAME, SURE * error);

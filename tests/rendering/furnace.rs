@@ -55,11 +55,11 @@ fn white_materials_send_on_no_more_than_they_get() {
         let folder = Folder::new();
         folder.file("even.cal", "even(x,y,z,w) = 1/PI;\n");
         folder.file("scene.rad", format!("void {text}\n{SURROUNDINGS}"));
-        let look = |elevation: &f64| {
+        let view_ray = |elevation: &f64| {
             let (high, wide) = elevation.to_radians().sin_cos();
             format!("{} 0 {high} {} 0 {}\n", -wide, wide, -high).repeat(RAYS)
         };
-        let input: String = ELEVATIONS.iter().map(look).collect();
+        let input: String = ELEVATIONS.iter().map(view_ray).collect();
         let words =
             ["rtrace", "-h", "-ab", "1", "-aa", "0", "-ad", "1", "-as", "0", "-st", "0", "-lw", "1e-6", "scene.rad"];
         let found = run_with(command(&words).current_dir(folder.path("")), input.as_bytes()).text();

@@ -70,8 +70,8 @@ fn smooth_light_has_no_grain() {
     for row in rows {
         let line = &pixels[row * SIDE + 40..row * SIDE + 88];
         for triple in line.windows(3) {
-            let bend = (triple[1] - 0.5 * (triple[0] + triple[2])).abs() / triple[1];
-            assert!(bend < 0.01, "row {row}: {triple:?}");
+            let curvature = (triple[1] - 0.5 * (triple[0] + triple[2])).abs() / triple[1];
+            assert!(curvature < 0.01, "row {row}: {triple:?}");
         }
     }
 }

@@ -301,7 +301,7 @@ fn the_parts_are_as_bright_under_a_sky_as_in_real_radiance() {
         let mut ours = command(&[&["rtrace"], &options[..], &files].concat());
         let [real, ours] = [&mut real, &mut ours].map(|command| {
             let run = run_with(command.current_dir(folder.path(".")), rays.as_bytes());
-            run.text().lines().map(met).collect::<Vec<_>>()
+            run.text().lines().map(hit_line).collect::<Vec<_>>()
         });
         let mut means: BTreeMap<String, [f64; 3]> = BTreeMap::new();
         for (real, ours) in real.iter().zip(&ours).filter(|(real, ours)| real.is_same_place(ours)) {
@@ -319,19 +319,19 @@ fn the_parts_are_as_bright_under_a_sky_as_in_real_radiance() {
 }
 
 /// The hit of one ray: names of material and surface; normal and green radiance.
-struct Met {
+struct HitLine {
     names: [String; 2],
     numbers: [f64; 4],
 }
 
-fn met(line: &str) -> Met {
+fn hit_line(line: &str) -> HitLine {
     let words: Vec<&str> = line.split_whitespace().collect();
     let number = |index: usize| words[index].parse().expect("a number");
-    Met { names: [words[0].to_owned(), words[1].to_owned()], numbers: [2, 3, 4, 5].map(number) }
+    HitLine { names: [words[0].to_owned(), words[1].to_owned()], numbers: [2, 3, 4, 5].map(number) }
 }
 
-impl Met {
-    fn is_same_place(&self, other: &Met) -> bool {
+impl HitLine {
+    fn is_same_place(&self, other: &HitLine) -> bool {
         let normals = self.numbers.iter().zip(&other.numbers).take(3);
         self.names == other.names && normals.into_iter().all(|(a, b)| (a - b).abs() < 1e-3)
     }

@@ -137,22 +137,22 @@ const TEXTURE: &str = "void texfunc bumps 4 .15*sin(3*Px) .1 .05*Nz . 0 0\n";
 const PATTERN: &str = "bumps colorfunc stains 4 .5+.4*Rdot if(Nz,1,.6) .7 . 0 0\n";
 
 /// A view of a point on the floor.
-struct Look {
+struct ViewRay {
     at: [f64; 2],
     azimuth_deg: f64,
     /// Negative from behind.
     elevation_deg: f64,
 }
 
-const LOOKS: [Look; 5] = [
-    Look { at: [0.0, 0.0], azimuth_deg: 200.0, elevation_deg: 60.0 },
-    Look { at: [0.3, 0.1], azimuth_deg: 205.0, elevation_deg: 72.0 },
-    Look { at: [-0.4, -0.3], azimuth_deg: 20.0, elevation_deg: -50.0 },
-    Look { at: [0.1, 0.0], azimuth_deg: 90.0, elevation_deg: 8.0 },
-    Look { at: [0.2, -0.1], azimuth_deg: 320.0, elevation_deg: -20.0 },
+const VIEW_RAYS: [ViewRay; 5] = [
+    ViewRay { at: [0.0, 0.0], azimuth_deg: 200.0, elevation_deg: 60.0 },
+    ViewRay { at: [0.3, 0.1], azimuth_deg: 205.0, elevation_deg: 72.0 },
+    ViewRay { at: [-0.4, -0.3], azimuth_deg: 20.0, elevation_deg: -50.0 },
+    ViewRay { at: [0.1, 0.0], azimuth_deg: 90.0, elevation_deg: 8.0 },
+    ViewRay { at: [0.2, -0.1], azimuth_deg: 320.0, elevation_deg: -20.0 },
 ];
 
-impl Look {
+impl ViewRay {
     fn line(&self) -> String {
         let ((sine, cosine), (high, wide)) =
             (self.azimuth_deg.to_radians().sin_cos(), self.elevation_deg.to_radians().sin_cos());
@@ -212,7 +212,7 @@ fn differences(radiance: &Radiance, name: &str, scene: &str, question: &Question
     for (file, text) in FILES {
         folder.file(file, text);
     }
-    let input = |repeats: usize| LOOKS.iter().map(|look| look.line().repeat(repeats)).collect::<String>();
+    let input = |repeats: usize| VIEW_RAYS.iter().map(|view_ray| view_ray.line().repeat(repeats)).collect::<String>();
     let ours = [&["rtrace", "-h"], question.options, &["scene.rad"]].concat();
     let ours = run_with(command(&ours).current_dir(folder.path("")), input(question.repeats_here).as_bytes()).text();
     let octree = radiance.octree(&folder, &["scene.rad"]);
@@ -221,7 +221,7 @@ fn differences(radiance: &Radiance, name: &str, scene: &str, question: &Question
     let theirs = run_with(theirs.current_dir(folder.path("")), input(question.repeats_there).as_bytes()).text();
     let ours = statistics(&ours, question.repeats_here);
     let theirs = statistics(&theirs, question.repeats_there);
-    assert_eq!((ours.len(), theirs.len()), (LOOKS.len(), LOOKS.len()), "{name}");
+    assert_eq!((ours.len(), theirs.len()), (VIEW_RAYS.len(), VIEW_RAYS.len()), "{name}");
     let largest = theirs.iter().flatten().fold(0.0, |a: f64, (mean, _)| a.max(*mean));
     assert!(largest > 0.0, "{name}: something is seen");
     let mut wrong = String::new();
@@ -324,7 +324,7 @@ fn tiles(count: usize, cos_of_edge: f64) -> String {
 
 /// Compares our radiance along these rays under one source with Radiance's under small ones in its
 /// place.
-fn as_under_tiles(radiance: &Radiance, material: &str, source: &str, tiles: &str, looks: &[&str]) {
+fn as_under_tiles(radiance: &Radiance, material: &str, source: &str, tiles: &str, view_rays: &[&str]) {
     let folder = Folder::new();
     let sheet = format!("void {material}\nm polygon sheet 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n");
     let tiled = folder.file("tiles.rad", format!("{tiles}{sheet}"));
@@ -332,13 +332,13 @@ fn as_under_tiles(radiance: &Radiance, material: &str, source: &str, tiles: &str
     let octree = radiance.octree(&folder, &[&tiled]);
     let words = ["-h", "-w", "-dt", "0", "-dc", "1", "-ds", "1e-4", &octree];
     let mut there = radiance.command("rtrace", &words);
-    let there = statistics(&run_with(&mut there, looks.concat().as_bytes()).text(), 1);
-    let input: String = looks.iter().map(|look| look.repeat(4096)).collect();
+    let there = statistics(&run_with(&mut there, view_rays.concat().as_bytes()).text(), 1);
+    let input: String = view_rays.iter().map(|view_ray| view_ray.repeat(4096)).collect();
     let here = run_with(&mut command(&["rtrace", "-h", "-st", "0", &scene]), input.as_bytes()).text();
-    for ((look, here), there) in looks.iter().zip(&statistics(&here, 4096)).zip(&there) {
+    for ((view_ray, here), there) in view_rays.iter().zip(&statistics(&here, 4096)).zip(&there) {
         let ((here, noise), there) = (here[1], there[1].0);
         let differs = (here - there).abs() > 0.01 * there + 4.0 * noise;
-        assert!(!differs, "{material}: {here} ± {noise}, small lights {there}, along {look}");
+        assert!(!differs, "{material}: {here} ± {noise}, small lights {there}, along {view_ray}");
     }
 }
 
@@ -350,18 +350,18 @@ fn a_sky_is_the_same_whether_it_glows_or_consists_of_lights() {
     let Some(radiance) = Radiance::find() else { return };
     let tiles = tiles(2000, 0.0);
     let glow = "void glow sky 0 0 4 1 1 1 0\nsky source s 0 0 4 0 0 1 180\n";
-    let looks = ["0 0 1 .2 0 -1\n", "0 0 1 1 0 -1\n", "0 0 1 2.7 0 -1\n"];
+    let view_rays = ["0 0 1 .2 0 -1\n", "0 0 1 1 0 -1\n", "0 0 1 2.7 0 -1\n"];
     // From below: transmitted light.
     let through = ["0 0 -1 .2 0 1\n", "0 0 -1 1 0 1\n", "0 0 -1 2.7 0 1\n"];
-    for (material, looks) in [
-        ("ashik2 m 4 0 1 0 . 0 8 0 0 0 .5 .5 .5 1000 10", looks),
-        ("ashik2 m 4 1 0 0 . 0 8 0 0 0 .5 .5 .5 30 60", looks),
+    for (material, view_rays) in [
+        ("ashik2 m 4 0 1 0 . 0 8 0 0 0 .5 .5 .5 1000 10", view_rays),
+        ("ashik2 m 4 1 0 0 . 0 8 0 0 0 .5 .5 .5 30 60", view_rays),
         // The car of the `inst` render test.
-        ("ashik2 m 4 1 0 0 . 0 8 0 0 0 .05 .05 .08 5 30", looks),
+        ("ashik2 m 4 1 0 0 . 0 8 0 0 0 .05 .05 .08 5 30", view_rays),
         ("trans m 0 0 7 1 1 1 0 .3 1 1", through),
         ("trans2 m 4 1 0 0 . 0 8 1 1 1 0 .3 .15 1 1", through),
     ] {
-        as_under_tiles(&radiance, material, glow, &tiles, &looks);
+        as_under_tiles(&radiance, material, glow, &tiles, &view_rays);
     }
 }
 
@@ -372,7 +372,7 @@ fn a_sun_beside_a_narrow_lobe_is_the_sum_of_its_parts() {
     let Some(radiance) = Radiance::find() else { return };
     let tiles = tiles(400, 0.5_f64.to_radians().cos());
     let sun = "void light sun 0 0 3 1 1 1\nsun source disk 0 0 4 0 0 1 1\n";
-    let looks = ["0 0 -1 0 0 1\n", "0 0 -1 .02 .02 1\n", "0 0 -1 .055 .045 1\n"];
-    as_under_tiles(&radiance, "trans2 m 4 1 0 0 . 0 8 .9 .9 .9 .05 .1 .02 .8 .9", sun, &tiles, &looks);
-    as_under_tiles(&radiance, "trans2 m 4 1 0 0 . 0 8 .9 .9 .9 .05 .02 .1 .8 .9", sun, &tiles, &looks);
+    let view_rays = ["0 0 -1 0 0 1\n", "0 0 -1 .02 .02 1\n", "0 0 -1 .055 .045 1\n"];
+    as_under_tiles(&radiance, "trans2 m 4 1 0 0 . 0 8 .9 .9 .9 .05 .1 .02 .8 .9", sun, &tiles, &view_rays);
+    as_under_tiles(&radiance, "trans2 m 4 1 0 0 . 0 8 .9 .9 .9 .05 .02 .1 .8 .9", sun, &tiles, &view_rays);
 }

@@ -8,3 +8,4 @@ mod crate_edges;
 mod dependencies;
 mod gallery;
 mod import_cycles;
+mod words;

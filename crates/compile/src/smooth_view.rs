@@ -40,14 +40,14 @@ impl SmoothView {
 }
 
 /// How a light shines to a point.
-enum Reach {
+enum LightCoverage {
     Hidden,
     /// It is dark there by its cone.
     Outside,
     /// All of it has the point in its cone.
     Inside,
     /// Some of it may have.
-    Between,
+    Partial,
 }
 
 impl RenderPlan {
@@ -67,30 +67,30 @@ impl RenderPlan {
         let mut view = SmoothView { primitive: hit.primitive, hidden: 0, outside: 0, inside: 0 };
         for (index, light) in self.lights.iter().enumerate() {
             let bit = 1 << index;
-            match self.reach_of(&hit, index, light)? {
-                Reach::Hidden => view.hidden |= bit,
-                Reach::Outside => view.outside |= bit,
-                Reach::Inside => view.inside |= bit,
-                Reach::Between => {}
+            match self.coverage_of(&hit, index, light)? {
+                LightCoverage::Hidden => view.hidden |= bit,
+                LightCoverage::Outside => view.outside |= bit,
+                LightCoverage::Inside => view.inside |= bit,
+                LightCoverage::Partial => {}
             }
         }
         Some(view)
     }
 
     /// How a light shines to a point; `None` where it may come by way of a mirror, whose outline is sharp.
-    fn reach_of(&self, hit: &Intersection, index: usize, light: &Light) -> Option<Reach> {
+    fn coverage_of(&self, hit: &Intersection, index: usize, light: &Light) -> Option<LightCoverage> {
         let is_free = match self.receiver(hit.primitive).map(|receiver| &receiver.between[index]) {
-            Some(VisibilityClass::Dark) => return Some(Reach::Outside),
+            Some(VisibilityClass::Dark) => return Some(LightCoverage::Outside),
             Some(VisibilityClass::Nothing) => true,
             _ => false,
         };
         if !light.virtual_sources.is_empty() {
-            return light.misses(hit.point).then_some(Reach::Outside);
+            return light.misses(hit.point).then_some(LightCoverage::Outside);
         }
         match in_cone(light, hit.point) {
-            Reach::Outside => Some(Reach::Outside),
-            _ if !is_free && self.hides(hit, light) => Some(Reach::Hidden),
-            reach => Some(reach),
+            LightCoverage::Outside => Some(LightCoverage::Outside),
+            _ if !is_free && self.hides(hit, light) => Some(LightCoverage::Hidden),
+            coverage => Some(coverage),
         }
     }
 
@@ -111,12 +111,12 @@ impl RenderPlan {
 }
 
 /// How a point lies to the cone of a light.
-fn in_cone(light: &Light, point: DVec3) -> Reach {
-    let Some(cone) = light.cone.filter(|_| light.radius.is_finite()) else { return Reach::Between };
+fn in_cone(light: &Light, point: DVec3) -> LightCoverage {
+    let Some(cone) = light.cone.filter(|_| light.radius.is_finite()) else { return LightCoverage::Partial };
     let offset = point - light.center;
     let distance = offset.length();
     if distance <= light.radius {
-        return Reach::Between;
+        return LightCoverage::Partial;
     }
     // cos(a ± b), with b the angle under which the light's radius is seen.
     let (sin, cos) = cone.half_angle.sin_cos();
@@ -124,11 +124,11 @@ fn in_cone(light: &Light, point: DVec3) -> Reach {
     let (along, across) = (cos * (1.0 - sine * sine).sqrt(), sin * sine);
     let cosine = offset.dot(cone.axis) / distance;
     if cosine < along - across {
-        Reach::Outside
+        LightCoverage::Outside
     } else if cosine > along + across && cone.half_angle.sin() > sine {
-        Reach::Inside
+        LightCoverage::Inside
     } else {
-        Reach::Between
+        LightCoverage::Partial
     }
 }
 

@@ -68,7 +68,7 @@ pub(crate) enum BounceType {
     /// Reflected without scattering.
     Mirrored { image: Image },
     /// Sampled from a lobe.
-    Drawn,
+    Sampled,
     /// Towards a light.
     Shadow,
 }

@@ -105,8 +105,8 @@ fn squared(picture: &Means, [first, second]: [&Means; 2]) -> Squared {
 /// then `1 − 2rε + (4r² − 1)ε²`. A difference d and references of variance v give `d² + 2rdv + (4r²
 /// − 1)(d²v + v²)/2`; `n = (a − b)²/2` has the mean v, and its square 3v².
 fn unbiased([a, b]: [f64; 2], share: f64) -> f64 {
-    let (product, noise, bend) = (a * b, 0.5 * (a - b).powi(2), 4.0 * share * share - 1.0);
-    product - share * (a + b) * noise - bend * (0.5 * product * noise + noise * noise / 6.0)
+    let (product, noise, excess) = (a * b, 0.5 * (a - b).powi(2), 4.0 * share * share - 1.0);
+    product - share * (a + b) * noise - excess * (0.5 * product * noise + noise * noise / 6.0)
 }
 
 /// The mean of each band over the values that are not black in it, with bright ones limited.

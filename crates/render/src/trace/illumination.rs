@@ -306,7 +306,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             direct_view: false,
             node: path.node,
         };
-        self.push_on(next, BounceType::Drawn);
+        self.push_on(next, BounceType::Sampled);
     }
 }
 
