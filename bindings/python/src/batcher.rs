@@ -1,18 +1,19 @@
 //! Batches: the questions of many threads become one call of Python.
 //!
-//! A thread that has a question waits for its answer. One of the threads that wait takes the interpreter lock and answers all of them.
-//! It is the one that completes half of the threads that ask: while it is in Python, the other half computes.
+//! A thread that has a question waits for its answer. One of the waiting threads takes the interpreter lock and answers the whole
+//! batch: the thread whose question makes it half as large as the number of threads. While this thread is in Python, the other half
+//! computes.
 
 use pyo3::prelude::*;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Threads of a scene whose materials are Python's. Most of them wait at any time.
+/// Number of threads that trace a scene with materials in Python. Most of them wait at any time.
 pub(crate) const THREADS: usize = 64;
 
-/// Time without a further question after which those that wait are answered.
-const PATIENCE: Duration = Duration::from_micros(300);
+/// Time without a further question after which an incomplete batch is answered.
+const FLUSH_TIMEOUT: Duration = Duration::from_micros(300);
 
 /// Gathers questions into batches.
 #[derive(Debug)]
@@ -25,23 +26,24 @@ struct Queue<Question, Answer> {
     asked: u64,
     /// Sizes of the last two batches; together about the number of threads that ask.
     last_sizes: [usize; 2],
-    /// Whether a thread is about to take the batch.
-    is_led: bool,
+    /// Whether a thread is about to answer the batch.
+    flush_pending: bool,
 }
 
 /// What the thread of a question does about its batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Role {
-    /// Takes and answers it.
-    Leads,
-    /// The same, if no other question arrives in time.
-    KeepsTime,
-    Waits,
+    /// Takes and answers the batch.
+    Flush,
+    /// The same, if no other question arrives before the timeout.
+    Time,
+    /// Waits for the answer.
+    Wait,
 }
 
 impl<Question, Answer> Default for Batcher<Question, Answer> {
     fn default() -> Self {
-        Batcher(Mutex::new(Queue { waiting: Vec::new(), asked: 0, last_sizes: [0; 2], is_led: false }))
+        Batcher(Mutex::new(Queue { waiting: Vec::new(), asked: 0, last_sizes: [0; 2], flush_pending: false }))
     }
 }
 
@@ -56,14 +58,14 @@ impl<Question, Answer> Batcher<Question, Answer> {
         let (mut role, mut asked) = self.push(question, sender);
         loop {
             match role {
-                Role::Leads => self.lead(&answer_all),
-                Role::Waits => return answer.recv().ok(),
-                Role::KeepsTime => {}
+                Role::Flush => self.flush(&answer_all),
+                Role::Wait => return answer.recv().ok(),
+                Role::Time => {}
             }
-            match answer.recv_timeout(PATIENCE) {
+            match answer.recv_timeout(FLUSH_TIMEOUT) {
                 Ok(answer) => return Some(answer),
                 Err(RecvTimeoutError::Disconnected) => return None,
-                Err(RecvTimeoutError::Timeout) => (role, asked) = self.after_patience(asked),
+                Err(RecvTimeoutError::Timeout) => (role, asked) = self.after_timeout(asked),
             }
         }
     }
@@ -78,24 +80,24 @@ impl<Question, Answer> Batcher<Question, Answer> {
         queue.asked += 1;
         let is_half = 2 * queue.waiting.len() >= queue.last_sizes.iter().sum();
         let role = match queue.waiting.len() {
-            _ if is_half && !queue.is_led => Role::Leads,
-            1 => Role::KeepsTime,
-            _ => Role::Waits,
+            _ if is_half && !queue.flush_pending => Role::Flush,
+            1 => Role::Time,
+            _ => Role::Wait,
         };
-        queue.is_led |= role == Role::Leads;
+        queue.flush_pending |= role == Role::Flush;
         (role, queue.asked)
     }
 
-    /// The further role of the thread that keeps time, and the number of questions that it knows of.
-    fn after_patience(&self, asked: u64) -> (Role, u64) {
+    /// The next role of the thread that observes the timeout, and the number of questions so far.
+    fn after_timeout(&self, asked: u64) -> (Role, u64) {
         let mut queue = self.queue();
-        let leads = !queue.is_led && queue.asked == asked;
-        queue.is_led |= leads;
-        (if leads { Role::Leads } else { Role::KeepsTime }, queue.asked)
+        let flushes = !queue.flush_pending && queue.asked == asked;
+        queue.flush_pending |= flushes;
+        (if flushes { Role::Flush } else { Role::Time }, queue.asked)
     }
 
-    /// Answers the batch. Who gets no answer hears that its sender is gone.
-    fn lead(&self, answer_all: impl Fn(Python<'_>, Vec<Question>) -> Vec<Answer>) {
+    /// Answers the batch. A thread without an answer finds its channel closed.
+    fn flush(&self, answer_all: impl Fn(Python<'_>, Vec<Question>) -> Vec<Answer>) {
         let (senders, answers) = Python::attach(|py| {
             // Whoever asks while this thread waits for the interpreter belongs to the batch.
             let (questions, senders): (Vec<_>, Vec<_>) = self.take().into_iter().unzip();
@@ -109,7 +111,7 @@ impl<Question, Answer> Batcher<Question, Answer> {
 
     fn take(&self) -> Vec<(Question, Sender<Answer>)> {
         let mut queue = self.queue();
-        queue.is_led = false;
+        queue.flush_pending = false;
         queue.last_sizes = [queue.waiting.len(), queue.last_sizes[0]];
         std::mem::take(&mut queue.waiting)
     }
