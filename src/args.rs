@@ -17,7 +17,7 @@ pub(crate) struct Program {
 
 const AFTER_HELP: &str = "\
 Exit codes: 0 done, 1 the input was wrong, 2 the command line was wrong, 3 a limit or fault stopped the work.
-Options of rendering, as Radiance names them: -ab N (diffuse interreflections, 0), -dr N (mirror relays of a light, 2), --caustics (light of lamps by way of curved mirrors and bodies), -bv+/-bv-.
+Options of rendering, as Radiance names them: -ab N (diffuse interreflections, 0), -dr N (mirror reflections of a light, 2), --caustics (light of lamps by way of curved mirrors and bodies), -bv+/-bv-.
 Every program takes --limit-memory SIZE (500M, 2G; 0 for none): the memory that it may have [default: three quarters of the machine's].
 Called as `radsight rtrace …`, or through a link named rtrace, it is that Radiance program.";
 
@@ -42,7 +42,8 @@ pub(crate) enum Command {
     Job(crate::commands::job::Job),
     /// Prints the light ring of a camera file as Radiance scene text
     Rig(Rig),
-    /// Prints a calibration target as Radiance scene text: a chessboard or a grid of dots, in the plane z = 0
+    /// Prints a calibration target as Radiance scene text: a chessboard or a grid of dots, in the
+    /// plane z = 0
     Target(Target),
     /// Fits K, gamma, G0 and Gmax to measured pairs of exposure and grey value
     Calibrate(Calibrate),

@@ -1,4 +1,5 @@
-//! How many camera rays a picture takes, about, before the first is traced: the plan chooses hierarchies by it.
+//! How many camera rays a picture takes, about, before the first is traced: the plan chooses
+//! hierarchies by it.
 
 /// The noise of a single ray, as a share, that is assumed before anything is known of a scene.
 const NOISE_OF_A_RAY: f64 = 0.5;

@@ -21,7 +21,8 @@ impl Stopwatch {
         Stopwatch { stages: Vec::new(), started: now, started_processor_s: processor_s, begun: now, processor_s }
     }
 
-    /// Tells the processor time since the first stage began, s; the time itself where the system does not say.
+    /// Tells the processor time since the first stage began, s; the time itself where the system
+    /// does not say.
     pub(crate) fn processor_clock(&self) -> impl Fn() -> f64 + Send + Sync + 'static {
         let (started, before) = (self.started, self.started_processor_s);
         move || match before.zip(processor_seconds()) {

@@ -1,9 +1,10 @@
-//! What each fuzz target does with its bytes: reads them as a user's file would be read, and uses what comes of it.
+//! What each fuzz target does with its bytes: reads them as a user's file would be read, and uses
+//! what comes of it.
 //!
-//! `cargo fuzz run scene` runs a target on a nightly toolchain. On a stable one
-//! `RUSTFLAGS="$(cat fuzz/instrumentation.flags)" cargo build --release --target TRIPLE` in this folder builds them all; a target
-//! is then a libFuzzer program: `scene -timeout=1 -rss_limit_mb=2048 CORPUS_FOLDER`. `fuzz/run` does all that: each target for a
-//! minute over its files in `fuzz/corpus`.
+//! `cargo fuzz run scene` runs a target on a nightly toolchain. On a stable one `RUSTFLAGS="$(cat
+//! fuzz/instrumentation.flags)" cargo build --release --target TRIPLE` in this folder builds them
+//! all; a target is then a libFuzzer program: `scene -timeout=1 -rss_limit_mb=2048 CORPUS_FOLDER`.
+//! `fuzz/run` does all that: each target for a minute over its files in `fuzz/corpus`.
 #![forbid(unsafe_code)]
 
 mod real_radiance;
@@ -183,7 +184,8 @@ pub fn view(bytes: &[u8]) {
     let _ = (view.crop([0.1, 0.1], [0.7, 0.9]), view.fit(512, 512, 1.0));
 }
 
-/// A run record, a progress log, and text of a page; a page has no more scripts and data than its own.
+/// A run record, a progress log, and text of a page; a page has no more scripts and data than its
+/// own.
 ///
 /// # Panics
 /// If text became a script.

@@ -13,7 +13,8 @@ use std::sync::LazyLock;
 /// Rays of each scene, along a side of the view.
 const SIDE: usize = 8;
 
-/// How far the means of a scene may be apart, as a share: the sun is half a degree wide, and Radiance has it in one place.
+/// How far the means of a scene may be apart, as a share: the sun is half a degree wide, and
+/// Radiance has it in one place.
 const TOLERANCE: f64 = 0.02;
 
 /// Rays of a scene that may see something else: those that pass along an edge.
@@ -23,8 +24,8 @@ const EDGES: usize = 4;
 static PROGRAMS: LazyLock<Option<PathBuf>> =
     LazyLock::new(|| std::env::var_os("RADSIGHT_RADIANCE").map(|folder| Path::new(&folder).join("bin")));
 
-/// Renders a scene of plain materials by real Radiance, too: the means of its rays are the same. Does nothing where the variable
-/// `RADSIGHT_RADIANCE` names no Radiance.
+/// Renders a scene of plain materials by real Radiance, too: the means of its rays are the same.
+/// Does nothing where the variable `RADSIGHT_RADIANCE` names no Radiance.
 ///
 /// # Panics
 /// If the means are apart.

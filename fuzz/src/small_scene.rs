@@ -1,4 +1,5 @@
-//! Whole small scenes, made of whatever bytes a fuzzer has: text that is valid, with hostile numbers.
+//! Whole small scenes, made of whatever bytes a fuzzer has: text that is valid, with hostile
+//! numbers.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use std::fmt::Write;
@@ -19,7 +20,8 @@ pub struct SmallScene {
 pub enum Materials {
     /// All of them, with hostile numbers.
     All,
-    /// Those whose radiance real Radiance finds without noise: diffuse and mirror-like ones under distant lamps.
+    /// Those whose radiance real Radiance finds without noise: diffuse and mirror-like ones under
+    /// distant lamps.
     Plain,
 }
 

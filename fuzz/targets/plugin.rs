@@ -1,6 +1,8 @@
-//! What a plugin hands to its host: its tables, its answers to `create`, and what its functions return.
+//! What a plugin hands to its host: its tables, its answers to `create`, and what its functions
+//! return.
 //!
-//! The bytes say what stands in the tables and what comes back; pointers are null or good, since nobody can tell others.
+//! The bytes say what stands in the tables and what comes back; pointers are null or good, since
+//! nobody can tell others.
 #![no_main]
 
 use arbitrary::{Arbitrary, Unstructured};
@@ -179,7 +181,8 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let words = vec!["a".to_owned(); usize::from(plugin.words % 3)];
     let bands = vec![Band { centre_m: 550e-9, low_m: 500e-9, high_m: 600e-9 }; bands_of(&plugin)];
     CURRENT.set(Some((plugin, model, 0)));
-    // SAFETY: the entry's functions keep to the sizes that the header says; only the numbers are anything.
+    // SAFETY: the entry's functions keep to the sizes that the header says; only the numbers are
+    // anything.
     let Ok(library) = (unsafe { Library::in_program("fuzzed", &entry) }) else { return };
     let library = Arc::new(library);
     let registry = Registry::new(SearchPath::default(), SelfCheck::Off);

@@ -1,4 +1,5 @@
-//! `radsight job`: parts of a picture, a capture or a list of rays for other processes and machines, and what makes one of them.
+//! `radsight job`: parts of a picture, a capture or a list of rays for other processes and
+//! machines, and what makes one of them.
 
 mod cache;
 mod inputs;
@@ -66,7 +67,8 @@ pub(crate) struct Run {
     /// The values
     #[arg(short, long, value_name = "PART.mtx")]
     output: String,
-    /// Only this part of the job's rows or rays, the first is 0: so that all tasks of an array run one job
+    /// Only this part of the job's rows or rays, the first is 0: so that all tasks of an array run
+    /// one job
     #[arg(long, value_name = "K/N")]
     part: Option<String>,
     /// Threads [default: one for each processor]

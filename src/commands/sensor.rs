@@ -1,4 +1,5 @@
-//! `radsight sensor`: exposure on standard input, grey PNG on standard output; or the sensor's characterisation.
+//! `radsight sensor`: exposure on standard input, grey PNG on standard output; or the sensor's
+//! characterisation.
 
 use crate::args::Sensor;
 use crate::failure::{Failure, Outcome, say};

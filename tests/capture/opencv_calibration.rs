@@ -63,7 +63,8 @@ fn python_with_opencv() -> Option<Command> {
     Some(Command::new(python))
 }
 
-/// Value and standard deviation of each number, the rms error and the number of pictures; `None` without OpenCV.
+/// Value and standard deviation of each number, the rms error and the number of pictures; `None`
+/// without OpenCV.
 fn calibrated(pattern: &str) -> Option<(Vec<[f64; 2]>, f64, f64)> {
     let mut python = python_with_opencv()?;
     let folder = tempfile::tempdir().unwrap();

@@ -64,7 +64,8 @@ fn an_asked_error_is_the_true_error() {
     assert!(difference.rms > 0.002, "asked for 1 %, got {difference:?}");
 }
 
-/// A spot half a pixel wide lies between the points of any lattice but those of the finest, and a smooth sheet around it.
+/// A spot half a pixel wide lies between the points of any lattice but those of the finest, and a
+/// smooth sheet around it.
 #[test]
 fn a_small_spot_on_a_smooth_sheet_is_not_interpolated_away() {
     let folder = Folder::new();
@@ -87,7 +88,8 @@ fn a_small_spot_on_a_smooth_sheet_is_not_interpolated_away() {
     assert!((sum(&sparse) / sum(&every) - 1.0).abs() < 0.01, "{} for {}", sum(&sparse), sum(&every));
 }
 
-/// The lattice lies elsewhere with each seed, so that what interpolation errs falls in the mean as noise does.
+/// The lattice lies elsewhere with each seed, so that what interpolation errs falls in the mean as
+/// noise does.
 #[test]
 fn the_mean_over_seeds_of_an_interpolated_picture_is_the_truth() {
     const SEEDS: usize = 6;

@@ -10,8 +10,8 @@
 //! #@ instead lib/other.rad                        (the scene of the reference, where real Radiance only approximates the other)
 //! ```
 //!
-//! Files that a scene names stand in `cases/lib`. The reference is the mean of many rays a pixel of real `rtrace`, told to integrate, and the
-//! standard error of each mean.
+//! Files that a scene names stand in `cases/lib`. The reference is the mean of many rays a pixel of
+//! real `rtrace`, told to integrate, and the standard error of each mean.
 
 use crate::blocks::{Agreement, Noise};
 use crate::commands::radiance_values;
@@ -34,7 +34,8 @@ const REFERENCE_RAYS: usize = 64;
 
 const USUAL_VIEW: &str = "-vp 2.2 -3.2 1.9 -vd -2.2 3.2 -1.4 -vu 0 0 1 -vh 36 -vv 36";
 
-/// Real `rtrace` told to integrate: lights in small pieces, all of them tested, highlights sampled, nothing cached.
+/// Real `rtrace` told to integrate: lights in small pieces, all of them tested, highlights sampled,
+/// nothing cached.
 const INTEGRATE: &str = "-ds .02 -dj 1 -dt 0 -dc 1 -ss 1 -st 0 -aa 0 -ad 1 -lr -12 -lw 1e-5";
 
 struct Case {

@@ -1,13 +1,17 @@
 //! Conformance with real Radiance: the same scenes and options, and pictures that agree.
 //!
-//! - `cases`: small scenes of this repository, one a primitive type, argument variant or option, against references that real
-//!   Radiance made once (`cargo test --release --test conformance make_references -- --ignored` makes the missing ones).
-//! - `renders`, `scripts`: Radiance's own render tests, and scenes of others with their scripts, in the folder that `RADSIGHT_SHARED`
-//!   names; they take minutes, so they run only when asked for (`-- --ignored --nocapture`).
-//! - `truth`: who is nearer to what many rays find, in the blocks of the render tests that do not agree and in whole pictures, and what both programs find where
-//!   neither shares irradiance (`docs/render-tests.md`).
+//! - `cases`: small scenes of this repository, one a primitive type, argument variant or option,
+//!   against references that real Radiance made once (`cargo test --release --test conformance
+//!   make_references -- --ignored` makes the missing ones).
+//! - `renders`, `scripts`: Radiance's own render tests, and scenes of others with their scripts, in
+//!   the folder that `RADSIGHT_SHARED` names; they take minutes, so they run only when asked for
+//!   (`-- --ignored --nocapture`).
+//! - `truth`: who is nearer to what many rays find, in the blocks of the render tests that do not
+//!   agree and in whole pictures, and what both programs find where neither shares irradiance
+//!   (`docs/render-tests.md`).
 //!
-//! Each writes expected | difference | actual beside the build's other results. References are never our own pictures.
+//! Each writes expected | difference | actual beside the build's other results. References are
+//! never our own pictures.
 
 #[path = "../program/mod.rs"]
 mod program;

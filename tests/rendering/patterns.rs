@@ -24,7 +24,8 @@ impl Case {
         Case::new(name, format!("{pattern}\npat glow lit 0 0 4 1 .8 .6 0\nlit {FLOOR}"))
     }
 
-    /// A texture named `tex` on a mirror-like floor under a sky that has a colour in each direction.
+    /// A texture named `tex` on a mirror-like floor under a sky that has a colour in each
+    /// direction.
     fn mirroring(name: &str, texture: &str) -> Case {
         Case::new(name, format!("{SKY}{texture}\ntex metal shiny 0 0 5 .9 .8 .7 1 0\nshiny {FLOOR}"))
     }

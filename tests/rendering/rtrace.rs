@@ -185,7 +185,8 @@ fn irradiance_is_known_well_without_being_asked() {
         .lines()
         .map(|line| line.split_whitespace().next().expect("a value").parse().expect("a number"))
         .collect();
-    // A sphere of radiance 1 and radius r at distance d, seen at the angle θ to the normal: π (r/d)² cos θ.
+    // A sphere of radiance 1 and radius r at distance d, seen at the angle θ to the normal: π
+    // (r/d)² cos θ.
     let expected = [std::f64::consts::PI / 4.0, std::f64::consts::PI / 5.0 * (4.0f64 / 5.0).sqrt()];
     for (value, expected) in values.iter().zip(expected) {
         assert!((value / expected - 1.0).abs() < 0.05, "{value}, expected {expected}");

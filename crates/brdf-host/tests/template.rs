@@ -31,7 +31,8 @@ fn a_new_project_in_c_builds_from_the_header_alone_and_passes() {
 fn a_new_project_in_rust_builds_and_passes_its_own_test() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), "my-paint", &Language::Rust { sources: own_sources().unwrap() });
-    // The lock file of the workspace has versions that are available offline; dependencies are built once.
+    // The lock file of the workspace has versions that are available offline; dependencies are
+    // built once.
     let root = own_sources().unwrap();
     let _ = std::fs::copy(root.join("Cargo.lock"), folder.path().join("Cargo.lock"));
     let tested = Command::new(env!("CARGO"))

@@ -1,16 +1,20 @@
-//! Where camera, sensor, ring and LEDs really are, and how one specimen's are drawn from tolerances.
+//! Where camera, sensor, ring and LEDs really are, and how one specimen's are drawn from
+//! tolerances.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use std::fmt::Write;
 
-/// Draws farther out than so many standard deviations are drawn again: such a part does not pass inspection.
+/// Draws farther out than so many standard deviations are drawn again: such a part does not pass
+/// inspection.
 const INSPECTED: f64 = 3.0;
 
-/// How far everything is off, in the units of the camera file, so that what is written can be read back exactly.
+/// How far everything is off, in the units of the camera file, so that what is written can be read
+/// back exactly.
 ///
-/// Shifts are along the nominal right, up and direction of the camera; turns are rotation vectors about them.
+/// Shifts are along the nominal right, up and direction of the camera; turns are rotation vectors
+/// about them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Alignment {
     /// Shift of camera and ring together, millimetres.
@@ -70,8 +74,8 @@ pub struct Tolerances {
 }
 
 impl Alignment {
-    /// This alignment with the deviations of one specimen, of `leds` LEDs. Each quantity has a stream of random numbers of its own:
-    /// a tolerance that changes, changes no other draw.
+    /// This alignment with the deviations of one specimen, of `leds` LEDs. Each quantity has a
+    /// stream of random numbers of its own: a tolerance that changes, changes no other draw.
     #[must_use]
     pub fn drawn(&self, tolerances: &Tolerances, leds: usize, specimen: u64) -> Alignment {
         let draw = |stream: u64, deviation: f64| {

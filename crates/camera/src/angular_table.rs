@@ -6,8 +6,8 @@ use radsight_diag::{Diagnostic, SourceId, SourceMap};
 /// The most rows of a table.
 const MOST_ROWS: usize = 2000;
 
-/// Relative intensity over angle, linear between rows; the first value holds down to 0, nothing is emitted beyond the last
-/// row or beyond 90°.
+/// Relative intensity over angle, linear between rows; the first value holds down to 0, nothing is
+/// emitted beyond the last row or beyond 90°.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AngularTable {
     /// (angle from the axis in degrees, relative intensity), angles ascending from 0 to at most 90.
@@ -15,7 +15,8 @@ pub struct AngularTable {
 }
 
 impl AngularTable {
-    /// Reads the table that stands in `sources` under `source`: columns `angle_deg` and `relative_intensity`.
+    /// Reads the table that stands in `sources` under `source`: columns `angle_deg` and
+    /// `relative_intensity`.
     ///
     /// # Errors
     /// Every mistake of the table; never empty.
@@ -30,7 +31,8 @@ impl AngularTable {
         Ok((AngularTable { rows: front_half(rows.collect()) }, warnings))
     }
 
-    /// Rows as (angle from the axis in degrees, relative intensity), angles ascending from 0 to at most 90.
+    /// Rows as (angle from the axis in degrees, relative intensity), angles ascending from 0 to at
+    /// most 90.
     #[must_use]
     pub fn rows(&self) -> &[(f64, f64)] {
         &self.rows

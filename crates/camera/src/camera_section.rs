@@ -88,7 +88,8 @@ fn read_keys(
                 CameraError::ZeroVector { .. } | CameraError::UpParallel => "up",
                 CameraError::NoWavelength => "pinhole_model",
                 CameraError::BandsApart { .. } => "band_wavelengths_nm",
-                // What is left is an underflow: a quantity above 0 in its own unit that is 0 in the SI unit.
+                // What is left is an underflow: a quantity above 0 in its own unit that is 0 in the
+                // SI unit.
                 _ => "",
             };
             let hint =

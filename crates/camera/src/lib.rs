@@ -1,10 +1,12 @@
 //! The camera file: camera, light ring and sensor, and the ring as scene text.
 //!
-//! [`CameraFile::read`] takes the text of a `camera.toml` and gives checked values, or every mistake in it with line, column
-//! and hint. [`Rig::scene_text`] writes the ring of LEDs as Radiance scene text that stands on its own.
+//! [`CameraFile::read`] takes the text of a `camera.toml` and gives checked values, or every
+//! mistake in it with line, column and hint. [`Rig::scene_text`] writes the ring of LEDs as
+//! Radiance scene text that stands on its own.
 //!
-//! Guarantees: a file that is read without error describes a camera, ring and sensor that exist; hostile text ends in errors, in
-//! bounded time and memory. May not know the renderer; files come through a [`Loader`].
+//! Guarantees: a file that is read without error describes a camera, ring and sensor that exist;
+//! hostile text ends in errors, in bounded time and memory. May not know the renderer; files come
+//! through a [`Loader`].
 //!
 //! ```
 //! use radsight_camera::CameraFile;
@@ -79,11 +81,14 @@ pub struct CameraFile {
     pub rig: Option<Rig>,
     /// The sensor, where there is one.
     pub sensor: Option<Sensor>,
-    /// How the bands of a coloured scene add up, where the file says so; see [`CameraFile::band_weights_for`].
+    /// How the bands of a coloured scene add up, where the file says so; see
+    /// [`CameraFile::band_weights_for`].
     pub band_weights: Option<BandWeights>,
-    /// The mosaic of colour filters before the pixels, where there is one; its filters are in the band weights.
+    /// The mosaic of colour filters before the pixels, where there is one; its filters are in the
+    /// band weights.
     pub mosaic: Option<Bayer>,
-    /// Where the parts of this specimen are, where the file says that they are not at their nominal places; camera and rig have it.
+    /// Where the parts of this specimen are, where the file says that they are not at their nominal
+    /// places; camera and rig have it.
     pub alignment: Option<Alignment>,
     /// When each row is exposed.
     pub shutter: Shutter,
@@ -94,7 +99,8 @@ pub struct CameraFile {
 }
 
 impl CameraFile {
-    /// Reads the text of a camera file, called `name` in messages. Files that it names are looked for beside it.
+    /// Reads the text of a camera file, called `name` in messages. Files that it names are looked
+    /// for beside it.
     ///
     /// # Errors
     /// Everything that is wrong with the file; never empty.
@@ -118,8 +124,8 @@ impl CameraFile {
         }
     }
 
-    /// How bright lamps that flicker so are while each row is exposed, as shares of their mean; one share for all rows where the
-    /// shutter is global.
+    /// How bright lamps that flicker so are while each row is exposed, as shares of their mean; one
+    /// share for all rows where the shutter is global.
     #[must_use]
     pub fn brightness_by_row(&self, flicker: &Flicker) -> Vec<f64> {
         let rows = if self.shutter == Shutter::Global { 1 } else { self.camera.rows() };
@@ -165,7 +171,8 @@ fn as_text<'a>(bytes: &'a [u8], source: SourceId, sources: &SourceMap) -> Result
     })
 }
 
-/// What the TOML parser says, the first of each line: what follows on a line is mostly its own confusion.
+/// What the TOML parser says, the first of each line: what follows on a line is mostly its own
+/// confusion.
 fn syntax_errors(errors: &[toml::de::Error], text: &str, source: SourceId, sources: &SourceMap) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     let mut lines_seen = BTreeSet::new();
@@ -184,7 +191,8 @@ fn syntax_errors(errors: &[toml::de::Error], text: &str, source: SourceId, sourc
     in_file_order(diagnostics, source)
 }
 
-/// Messages of the file itself by their place in it, then those of other files, at most [`MOST_MESSAGES`].
+/// Messages of the file itself by their place in it, then those of other files, at most
+/// [`MOST_MESSAGES`].
 fn in_file_order(mut messages: Vec<Diagnostic>, source: SourceId) -> Vec<Diagnostic> {
     messages.sort_by_key(|message| message.span.map(|span| (span.source != source, span.source, span.start)));
     let left_out = messages.len().saturating_sub(MOST_MESSAGES);

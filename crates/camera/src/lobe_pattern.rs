@@ -1,9 +1,10 @@
 //! An angular table as Radiance patterns.
 //!
-//! A flat emitter of area A has radiance I₀·g(θ)/(A·cosθ). The factor g(θ)/cosθ becomes a chain of `brightfunc` patterns, whose
-//! product it is: each handles a range of angles and is 1 outside it, and the last is 0 beyond the table. One pattern cannot
-//! take a long table, since Radiance cuts a word at 511 characters. Inside a range a balanced tree of `if`s on cosθ
-//! finds the row, and only then is the angle computed. The patterns stand in a frame whose +z points against the LED's
+//! A flat emitter of area A has radiance I₀·g(θ)/(A·cosθ). The factor g(θ)/cosθ becomes a chain of
+//! `brightfunc` patterns, whose product it is: each handles a range of angles and is 1 outside it,
+//! and the last is 0 beyond the table. One pattern cannot take a long table, since Radiance cuts a
+//! word at 511 characters. Inside a range a balanced tree of `if`s on cosθ finds the row, and only
+//! then is the angle computed. The patterns stand in a frame whose +z points against the LED's
 //! axis, so that cosθ is `Dz`: on a light, D runs from what is lit towards the light.
 
 use crate::AngularTable;
@@ -16,7 +17,8 @@ const LONGEST_WORD: usize = 480;
 /// Below this angle, in degrees, θ comes from its sine, where the arc cosine would lose digits.
 const SMALL_ANGLE_DEG: f64 = 1.0;
 
-/// Writes the patterns, named `{name}_1` and so on, each modified by the one before. Gives the name of the last.
+/// Writes the patterns, named `{name}_1` and so on, each modified by the one before. Gives the name
+/// of the last.
 pub(crate) fn write(table: &AngularTable, axis: DVec3, name: &str, out: &mut String) -> String {
     let segments = segments(table);
     let turn = turn_to(-axis);

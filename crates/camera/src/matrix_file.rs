@@ -1,6 +1,7 @@
 //! Files of calibrated cameras: OpenCV's `FileStorage` (YAML or JSON) and ROS' `CameraInfo` (YAML).
 //!
-//! Both are mappings with the camera matrix and the distortion, under one of a few names. JSON is read as the YAML that it is.
+//! Both are mappings with the camera matrix and the distortion, under one of a few names. JSON is
+//! read as the YAML that it is.
 
 use crate::section::shorten;
 use radsight_diag::{Diagnostic, SourceId, SourceMap};

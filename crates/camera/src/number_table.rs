@@ -20,8 +20,8 @@ pub struct NumberTableRow {
 
 /// A table of two columns.
 ///
-/// One row a line; empty lines and lines that begin with `#` are passed over; the first line may name the columns, and then
-/// must name these.
+/// One row a line; empty lines and lines that begin with `#` are passed over; the first line may
+/// name the columns, and then must name these.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NumberTable {
     /// The rows in file order.
@@ -29,7 +29,8 @@ pub struct NumberTable {
 }
 
 impl NumberTable {
-    /// Reads the text that stands in `sources` under `source`. `columns` are the names that the first line may have.
+    /// Reads the text that stands in `sources` under `source`. `columns` are the names that the
+    /// first line may have.
     ///
     /// # Errors
     /// The first twenty mistakes of the text; never empty.
@@ -62,7 +63,8 @@ impl NumberTable {
     }
 }
 
-/// Reads measured pairs of exposure (in any one unit) and grey level; the first line may be `exposure,grey`.
+/// Reads measured pairs of exposure (in any one unit) and grey level; the first line may be
+/// `exposure,grey`.
 ///
 /// # Errors
 /// The first twenty mistakes of the text; never empty.

@@ -23,9 +23,11 @@ impl std::fmt::Display for KeyError {
 
 impl std::error::Error for KeyError {}
 
-/// The text of a camera file with the value of `table.key` replaced, or added where it has none. A value that is no TOML is taken as a string.
+/// The text of a camera file with the value of `table.key` replaced, or added where it has none. A
+/// value that is no TOML is taken as a string.
 ///
-/// A text that cannot be read stays as it is: reading it says why. Whether key and value fit is for reading, too.
+/// A text that cannot be read stays as it is: reading it says why. Whether key and value fit is for
+/// reading, too.
 ///
 /// ```
 /// let text = "[rig]\nleds = 12 # of 5 mm\n";

@@ -6,8 +6,8 @@ use radsight_pinhole::PinholeCamera;
 use std::f64::consts::{FRAC_PI_4, TAU};
 use std::fmt::Write;
 
-/// Length of a `spotlight`'s aim vector, scene units. It is also a distance F by which Radiance scales direct light by
-/// (r/(r+F))², so it is made too small to matter.
+/// Length of a `spotlight`'s aim vector, scene units. It is also a distance F by which Radiance
+/// scales direct light by (r/(r+F))², so it is made too small to matter.
 const AIM_LENGTH: f64 = 1e-9;
 
 /// How an LED emits.
@@ -23,8 +23,8 @@ pub enum LedEmission {
     Table(AngularTable),
 }
 
-/// LEDs as flat disks on a circle around the pinhole, in its plane, facing the camera's direction. LED k stands at the angle
-/// 2π·k/leds from the picture's right towards its up.
+/// LEDs as flat disks on a circle around the pinhole, in its plane, facing the camera's direction.
+/// LED k stands at the angle 2π·k/leds from the picture's right towards its up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rig {
     /// Where the ring is and which way it faces.
@@ -39,7 +39,8 @@ pub struct Rig {
     pub led_intensity_w_per_sr: f64,
     /// How each emits.
     pub emission: LedEmission,
-    /// How far ring and LEDs are from their nominal places, where they are; the camera has its own part of it.
+    /// How far ring and LEDs are from their nominal places, where they are; the camera has its own
+    /// part of it.
     pub alignment: Option<Alignment>,
 }
 

@@ -291,8 +291,8 @@ impl<'a> Section<'a> {
         self.optional_string(key, sources, found)
     }
 
-    /// Ends the reading: required keys that are missing are errors, and so is every key that nobody asked for. A misspelt
-    /// required key is one error, not two.
+    /// Ends the reading: required keys that are missing are errors, and so is every key that nobody
+    /// asked for. A misspelt required key is one error, not two.
     pub(crate) fn close(self, sources: &SourceMap, found: &mut Found) {
         let asked = self.asked.borrow();
         let mut missing = self.missing.take();

@@ -74,7 +74,8 @@ fn mosaic(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> Opti
     mosaic
 }
 
-/// The weights of the bands behind the filters of a mosaic. A filter passes its own band where the file says nothing else.
+/// The weights of the bands behind the filters of a mosaic. A filter passes its own band where the
+/// file says nothing else.
 fn filtered(
     weights: Option<BandWeights>,
     mosaic: Bayer,

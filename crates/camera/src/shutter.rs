@@ -52,7 +52,8 @@ pub struct Flicker {
 }
 
 impl Flicker {
-    /// The mean radiance over an exposure as a share of the mean over all time: the integral of the waveform in closed form.
+    /// The mean radiance over an exposure as a share of the mean over all time: the integral of the
+    /// waveform in closed form.
     #[must_use]
     pub fn mean(&self, start_s: f64, exposure_s: f64) -> f64 {
         let periods = self.frequency_hz * exposure_s;

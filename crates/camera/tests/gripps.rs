@@ -1,5 +1,5 @@
-//! Camera, ring and average together on the paper's plain sheet, against the truth pictures: the sheet's radiance is computed
-//! here from the ring's definition, without a renderer.
+//! Camera, ring and average together on the paper's plain sheet, against the truth pictures: the
+//! sheet's radiance is computed here from the ring's definition, without a renderer.
 
 use glam::DVec3;
 use radsight_camera::{CameraFile, LedEmission, Rig};
@@ -12,8 +12,8 @@ use std::path::Path;
 
 const SAMPLES: u32 = 64;
 
-/// The reflected radiance per radiance and projected solid angle, as a function of the cosine at the sheet and of δ, the
-/// angle between incident and viewing direction.
+/// The reflected radiance per radiance and projected solid angle, as a function of the cosine at
+/// the sheet and of δ, the angle between incident and viewing direction.
 type Reflectance = fn(cosine: f64, observation_angle: f64) -> f64;
 
 /// A white Lambertian sheet.

@@ -45,7 +45,8 @@ fn rig(camera: (&str, &str, &str), emission: &str, table: &str) -> Rig {
     CameraFile::read("camera.toml", text.as_bytes(), &mut sources, &loader).unwrap().rig.unwrap()
 }
 
-/// Rays that hit LED 2 of the rig at its centre from many angles, in scene units, with the angle in radians from its axis.
+/// Rays that hit LED 2 of the rig at its centre from many angles, in scene units, with the angle in
+/// radians from its axis.
 fn rays_at_led(rig: &Rig, angles_deg: &[f64]) -> Vec<(f64, DVec3, DVec3)> {
     let camera = &rig.camera;
     let unit = camera.scene_unit_m();

@@ -1,4 +1,5 @@
-//! With how much care hierarchies of boxes are built: what a better one takes must be won back by the rays.
+//! With how much care hierarchies of boxes are built: what a better one takes must be won back by
+//! the rays.
 
 use crate::options::RenderOptions;
 use radsight_accel::Builder;
@@ -25,7 +26,8 @@ impl HierarchyChoice {
     /// For a scene that is rendered with these options.
     pub(crate) fn new(scene: &Scene, options: &RenderOptions) -> HierarchyChoice {
         let primitives = primitives(scene);
-        // A path has a camera ray and as many again for each bounce, each with a ray towards a light.
+        // A path has a camera ray and as many again for each bounce, each with a ray towards a
+        // light.
         let rays = options.camera_rays * 2.0 * (1.0 + f64::from(options.ambient_bounces));
         let pays = primitives >= FEW_PRIMITIVES && rays >= RAYS_WORTH_CARE * primitives as f64;
         HierarchyChoice { builder: if pays { Builder::Thorough } else { Builder::Quick }, primitives, rays }

@@ -106,7 +106,8 @@ impl Portals {
         self.weighted(point, VisiblePortals::SINGLE_RAY_FRACTION, |_, portal| portal.importance(point, normal))
     }
 
-    /// The same with learned `factors` on the importance of each portal, and the fraction of single rays that sample portals.
+    /// The same with learned `factors` on the importance of each portal, and the fraction of single
+    /// rays that sample portals.
     ///
     /// # Panics
     /// If there is not one factor per portal, or there are more portals than [`MOST_PORTALS`].
@@ -224,7 +225,8 @@ impl VisiblePortals<'_> {
         self.importances[..self.len].iter().map(|seen| self.pdf_of(seen, direction)).sum::<f64>() / self.total
     }
 
-    /// Index, selection probability and contribution to [`VisiblePortals::pdf`] of each visible portal.
+    /// Index, selection probability and contribution to [`VisiblePortals::pdf`] of each visible
+    /// portal.
     pub fn parts(&self, direction: DVec3) -> impl Iterator<Item = (usize, f64, f64)> + Clone {
         self.importances[..self.len]
             .iter()

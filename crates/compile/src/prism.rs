@@ -4,7 +4,7 @@
 //! direction to the functions as `DxA`, `DyA`, `DzA`; for other rays these are zero. The virtual
 //! source is the light displaced by the shear, parallel to the prism's plane, for which the centre
 //! of the prism redirects light correctly (Radiance's `virtuals.c`). For a near light, manifold
-//! next-event estimation starts from there (`prism_path`).
+//! next-event estimation starts from there (`prism_manifold.rs` of `render`).
 
 use glam::DVec3;
 use radsight_cal::{Host, Scratch, channel};

@@ -197,7 +197,8 @@ struct Emitter<'a> {
 }
 
 impl Emitter<'_> {
-    /// `None` for a distant light or a virtual source. A surface no farther from it than `touch` lies on it.
+    /// `None` for a distant light or a virtual source. A surface no farther from it than `touch`
+    /// lies on it.
     fn new<'a>(light: &'a Light, occluders: &'a [Occluder], touch: f64) -> Option<Emitter<'a>> {
         if !light.virtual_sources.is_empty() || light.radius.is_infinite() {
             return None;
@@ -248,15 +249,16 @@ struct Extent {
 }
 
 impl Extent {
-    /// `None` if the hull has no extent along the axis, and so no inside. A surface that only touches a flat face of the
-    /// hull is beside the segments, not between their ends.
+    /// `None` if the hull has no extent along the axis, and so no inside. A surface that only
+    /// touches a flat face of the hull is beside the segments, not between their ends.
     fn new(axis: DVec3, ends: [&Occluder; 2], tolerance: f64) -> Option<Extent> {
         let [a, b] = ends.map(|end| end.range(axis));
         let (low, high) = (a.0.min(b.0), a.1.max(b.1));
         (high - low > 4.0 * tolerance).then_some(Extent { axis, below: low + tolerance, above: high - tolerance })
     }
 
-    /// Whether a plane perpendicular to the axis separates the hull from the occluder, or contains it.
+    /// Whether a plane perpendicular to the axis separates the hull from the occluder, or contains
+    /// it.
     fn leaves_out(&self, occluder: &Occluder) -> bool {
         let (low, high) = occluder.range(self.axis);
         high <= self.below || low >= self.above

@@ -5,8 +5,8 @@ use glam::DVec3;
 use radsight_ir::Facing;
 
 impl LightForm {
-    /// The corners of a quadrangle, one after the other: the light that a point sees lies in the pyramid between the two. None
-    /// for a distant light and for other forms around the point.
+    /// The corners of a quadrangle, one after the other: the light that a point sees lies in the
+    /// pyramid between the two. None for a distant light and for other forms around the point.
     #[must_use]
     pub fn cover(&self, receiver: DVec3) -> Option<[DVec3; 4]> {
         match self {

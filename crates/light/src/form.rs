@@ -324,7 +324,8 @@ impl LightForm {
         VisibleSide::new(receiver - *base, *axis, (radii[0], (radii[1] - radii[0]) / length), *facing)
     }
 
-    /// Solid angle of a distant light; of a near one an estimate from its cross-section, as if it faced the point, sr.
+    /// Solid angle of a distant light; of a near one an estimate from its cross-section, as if it
+    /// faced the point, sr.
     pub fn solid_angle(&self, distance: f64) -> f64 {
         match self {
             LightForm::Distant { half_angle_sin_squared_half, .. } => cap_solid_angle(*half_angle_sin_squared_half),

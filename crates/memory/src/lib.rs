@@ -3,9 +3,10 @@
 //! Without it a program ends by SIGABRT, leaves hidden files behind and gives no useful exit code.
 //! Otherwise [`ReportingAllocator`] is the system's allocator; it costs one comparison with null.
 //!
-//! Large allocations of known size, such as acceleration structures, get huge pages where the system (Linux) leaves the choice to
-//! the program: incoherent rays would wait for a page-table walk at every other step. Buffers that grow do not: they are mostly
-//! read in order, and the system takes longer to find huge pages.
+//! Large allocations of known size, such as acceleration structures, get huge pages where the
+//! system (Linux) leaves the choice to the program: incoherent rays would wait for a page-table
+//! walk at every other step. Buffers that grow do not: they are mostly read in order, and the
+//! system takes longer to find huge pages.
 //!
 //! Guarantees: the function runs once, in the thread that first found no memory; other threads wait
 //! for the end of the process. If the function itself finds no memory, the process aborts. This
@@ -51,7 +52,8 @@ pub fn when_exhausted(act: Exhausted) {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReportingAllocator;
 
-// SAFETY: all memory comes from the system's allocator and goes back to it, unchanged but for the size of its pages.
+// SAFETY: all memory comes from the system's allocator and goes back to it, unchanged but for the
+// size of its pages.
 unsafe impl GlobalAlloc for ReportingAllocator {
     #[inline]
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -91,11 +93,12 @@ fn in_huge_pages(memory: *mut u8, bytes: usize) -> *mut u8 {
 #[cold]
 fn ask_for_huge_pages(memory: *mut u8, bytes: usize) {
     use rustix::mm::{Advice, madvise};
-    // Whole pages, those of both ends among them: a part without the advice would be a mapping of its own, and a piece in two
-    // mappings is copied where it grows instead of moved.
+    // Whole pages, those of both ends among them: a part without the advice would be a mapping of
+    // its own, and a piece in two mappings is copied where it grows instead of moved.
     let before = memory.addr() % rustix::param::page_size();
-    // SAFETY: the advice changes neither what pages hold nor who may use them, so it may cover what stands beside the piece in the
-    // pages of its ends. Systems without huge pages refuse it, which does no harm.
+    // SAFETY: the advice changes neither what pages hold nor who may use them, so it may cover what
+    // stands beside the piece in the pages of its ends. Systems without huge pages refuse it, which
+    // does no harm.
     let _ = unsafe { madvise(memory.wrapping_sub(before).cast(), bytes + before, Advice::LinuxHugepage) };
 }
 

@@ -1,17 +1,22 @@
-//! Reads Radiance scene text and lowers it to the scene; writes scenes; places text as `xform` does.
+//! Reads Radiance scene text and lowers it to the scene; writes scenes; places text as `xform`
+//! does.
 //!
 //! Four layers, each of which knows only those before it:
-//! - [`syntax`]: the grammar. A walk over a text gives its items with their places, and all mistakes of form.
+//! - [`syntax`]: the grammar. A walk over a text gives its items with their places, and all
+//!   mistakes of form.
 //! - *placement*: what `xform` does to each type; [`xform`](fn@xform) applies it from text to text.
-//! - *lowering*: [`read_scene`] resolves names, runs commands, compiles functions, reads tables and pictures, and gives a
-//!   [`radsight_ir::Scene`]. Arrays and nested `xform`s place the primitives without going through text again.
-//! - *writing*: [`write_scene`] gives text that real Radiance reads to the same scene; [`bounds`](fn@bounds) and
-//!   [`cube`] are those of `getbbox` and `oconv`.
+//! - *lowering*: [`read_scene`] resolves names, runs commands, compiles functions, reads tables and
+//!   pictures, and gives a [`radsight_ir::Scene`]. Arrays and nested `xform`s place the primitives
+//!   without going through text again.
+//! - *writing*: [`write_scene`] gives text that real Radiance reads to the same scene;
+//!   [`bounds`](fn@bounds) and [`cube`] are those of `getbbox` and `oconv`.
 //!
-//! Guarantees: no input makes reading panic, hang or exhaust the memory; every mistake of every file is found, each with its
-//! place, what was expected, and how the text came to be read; the same inputs give the same scene.
+//! Guarantees: no input makes reading panic, hang or exhaust the memory; every mistake of every
+//! file is found, each with its place, what was expected, and how the text came to be read; the
+//! same inputs give the same scene.
 //!
-//! May not know the disk (files and commands come through a [`radsight_loader::Loader`]) nor how rays are traced.
+//! May not know the disk (files and commands come through a [`radsight_loader::Loader`]) nor how
+//! rays are traced.
 //!
 //! ```
 //! use radsight_loader::MemoryLoader;

@@ -1,4 +1,5 @@
-//! From scene text to the scene: names become handles, commands run, transforms are applied, functions compiled.
+//! From scene text to the scene: names become handles, commands run, transforms are applied,
+//! functions compiled.
 
 mod bsdf_file;
 mod data_file;

@@ -109,7 +109,7 @@ impl Placement {
         if self.prefix.is_empty() {
             return name.to_owned();
         }
-        name.split_inclusive('>').map(|relay| format!("{}.{relay}", self.prefix)).collect()
+        name.split_inclusive('>').map(|part| format!("{}.{part}", self.prefix)).collect()
     }
 
     fn polygon(&self, vertices: &mut [f64]) {

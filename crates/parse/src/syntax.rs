@@ -1,10 +1,12 @@
 //! The grammar of scene text: a lossless list of items, each with its place.
 //!
-//! [`Items`] walks over a text without copying it and without a fresh allocation for each primitive; [`Document`] is the
-//! same list kept in memory, for a file that is used many times. Neither knows what the arguments of a type mean.
+//! [`Items`] walks over a text without copying it and without a fresh allocation for each
+//! primitive; [`Document`] is the same list kept in memory, for a file that is used many times.
+//! Neither knows what the arguments of a type mean.
 //!
-//! A word is read as Radiance reads it: it ends at white space, may have quoted parts anywhere, and a quote of one kind may
-//! stand between quotes of the other. Numbers are written as C writes them in decimal; `inf` and `nan` are not numbers.
+//! A word is read as Radiance reads it: it ends at white space, may have quoted parts anywhere, and
+//! a quote of one kind may stand between quotes of the other. Numbers are written as C writes them
+//! in decimal; `inf` and `nan` are not numbers.
 //!
 //! ```
 //! use radsight_parse::syntax::{Item, Items};

@@ -58,7 +58,8 @@ pub enum MatrixValues {
     F64(Image<f64>),
 }
 
-/// A float matrix, as stored: multiply by [`Header::radiance_scale`] to undo EXPOSURE and COLORCORR.
+/// A float matrix, as stored: multiply by [`Header::radiance_scale`] to undo EXPOSURE and
+/// COLORCORR.
 ///
 /// ```
 /// use radsight_picture::{FloatMatrix, Header, Image, MatrixFormat};

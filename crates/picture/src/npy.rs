@@ -1,8 +1,8 @@
 //! NumPy arrays (`.npy`): single and double precision, row by row (C order).
 //!
-//! Layout: `\x93NUMPY`, two version bytes, the length of the header (two bytes in version 1, four later, least
-//! significant first), a Python dictionary with `descr`, `fortran_order` and `shape`, then the values.
-//! Source: the NumPy Enhancement Proposal 1.
+//! Layout: `\x93NUMPY`, two version bytes, the length of the header (two bytes in version 1, four
+//! later, least significant first), a Python dictionary with `descr`, `fortran_order` and `shape`,
+//! then the values. Source: the NumPy Enhancement Proposal 1.
 
 use crate::error::shown;
 use crate::pfm::binary_values;
@@ -29,7 +29,8 @@ pub fn read_npy(bytes: &[u8]) -> Result<Image<f32>, PictureError> {
     Image::new(shape.0, shape.1, shape.2, data)
 }
 
-/// Writes an array of single-precision values of shape (height, width), with one component, or (height, width, components).
+/// Writes an array of single-precision values of shape (height, width), with one component, or
+/// (height, width, components).
 ///
 /// ```
 /// let image = radsight_picture::Image::new(1, 1, 1, vec![1.0f32]).unwrap();

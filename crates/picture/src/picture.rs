@@ -149,7 +149,8 @@ impl Picture {
         Picture::encode_three(header, values, Encoding::Xyze)
     }
 
-    /// Encodes spectra in equal bands from the longest wavelength `splits[0]` to the shortest `splits[3]`, in nm.
+    /// Encodes spectra in equal bands from the longest wavelength `splits[0]` to the shortest
+    /// `splits[3]`, in nm.
     ///
     /// # Errors
     /// [`PictureError::Shape`] unless there are more than three components.
@@ -268,8 +269,8 @@ impl Picture {
         Image::new(self.width(), self.height(), components, data).expect("the data have this shape")
     }
 
-    /// Raw values in three components: RGBE and XYZE unchanged, and the mean of a
-    /// spectrum in its red, green and blue ranges. `pvalue` prints these, and `colorpict` uses them.
+    /// Raw values in three components: RGBE and XYZE unchanged, and the mean of a spectrum in its
+    /// red, green and blue ranges. `pvalue` prints these, and `colorpict` uses them.
     #[must_use]
     pub fn three_values(&self) -> Image<f32> {
         let values = self.values();

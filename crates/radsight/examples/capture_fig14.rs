@@ -1,4 +1,5 @@
-//! The paper's Fig. 14: a steel washer on retroreflective sheeting under a ring of LEDs, as grey values of the camera.
+//! The paper's Fig. 14: a steel washer on retroreflective sheeting under a ring of LEDs, as grey
+//! values of the camera.
 
 use radsight::{Capture, Error, Scene};
 

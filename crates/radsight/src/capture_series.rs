@@ -20,8 +20,8 @@ use std::cell::RefCell;
 ///
 /// Common work is done once. The scene is read once per light ring. Pictures that differ in the
 /// sensor, the exposure time or the LEDs' intensity share their rays. Pictures that differ in the
-/// poses of parts share all pixels whose light does not meet the parts. These shared pixels get more
-/// rays than in a single picture, and their error is the same in all pictures.
+/// poses of parts share all pixels whose light does not meet the parts. These shared pixels get
+/// more rays than in a single picture, and their error is the same in all pictures.
 ///
 /// ```
 /// use radsight::{Capture, CaptureSeries, MemoryLoader, PartMove, Scene, SeriesPicture};

@@ -10,8 +10,8 @@ const FURTHER_RAYS_FROM: u32 = 40;
 /// Computes the radiance along camera rays.
 ///
 /// The library's integrator is [`PathIntegrator`]. A custom one queries the scene through
-/// [`RayQueries`]: the first hit of a ray, the result of the library's integrator, and random numbers
-/// that are stratified over the samples of a pixel.
+/// [`RayQueries`]: the first hit of a ray, the result of the library's integrator, and random
+/// numbers that are stratified over the samples of a pixel.
 ///
 /// ```
 /// use radsight::{Camera, CameraRay, Integrator, Ray, RayQueries, Renderer, Scene};

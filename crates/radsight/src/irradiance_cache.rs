@@ -15,7 +15,8 @@ pub(crate) enum CacheFilling {
 }
 
 impl Renderer {
-    /// The irradiance cache as bytes for [`Renderer::load_irradiance_cache`]; `None` if it is empty.
+    /// The irradiance cache as bytes for [`Renderer::load_irradiance_cache`]; `None` if it is
+    /// empty.
     ///
     /// ```
     /// use radsight::{Renderer, Scene, View};
@@ -43,8 +44,8 @@ impl Renderer {
     /// number of records. Rays for which it was gathered get the same results, bit for bit.
     ///
     /// # Errors
-    /// [`Error::Cache`] if it was saved for another scene or other options, also after a later change
-    /// of options; as [`Renderer::new`].
+    /// [`Error::Cache`] if it was saved for another scene or other options, also after a later
+    /// change of options; as [`Renderer::new`].
     pub fn load_irradiance_cache(&mut self, bytes: Vec<u8>) -> Result<usize, Error> {
         let (before, options) = (self.loaded.take(), self.options.clone());
         let scene = self.scene.scene.fingerprint();

@@ -12,7 +12,8 @@
 //! | [`Error`] | errors as data: each message with file, line and column |
 //!
 //! Units: lengths are in scene units, radiance is W/(sr·m²) in three bands (red, green, blue of
-//! Radiance's primaries), irradiance W/m², exposure J/m². Requested errors are relative: 0.02 is 2 %.
+//! Radiance's primaries), irradiance W/m², exposure J/m². Requested errors are relative: 0.02 is 2
+//! %.
 //!
 //! Guarantees: results are functions of scene, options and seed, whatever the number of threads. A
 //! [`Renderer`] keeps its irradiance cache, so with `ambient_bounces` a second picture of the same

@@ -38,7 +38,8 @@ enum Column {
 ///
 /// A column is `name`, a key of the camera file such as `rig.ring_diameter_mm`, or `move NAME` with
 /// the transform of the surfaces with that name ([`PartMove::new`]). An empty cell changes nothing.
-/// Cells with commas are put in double quotes. Empty lines and lines that begin with `#` are skipped.
+/// Cells with commas are put in double quotes. Empty lines and lines that begin with `#` are
+/// skipped.
 ///
 /// ```
 /// let text = b"move washer_*,rig.ring_diameter_mm\n-t .01 0 0,20\n,30\n";

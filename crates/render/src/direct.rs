@@ -225,8 +225,8 @@ impl DirectSampler<'_> {
         light: &Light,
         u: [f64; 2],
     ) -> Option<LightSample> {
-        let bent = if light.is_redirected() { self.connect_through_prism(tracer, light, u) } else { None };
-        let sample = match bent {
+        let redirected = if light.is_redirected() { self.connect_through_prism(tracer, light, u) } else { None };
+        let sample = match redirected {
             Some(sample) => sample,
             None => light.sample(self.point, u, &self.reception.peak)?,
         };

@@ -42,7 +42,7 @@ struct ShadowRay<const BANDS: usize> {
     /// Number of the light's mirrors behind it.
     virtual_form: usize,
     /// Whether it was refracted, so that it may miss its light.
-    bent: bool,
+    is_refracted: bool,
 }
 
 impl<const BANDS: usize> ShadowRay<BANDS> {
@@ -110,7 +110,7 @@ impl DirectSampler<'_> {
             through: [1.0; BANDS],
             travelled: self.travelled,
             virtual_form: 0,
-            bent: false,
+            is_refracted: false,
         };
         for _ in 0..MAX_CROSSINGS {
             let Some(mut hit) = plan.first_hit(&walk.ray, walk.from) else {
@@ -155,7 +155,7 @@ impl DirectSampler<'_> {
                     (direction, weight)
                 }
             };
-            walk.bent |= direction != walk.ray.direction;
+            walk.is_refracted |= direction != walk.ray.direction;
             walk.through = product(walk.through, weight);
             if walk.through.iter().all(|band| *band <= 0.0) {
                 return dark;
@@ -465,7 +465,7 @@ fn redirect<const BANDS: usize>(
     tracer.note_shadow_bounce(walk.ray, BounceType::Transmitted { image: Image::InPlace }, [coefficient; BANDS]);
     walk.from = Some(hit.primitive);
     walk.virtual_form += 1;
-    walk.bent = true;
+    walk.is_refracted = true;
     true
 }
 
@@ -529,7 +529,7 @@ fn arrive<const BANDS: usize>(
     let plan = tracer.plan;
     tracer.note_shadow_hit(hit, walk.medium.shadow_transmission(hit.distance));
     let mut found = radiance;
-    if walk.bent {
+    if walk.is_refracted {
         if walk.ray.direction.dot(hit.front) >= 0.0 {
             return [0.0; BANDS];
         }
@@ -555,7 +555,7 @@ fn leave<const BANDS: usize>(
         return [0.0; BANDS];
     }
     let mut found = radiance;
-    if walk.bent {
+    if walk.is_refracted {
         let source = &plan.scene.sources[source];
         let sin = (0.25 * source.extent.full_angle).sin();
         if 0.25 * source.direction.distance_squared(walk.ray.direction) > sin * sin {

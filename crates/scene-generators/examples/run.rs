@@ -1,4 +1,5 @@
-//! Runs a scene command line with files from the working directory: `cargo run --example run -- "genbox m b 1 1 1"`.
+//! Runs a scene command line with files from the working directory: `cargo run --example run --
+//! "genbox m b 1 1 1"`.
 
 use std::cell::OnceCell;
 use std::io::{self, Write};

@@ -7,7 +7,8 @@
 use glam::DVec3;
 use radsight_units::color::{XYZ_TO_RGB, rgb_to_xyz};
 
-/// The red, green and blue of a colour with chromaticity (x, y) and luminance (or reflectance) `level`.
+/// The red, green and blue of a colour with chromaticity (x, y) and luminance (or reflectance)
+/// `level`.
 pub(crate) fn rgb_of_chromaticity([x, y]: [f64; 2], level: f64) -> [f64; 3] {
     if level <= 0.0 || y <= 0.0 {
         return [0.0; 3];

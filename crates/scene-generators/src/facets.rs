@@ -135,7 +135,8 @@ impl Mesh {
         false
     }
 
-    /// The triangles to smooth: those of quadrilaterals, last first, then the faces that are triangles.
+    /// The triangles to smooth: those of quadrilaterals, last first, then the faces that are
+    /// triangles.
     fn smooth_triangles(&self, smooth: &[bool]) -> Vec<[Use; 3]> {
         let chosen = || self.faces.iter().zip(smooth).filter(|(_, smooth)| **smooth).map(|(face, _)| face);
         let mut triangles: Vec<[Use; 3]> =
@@ -337,7 +338,8 @@ impl Barycentric {
         Some(Barycentric { axis, functions })
     }
 
-    /// The real arguments of a `texfunc` of `tmesh.cal` that interpolates a vector given at the three corners.
+    /// The real arguments of a `texfunc` of `tmesh.cal` that interpolates a vector given at the
+    /// three corners.
     pub(crate) fn write_interpolation(&self, text: &mut Text, at_corners: &[[f64; 3]; 3]) -> Result<(), Error> {
         writeln!(text, "10\t{}", self.axis)?;
         let [at_first, at_second, at_third] = at_corners;

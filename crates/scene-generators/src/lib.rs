@@ -235,7 +235,8 @@ pub fn knows(program: &str) -> bool {
 /// Runs one command. `argv[0]` is the program's name.
 ///
 /// # Errors
-/// When the program is unknown, its arguments or input are wrong, a file or standard input cannot be read, or the output would be too large.
+/// When the program is unknown, its arguments or input are wrong, a file or standard input cannot
+/// be read, or the output would be too large.
 pub fn run(argv: &[String], standard_input: &dyn StandardInput, loader: &dyn Loader) -> Result<Output, Error> {
     run_with(argv, standard_input, loader, &|_, _| None)
 }

@@ -15,7 +15,8 @@ pub(crate) const SOLAR_CONSTANT: f64 = 1367.0;
 const CLEARNESS: (f64, f64) = (1.0, 12.01);
 const BRIGHTNESS: (f64, f64) = (0.01, 0.6);
 
-/// Colour coefficients measured in Berlin (A. Diakite-Kortlever and M. Knoop), and those of the CIE daylight locus.
+/// Colour coefficients measured in Berlin (A. Diakite-Kortlever and M. Knoop), and those of the CIE
+/// daylight locus.
 #[rustfmt::skip]
 pub(crate) const LOCUS_BERLIN: [f32; 11] = [
     -4.843e9, 2.5568e6, 0.24282e3, 0.23258, -4.843e9, 2.5568e6, 0.24282e3, 0.23258, -1.2848, 1.7519, -0.093786,
@@ -28,13 +29,15 @@ pub(crate) const LOCUS_CIE: [f32; 11] = [
 /// Lower bounds of the eight classes of clearness.
 const CLASSES: [f64; 8] = [1.0, 1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200];
 
-/// For each class: a + b·W + c·cos Z + d·ln Δ, the luminous efficacy of diffuse light in lm/W; W is precipitable water in cm.
+/// For each class: a + b·W + c·cos Z + d·ln Δ, the luminous efficacy of diffuse light in lm/W; W is
+/// precipitable water in cm.
 #[rustfmt::skip]
 const DIFFUSE_EFFICACY: [[f64; 4]; 8] = [
     [97.24, -0.46, 12.00, -8.91], [107.22, 1.15, 0.59, -3.95], [104.97, 2.96, -5.53, -8.77], [102.39, 5.59, -13.95, -13.90],
     [100.71, 5.94, -22.75, -23.74], [106.42, 3.83, -36.15, -28.83], [141.88, 1.90, -53.24, -14.03], [152.23, 0.35, -45.27, -7.98],
 ];
-/// For each class: a + b·W + c·exp(5.73 Z − 5) + d·Δ, the luminous efficacy of direct light in lm/W.
+/// For each class: a + b·W + c·exp(5.73 Z − 5) + d·Δ, the luminous efficacy of direct light in
+/// lm/W.
 #[rustfmt::skip]
 const DIRECT_EFFICACY: [[f64; 4]; 8] = [
     [57.20, -4.55, -2.98, 117.12], [98.99, -3.46, -1.21, 12.38], [109.83, -4.90, -1.71, -8.81], [110.34, -5.84, -1.99, -4.56],

@@ -46,7 +46,8 @@ fn host_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../brdf-host")
 }
 
-/// Compiles a C file of `brdf-host/tests/c` to the library `name` in `folder`; `None` without a C compiler.
+/// Compiles a C file of `brdf-host/tests/c` to the library `name` in `folder`; `None` without a C
+/// compiler.
 ///
 /// # Panics
 /// When the file does not compile.

@@ -20,11 +20,11 @@
 //! | | roughness of the film, for its sheen | 1 | 0.0005 … 1 (default 0.1) |
 //!
 //! Lobe: Rushmeier, Parker and Lee, "Physically Accurate Synthetic Images for Computer Vision
-//! System Design", 1991, eq. 6, in a reciprocal form:
-//! `f = ρ_s exp(−δ²/4α²)/(4πα² max(cos θ_i, cos θ_o))`, with δ the angle between the two directions
-//! (the observation angle). Light passes the film twice, with Fresnel's transmittance relative to
-//! normal incidence, so the lobe decreases with the entrance angle. The film itself reflects as
-//! microfacets (Walter et al., EGSR 2007): the sheen that the paper's conclusions miss.
+//! System Design", 1991, eq. 6, in a reciprocal form: `f = ρ_s exp(−δ²/4α²)/(4πα² max(cos θ_i, cos
+//! θ_o))`, with δ the angle between the two directions (the observation angle). Light passes the
+//! film twice, with Fresnel's transmittance relative to normal incidence, so the lobe decreases
+//! with the entrance angle. The film itself reflects as microfacets (Walter et al., EGSR 2007): the
+//! sheen that the paper's conclusions miss.
 //!
 //! The sum of ρ_s, ρ_d and the film's reflectance must not exceed 1.
 

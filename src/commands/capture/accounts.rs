@@ -97,7 +97,7 @@ pub(super) fn record(
     record.push_setting("seed", arguments.seed.to_string());
     record.push_setting("threads", rayon::current_num_threads().to_string());
     record.push_setting("diffuse interreflections (-ab)", options.ambient_bounces.to_string());
-    record.push_setting("mirror relays of a light (-dr)", options.mirror_sources.to_string());
+    record.push_setting("mirror reflections of a light (-dr)", options.mirror_sources.to_string());
     record
 }
 

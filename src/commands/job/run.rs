@@ -60,7 +60,8 @@ fn part_of(job: &RenderJob, part: &str, size: [usize; 2]) -> Result<RenderJob, F
     })
 }
 
-/// Tells inputs apart: what stands in the scene's texts and in all files that were read, but for the job's own.
+/// Tells inputs apart: what stands in the scene's texts and in all files that were read, but for
+/// the job's own.
 fn digest<'t>(job: &str, texts: impl Iterator<Item = &'t [u8]>) -> Result<String, Failure> {
     let mut digest = Sha256::new();
     texts.for_each(|text| digest.update(Sha256::digest(text)));

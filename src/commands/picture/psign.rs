@@ -1,4 +1,5 @@
-//! `psign [-cb R G B] [-cf R G B] [-dr|-du|-dl|-dd] [-h N] [-a A] [-x N] [-y N] [-s S] [-f font] [text …]`: text as a picture.
+//! `psign [-cb R G B] [-cf R G B] [-dr|-du|-dl|-dd] [-h N] [-a A] [-x N] [-y N] [-s S] [-f font]
+//! [text …]`: text as a picture.
 
 use super::files::output;
 use crate::commands::words::Words;

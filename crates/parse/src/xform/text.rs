@@ -15,7 +15,8 @@ const MAX_DEPTH: usize = 32;
 /// Runs `xform` on text. `argv[0]` is the program's name; without files, it reads standard input.
 ///
 /// # Errors
-/// When an argument, a file or a primitive is wrong, a command in a file fails, or the output is too large.
+/// When an argument, a file or a primitive is wrong, a command in a file fails, or the output is
+/// too large.
 pub fn xform(argv: &[String], standard_input: &dyn StandardInput, loader: &dyn Loader) -> Result<Output, Error> {
     run(argv, standard_input, loader, 0)
 }

@@ -27,7 +27,8 @@ pub(super) const DEFAULT: [[f64; 3]; 23] = [
     [0.9863, 0.9707, 0.02539],
 ];
 
-/// The "turbo" scale (A. Mikhailov, "Turbo, an improved rainbow colormap for visualization", 2019), with the display's gamma.
+/// The "turbo" scale (A. Mikhailov, "Turbo, an improved rainbow colormap for visualization", 2019),
+/// with the display's gamma.
 pub(super) const TURBO: [[f64; 3]; 256] = [
     [0.18995, 0.07176, 0.23217],
     [0.19483, 0.08339, 0.26149],

@@ -114,9 +114,10 @@ impl View {
         self.above
     }
 
-    /// Width and height in the units of the projection: twice the tangent of half the angle (perspective, and the
-    /// height of a panorama), twice its sine (hemispherical), radians (angular, and the width of a panorama), twice the
-    /// tangent of a quarter of the angle (planispheric), or scene units (parallel).
+    /// Width and height in the units of the projection: twice the tangent of half the angle
+    /// (perspective, and the height of a panorama), twice its sine (hemispherical), radians
+    /// (angular, and the width of a panorama), twice the tangent of a quarter of the angle
+    /// (planispheric), or scene units (parallel).
     #[must_use]
     pub fn size(&self) -> DVec2 {
         self.size

@@ -53,7 +53,8 @@ impl ViewKind {
     }
 }
 
-/// A view as typed. The default is Radiance's: perspective, from the origin along +y, up +z, 45° by 45°.
+/// A view as typed. The default is Radiance's: perspective, from the origin along +y, up +z, 45° by
+/// 45°.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewOptions {
     /// `-vt`.

@@ -3,8 +3,8 @@
 use super::{JobResult, RenderJob, Tile};
 use crate::error::Error;
 
-/// This share of a band's mean is added in squares to a value where an error is taken relative to it, as in renderings to an
-/// asked error: what is darker need not be more exact.
+/// This share of a band's mean is added in squares to a value where an error is taken relative to
+/// it, as in renderings to an asked error: what is darker need not be more exact.
 const DARK: f64 = 0.01;
 
 /// A picture from the parts that are there; the others are black.
@@ -14,7 +14,8 @@ pub struct MergedJob {
     pub job: RenderJob,
     /// Pixels in a row and rows; rays are one row.
     pub size: [usize; 2],
-    /// 3 for radiances in red, green and blue, W/(sr·m²), or what a job of rays asks for; 1 for exposures, J/m².
+    /// 3 for radiances in red, green and blue, W/(sr·m²), or what a job of rays asks for; 1 for
+    /// exposures, J/m².
     pub components: usize,
     /// The components of each pixel, top row first.
     pub values: Vec<f32>,
@@ -27,7 +28,8 @@ impl MergedJob {
     /// Puts parts together, in any order. A part may be there twice.
     ///
     /// # Errors
-    /// [`Error::Part`] for no parts, parts of different jobs, and parts that differ where they should not.
+    /// [`Error::Part`] for no parts, parts of different jobs, and parts that differ where they
+    /// should not.
     pub fn of(parts: &[JobResult]) -> Result<MergedJob, Error> {
         let bad = |index: usize, reason: &str| Error::Part { name: format!("part {index}"), reason: reason.to_owned() };
         let Some(first) = parts.first() else { return Err(bad(0, "there is none, expected at least one")) };
@@ -99,9 +101,10 @@ impl MergedJob {
         missing
     }
 
-    /// Estimated relative error of the pixels that are there: of radiances the root of the mean of `d²/(v² + (0.01·m)²)` over the bands of
-    /// all pixels, d the standard error of a value v and m the mean of its band; of exposures the rms standard error as a share
-    /// of the mean. `None` with one sample, and where nothing is there or all is black.
+    /// Estimated relative error of the pixels that are there: of radiances the root of the mean of
+    /// `d²/(v² + (0.01·m)²)` over the bands of all pixels, d the standard error of a value v and m
+    /// the mean of its band; of exposures the rms standard error as a share of the mean. `None`
+    /// with one sample, and where nothing is there or all is black.
     #[must_use]
     pub fn relative_error(&self) -> Option<f64> {
         let is_there = |number: &usize| self.has_pixel[number / self.components];

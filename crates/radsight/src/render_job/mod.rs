@@ -1,9 +1,10 @@
 //! Parts of a picture or a capture as plain data, for other processes and other machines.
 //!
-//! A [`RenderJob`] says what is seen, how many samples each pixel has, the seed, and which rectangle of the pixels, or range of
-//! the rays, is asked for. It is split into jobs for smaller parts; each gives a [`JobResult`]; these are merged to the whole. A
-//! pixel depends on scene, options, samples, seed and irradiance cache alone, so the merged picture is the one that a single
-//! process renders, to the last bit, however it was split.
+//! A [`RenderJob`] says what is seen, how many samples each pixel has, the seed, and which
+//! rectangle of the pixels, or range of the rays, is asked for. It is split into jobs for smaller
+//! parts; each gives a [`JobResult`]; these are merged to the whole. A pixel depends on scene,
+//! options, samples, seed and irradiance cache alone, so the merged picture is the one that a
+//! single process renders, to the last bit, however it was split.
 //!
 //! ```
 //! use radsight::{JobTarget, MergedJob, RenderJob, Renderer, Scene, View};
@@ -49,7 +50,8 @@ const FORMAT: u32 = 1;
 pub struct RenderJob {
     /// The format of the job: 1.
     pub format: u32,
-    /// The scene's files and octrees, for who reads the scene; a library user may give the scene itself.
+    /// The scene's files and octrees, for who reads the scene; a library user may give the scene
+    /// itself.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scenes: Vec<String>,
     /// What sees the scene.
@@ -63,7 +65,8 @@ pub struct RenderJob {
     /// Diffuse interreflections that are followed (`-ab`).
     #[serde(default)]
     pub ambient_bounces: u32,
-    /// Error at which interpolation of irradiance aims (`-aa`); 0 follows light path by path. With more the parts share a cache that is made before.
+    /// Error at which interpolation of irradiance aims (`-aa`); 0 follows light path by path. With
+    /// more the parts share a cache that is made before.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub ambient_accuracy: f64,
     /// Rays of a cache point (`-ad`); as the renderer's default if it is not said.
@@ -72,7 +75,8 @@ pub struct RenderJob {
     /// Further rays of it (`-as`); as the renderer's default if it is not said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ambient_super_samples: Option<u32>,
-    /// The file of the irradiance cache, for who reads it; a library user may give the cache itself.
+    /// The file of the irradiance cache, for who reads it; a library user may give the cache
+    /// itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub irradiance_cache: Option<String>,
     /// Which columns of a picture or capture are asked for; all of them if it is not said.
@@ -84,7 +88,8 @@ pub struct RenderJob {
     /// Which rays of a job of rays are asked for; all of them if it is not said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rays: Option<Range<usize>>,
-    /// Says which inputs the values are made from, so that no others are merged with them; the program writes a SHA-256 here.
+    /// Says which inputs the values are made from, so that no others are merged with them; the
+    /// program writes a SHA-256 here.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub inputs: String,
 }
@@ -110,7 +115,8 @@ pub enum JobTarget {
     },
     /// Rays; the values are what each brings.
     Trace {
-        /// The file of the rays, for who reads it: six numbers a ray, origin and direction. A library user may give the rays themselves.
+        /// The file of the rays, for who reads it: six numbers a ray, origin and direction. A
+        /// library user may give the rays themselves.
         rays: String,
         /// How the numbers are written.
         #[serde(default)]

@@ -45,7 +45,8 @@ impl JobResult {
         self.job.tile_of(self.size)
     }
 
-    /// The bytes of a file: a Radiance float matrix, each pixel its values and then its standard errors, with the job in its header.
+    /// The bytes of a file: a Radiance float matrix, each pixel its values and then its standard
+    /// errors, with the job in its header.
     ///
     /// # Errors
     /// [`Error::Part`] and [`Error::Option`] where the fields do not fit each other.

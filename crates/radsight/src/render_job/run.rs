@@ -118,7 +118,8 @@ impl RenderJob {
     /// and the camera's light ring.
     ///
     /// # Errors
-    /// [`Error::Bands`], and [`Error::Option`] for a camera whose pixels cannot be exposed apart. `None` if the work was stopped.
+    /// [`Error::Bands`], and [`Error::Option`] for a camera whose pixels cannot be exposed apart.
+    /// `None` if the work was stopped.
     pub fn expose(
         &self,
         renderer: &radsight_render::Renderer,

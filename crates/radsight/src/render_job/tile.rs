@@ -62,7 +62,8 @@ impl RenderJob {
     /// Jobs for rectangles of at most so many columns and rows.
     ///
     /// # Errors
-    /// [`Error::Option`] for a rectangle without pixels, for a job of rays, and for pixels that the picture does not have.
+    /// [`Error::Option`] for a rectangle without pixels, for a job of rays, and for pixels that the
+    /// picture does not have.
     pub fn split_tiles(&self, [width, height]: [usize; 2], size: [usize; 2]) -> Result<Vec<RenderJob>, Error> {
         if width == 0 || height == 0 {
             return Err(wrong("tiles", format!("{width}x{height}"), "at least one pixel"));
