@@ -2,9 +2,10 @@
 //!
 //! A plane mirror shows a light with its full radiance, a thousand times that of a sheet. For a
 //! point on the pixel, the points of the pinhole that may see the image fill the overlap of the
-//! pinhole, the image's ellipse and, for a ring, the mirror's outline. Most rays are aimed at these overlaps, and of them only those that hit the mirror
-//! are traced. The other rays sample the whole pinhole and leave out what the first ones trace.
-//! Among the aimed rays the radiance is nearly constant, so that few of them suffice.
+//! pinhole, the image's ellipse and, for a ring, the mirror's outline. Most rays are aimed at these
+//! overlaps, and of them only those that hit the mirror are traced. The other rays sample the whole
+//! pinhole and leave out what the first ones trace. Among the aimed rays the radiance is nearly
+//! constant, so that few of them suffice.
 
 use crate::mirrored_lights::Ellipse;
 use glam::{DMat2, DVec2};
