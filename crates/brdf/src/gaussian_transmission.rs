@@ -13,7 +13,7 @@
 //! therefore divided by the larger of [`grazing_gain`] at θ_i and at θ_o, which keeps it reciprocal.
 //! With c = cos θ_o and C the positive part of the incident cosine of a sample of the normalised
 //! lobe, the directional albedo of f is τ·E(√(C/c)) ≤ τ·√(P(C > 0)·E(C)/c), by the Cauchy–Schwarz
-//! inequality. In the plane of incidence the lobe is Gaussian, with standard deviation α/√2.
+//! inequality. The angle off the axis is Gaussian, with standard deviation α/√2.
 //! Anisotropic lobes keep the albedo of Radiance's formula below grazing, which is more or less than
 //! τ by azimuth.
 
@@ -62,8 +62,20 @@ impl<const BANDS: usize> GaussianTransmission<BANDS> {
             if in_plane > f64::MIN_POSITIVE { ((off.x / x).powi(2) + (off.y / y).powi(2)) / in_plane } else { 0.0 };
         let value = (-off.length_squared() * widths).exp() / (PI * x * y);
         let least = cosine.min(-incident.z).max(LEAST_COSINE);
-        let gain = grazing_gain(least / (x.max(y) * FRAC_1_SQRT_2));
+        let gain = grazing_gain(least / self.deviation_across(axis + incident));
         (value * (-incident.z / cosine.max(LEAST_COSINE)).sqrt() / gain, self.density(axis, incident))
+    }
+
+    /// Standard deviation of the lobe about an axis at grazing incidence, radians. There nearly all
+    /// directions of the lobe differ from the axis across the plane of incidence, if they are
+    /// projected onto the surface: that width applies.
+    fn deviation_across(&self, axis: DVec3) -> f64 {
+        let [x, y] = self.roughness;
+        let length_squared = axis.x * axis.x + axis.y * axis.y;
+        if x == y || length_squared < f64::MIN_POSITIVE {
+            return x * FRAC_1_SQRT_2;
+        }
+        (0.5 * length_squared / ((axis.y / x).powi(2) + (axis.x / y).powi(2))).sqrt()
     }
 
     /// Samples an incident direction. It may lie on the wrong side, where the lobe is zero.
