@@ -68,6 +68,7 @@ const WORDS: &[(&str, &str)] = &[
 const EXCEPTIONS: &[(&str, &str, &str)] = &[
     ("Leaves", "crates/accel/src/", "the leaves of a hierarchy"),
     ("Segment", "crates/camera/src/lobe_pattern.rs", "a segment of a table"),
+    ("relays", "crates/options/src/tables/rendering.rs", "Radiance's own text for -dr in -defaults"),
     ("looks", "src/trust/outputs.rs", "a message: a name looks like an option"),
     ("looks", "tests/hostile/trust_outputs.rs", "that message"),
     ("look", "crates/camera/tests/camera_file.rs", "an assertion: to look for a value"),

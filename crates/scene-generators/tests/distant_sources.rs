@@ -43,20 +43,21 @@ fn light(degrees_across: f64, radiance: [f64; 3]) -> f64 {
     2.0 * std::f64::consts::PI * (1.0 - (degrees_across / 2.0).to_radians().cos()) * radiance[1]
 }
 
-fn expect_lights(found: &[([f64; 3], f64, [f64; 3])]) {
+/// `tolerance` is relative to the light of a source.
+fn expect_lights(found: &[([f64; 3], f64, [f64; 3])], tolerance: f64) {
     assert_eq!(found.len(), 2, "{found:?}");
     for ((centre, degrees, radiance), (direction, across, source)) in LIGHTS.iter().zip(found) {
         let cosine: f64 = (0..3).map(|axis| centre[axis] * direction[axis]).sum();
         assert!(cosine > 0.5f64.to_radians().cos(), "{direction:?}");
         let (true_light, found_light) = (light(2.0 * degrees, *radiance), light(*across, *source));
-        assert!((found_light / true_light - 1.0).abs() < 0.03, "{found_light} {true_light}");
+        assert!((found_light / true_light - 1.0).abs() < tolerance, "{found_light} {true_light}");
     }
 }
 
 #[test]
 fn lights_are_found_with_their_whole_light() {
     let output = mksource(&words("mksource -t 50 sky.oct"), &open).unwrap();
-    expect_lights(&sources(&String::from_utf8(output.standard_output).unwrap()));
+    expect_lights(&sources(&String::from_utf8(output.standard_output).unwrap()), 0.03);
 }
 
 #[test]
@@ -88,7 +89,8 @@ fn the_real_program_finds_the_same_lights() {
         println!("skipped: this Radiance has no working mksource: {}", real.standard_error);
         return;
     }
-    expect_lights(&sources(&real.standard_output));
+    // Its samples are random.
+    expect_lights(&sources(&real.standard_output), 0.06);
 }
 
 #[test]
