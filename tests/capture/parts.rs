@@ -3,8 +3,8 @@
 //!
 //! `tests/gripps/truth/part-*.pfm` and `tall-washer.pfm` were made once by `radsight capture
 //! tests/gripps/part.toml … --samples 65536` before lights were sampled through mirrors, so neither
-//! tested strategy influenced them. `axis-washer.pfm` was made in the same way before lights in plane
-//! mirrors were sampled as strata.
+//! tested strategy influenced them. `axis-washer.pfm` was made in the same way before lights in
+//! plane mirrors were sampled as strata.
 
 use crate::pictures::{Difference, exposure_file, show};
 use crate::program::{Folder, gripps, radsight, root};

@@ -12,9 +12,9 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Distance to the cone.
 ///
 /// With `h` the height of a point above the base along the axis, the surface is
-/// `|radial part| = r₀ + k·h` for `0 ≤ h ≤ length`. The quadratic is expressed about the point of the ray nearest to
-/// the centre of the axis, so that a distant origin loses no precision. The wall is extended by the
-/// rounding error, so that no ray passes between it and a ring at its end.
+/// `|radial part| = r₀ + k·h` for `0 ≤ h ≤ length`. The quadratic is expressed about the point of
+/// the ray nearest to the centre of the axis, so that a distant origin loses no precision. The wall
+/// is extended by the rounding error, so that no ray passes between it and a ring at its end.
 #[inline]
 pub(crate) fn intersect(cone: &Cone, ray: &Ray, range: Range<f64>) -> Option<f64> {
     let axis = cone.apex - cone.base;

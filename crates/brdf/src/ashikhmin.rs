@@ -3,7 +3,8 @@
 //! Ashikhmin and Shirley, "An Anisotropic Phong BRDF Model", Journal of Graphics Tools 5(2), 2000,
 //! eq. 4, with the unit half vector h:
 //!
-//! `f = ρ_s · √((n_x+1)(n_y+1))/(8π) · h_z^((n_x h_x² + n_y h_y²)/(1−h_z²)) / (h·i · max(i_z, o_z))`
+//! `f = ρ_s · √((n_x+1)(n_y+1))/(8π) · h_z^((n_x h_x² + n_y h_y²)/(1−h_z²)) / (h·i · max(i_z,
+//! o_z))`
 //!
 //! Radiance scales ρ_s by Schlick's formula in the outgoing angle alone. The caller applies that
 //! factor; without it the model is reciprocal.

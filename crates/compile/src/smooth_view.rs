@@ -1,7 +1,8 @@
-//! Where the radiance along a ray changes smoothly when the ray is moved a little.
+//! Rays whose radiance is a smooth function of the ray.
 //!
-//! A picture may be interpolated between pixels that see the same surface, lit by the same lights, if nothing on the surface itself is sharp.
-//! Two rays whose [`SmoothView`]s join see such a surface. That says nothing of what lies between the two rays.
+//! A picture may be interpolated between pixels that see the same surface, lit by the same lights,
+//! if nothing on the surface itself is sharp. Two rays whose [`SmoothView`]s join see such a
+//! surface. They say nothing about what lies between the two rays.
 
 use crate::plan::RenderPlan;
 use crate::shader::{Kind, Shader};
@@ -14,18 +15,19 @@ use radsight_texture::Step;
 /// With more lights no view counts as smooth: each light takes a shadow ray and a bit of the view.
 const MOST_LIGHTS: usize = 64;
 
-/// A shadow ray ends this share of its length before its light.
+/// Shadow rays are shortened by this fraction of their length.
 const SHORT_OF_LIGHT: f64 = 1e-6;
 
-/// What a ray sees.
+/// The visible surface of a ray and the lights that reach it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothView {
     /// The primitive, `NONE` for no surface.
     primitive: PrimitiveId,
-    /// A bit for each light whose middle is hidden from the point.
+    /// A bit for each light whose centre is occluded.
     hidden: u64,
-    /// A bit for each light that is dark from there by its cone, and for each whose cone has the point inside from everywhere on the light.
-    /// In between the light's extent makes its edge soft.
+    /// A bit for each light whose cone excludes the point, and for each whose cone contains the
+    /// point from everywhere on the light. In between, the light's extent blurs the edge of the
+    /// cone.
     outside: u64,
     inside: u64,
 }
@@ -39,19 +41,20 @@ impl SmoothView {
     }
 }
 
-/// How a light shines to a point.
+/// How a light reaches a point.
 enum LightCoverage {
     Hidden,
-    /// It is dark there by its cone.
+    /// The point is outside the light's cone.
     Outside,
-    /// All of it has the point in its cone.
+    /// The point is inside the cone from all of the light.
     Inside,
-    /// Some of it may have.
+    /// The point may be inside the cone from a part of the light.
     Partial,
 }
 
 impl RenderPlan {
-    /// What a ray sees, if radiance is smooth there: no pattern, no texture, no mirror image, no mist.
+    /// The view of a ray, if its radiance is smooth: without pattern, texture, mirror image and
+    /// mist.
     #[must_use]
     pub fn smooth_view(&self, ray: &Ray) -> Option<SmoothView> {
         if self.has_media || self.has_antimatter || self.lights.len() > MOST_LIGHTS {
@@ -77,7 +80,8 @@ impl RenderPlan {
         Some(view)
     }
 
-    /// How a light shines to a point; `None` where it may come by way of a mirror, whose outline is sharp.
+    /// How a light reaches a point; `None` where it may be reflected by a mirror, whose outline is
+    /// sharp.
     fn coverage_of(&self, hit: &Intersection, index: usize, light: &Light) -> Option<LightCoverage> {
         let is_free = match self.receiver(hit.primitive).map(|receiver| &receiver.between[index]) {
             Some(VisibilityClass::Dark) => return Some(LightCoverage::Outside),
@@ -90,18 +94,18 @@ impl RenderPlan {
         match in_cone(light, hit.point) {
             LightCoverage::Outside => Some(LightCoverage::Outside),
             _ if !is_free && self.hides(hit, light) => Some(LightCoverage::Hidden),
-            coverage => Some(coverage),
+            reach => Some(reach),
         }
     }
 
-    /// Whether something stands between a point and the middle of a light.
+    /// Whether the centre of a light is occluded from a point.
     fn hides(&self, hit: &Intersection, light: &Light) -> bool {
         let (direction, distance) = if light.radius.is_infinite() {
             (light.center, f64::INFINITY)
         } else {
             let offset = light.center - hit.point;
             let distance = offset.length();
-            // A round light is met before its middle.
+            // A ray hits a round light before its centre.
             let depth = if light.form.plane().is_some() { 0.0 } else { light.radius };
             (offset / distance, distance * (1.0 - SHORT_OF_LIGHT) - depth)
         };
@@ -110,7 +114,7 @@ impl RenderPlan {
     }
 }
 
-/// How a point lies to the cone of a light.
+/// The position of a point relative to the cone of a light.
 fn in_cone(light: &Light, point: DVec3) -> LightCoverage {
     let Some(cone) = light.cone.filter(|_| light.radius.is_finite()) else { return LightCoverage::Partial };
     let offset = point - light.center;
@@ -118,7 +122,7 @@ fn in_cone(light: &Light, point: DVec3) -> LightCoverage {
     if distance <= light.radius {
         return LightCoverage::Partial;
     }
-    // cos(a ± b), with b the angle under which the light's radius is seen.
+    // cos(a ± b), with b the angular radius of the light.
     let (sin, cos) = cone.half_angle.sin_cos();
     let sine = light.radius / distance;
     let (along, across) = (cos * (1.0 - sine * sine).sqrt(), sin * sine);
@@ -132,12 +136,12 @@ fn in_cone(light: &Light, point: DVec3) -> LightCoverage {
     }
 }
 
-/// Whether what a shader sends on has no edges of its own.
+/// Whether the radiance from a shader has no edges of its own.
 fn is_smooth(shader: &Shader) -> bool {
     let steps = &shader.textures.steps;
     match &shader.kind {
         Kind::Glossy(glossy) => steps.is_empty() && !(glossy.is_smooth() && glossy.specularity > 0.0),
-        // Its texture is what makes it a retroreflector.
+        // The texture makes it a retroreflector.
         Kind::Retro(_) => steps.iter().all(|step| matches!(step, Step::Texture(_))),
         Kind::Plugin(_) => steps.is_empty(),
         Kind::Emitter(emitter) => steps.is_empty() && emitter.cone.is_none(),

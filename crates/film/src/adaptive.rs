@@ -33,8 +33,8 @@ const BLOCK: usize = 1 << 14;
 /// adjacent rows. A multiple of every cell size.
 const INTERPOLATED_ROWS: usize = 64;
 
-/// Relative errors are relative to `sqrt(v² + (DARK_FRACTION·m)²)` with a pixel's value v and the typical
-/// value m of the picture, so darker pixels need no more accuracy.
+/// Relative errors are relative to `sqrt(v² + (DARK_FRACTION·m)²)` with a pixel's value v and the
+/// typical value m of the picture, so darker pixels need no more accuracy.
 const DARK_FRACTION: f64 = 0.01;
 
 /// The typical value limits pixels to this multiple of the median.

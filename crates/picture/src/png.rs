@@ -11,8 +11,8 @@ const KEYWORD: &str = "Radiance header";
 /// The content of a PNG file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Png {
-    /// One (grey), two (grey, alpha), three (RGB) or four (RGB, alpha) components, from 0 to 2^bits
-    /// - 1.
+    /// One (grey), two (grey, alpha), three (RGB) or four (RGB, alpha) components, from 0 to
+    /// 2^bits - 1.
     pub values: Image<u16>,
     /// Bits per value, 8 or 16. Files with fewer bits or a palette are expanded to 8.
     pub bits: u8,

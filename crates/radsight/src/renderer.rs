@@ -245,8 +245,8 @@ impl Renderer {
         self.render_with(&PathIntegrator, camera, columns, rows)
     }
 
-    /// The same with progress reports. `progress` receives the number of finished pixels and can stop
-    /// the work; the result is then `None`.
+    /// The same with progress reports. `progress` receives the number of finished pixels and can
+    /// stop the work; the result is then `None`.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -359,8 +359,9 @@ impl Renderer {
 
     /// Traces a part of a longer list that starts at index `first`. Without cached irradiance, or
     /// with only that of [`Renderer::only_irradiance_cache`], the results equal those of the whole
-    /// list. `of` converts each result on the thread that traced it, so that only what it returns is
-    /// kept. `progress` receives the finished share and can stop the work; the result is then `None`.
+    /// list. `of` converts each result on the thread that traced it, so that only what it returns
+    /// is kept. `progress` receives the finished share and can stop the work; the result is then
+    /// `None`.
     ///
     /// # Errors
     /// As [`Renderer::trace`].

@@ -62,8 +62,8 @@ impl MirroredLight {
         plan.first_hit(ray, None).is_some_and(|hit| Some(hit.surface) == self.mirror)
     }
 
-    /// Where a ray crosses the plane of a mirror that is a ring: its position relative to the ring's
-    /// centre, in outer radii.
+    /// Where a ray crosses the plane of a mirror that is a ring: its position relative to the
+    /// ring's centre, in outer radii.
     #[must_use]
     pub fn place_in_ring(&self, ray: &Ray) -> Option<DVec2> {
         let ring = self.outline.as_ref()?;

@@ -1,7 +1,8 @@
 //! Lamps that flicker: what they give while each row is exposed.
 //!
-//! Light adds up. Under a global shutter a lamp is scaled by its mean over the exposure, which costs nothing. Under a rolling one
-//! the lamps that flicker alike become a scene of their own, whose light is weighted row by row and added.
+//! Light adds up. Under a global shutter a lamp is scaled by its mean over the exposure, which
+//! costs nothing. Under a rolling one the lamps that flicker alike become a scene of their own,
+//! whose light is weighted row by row and added.
 
 use crate::failure::{Failure, Outcome};
 use radsight_camera::{CameraFile, Flicker};
@@ -15,7 +16,8 @@ pub(crate) struct FlickeringScenes {
 }
 
 impl FlickeringScenes {
-    /// Takes the lamps of the camera file out of a scene, or scales them where all rows see them alike.
+    /// Takes the lamps of the camera file out of a scene, or scales them where all rows see them
+    /// alike.
     pub(crate) fn split(scene: &mut Scene, camera: &CameraFile) -> Result<FlickeringScenes, Failure> {
         check_names(scene, camera)?;
         let mut groups: Vec<(Flicker, Vec<&str>)> = Vec::new();
