@@ -66,7 +66,6 @@ const WORDS: &[(&str, &str)] = &[
 
 /// A word, the files that use it in its ordinary meaning, and that meaning.
 const EXCEPTIONS: &[(&str, &str, &str)] = &[
-    ("relays", "crates/options/src/tables/rendering.rs", "the words of `-defaults` in Radiance"),
     ("Leaves", "crates/accel/src/", "the leaves of a hierarchy"),
     ("Segment", "crates/camera/src/lobe_pattern.rs", "a segment of a table"),
     ("relays", "crates/options/src/tables/rendering.rs", "Radiance's own text for -dr in -defaults"),
