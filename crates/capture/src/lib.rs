@@ -9,7 +9,9 @@
 mod adaptive;
 mod background;
 mod checkpoint;
+mod domain;
 mod edges;
+mod ellipse;
 mod fixed;
 mod lattice;
 mod mirrored_lights;

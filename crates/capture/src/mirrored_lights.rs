@@ -10,13 +10,15 @@
 //! Images in plane mirrors are known exactly, so rays aimed at them form strata of their own
 //! ([`PlaneImages`]).
 
-use crate::plane_images::{Domain, PlaneImage, PlaneImages, stratified};
+use crate::domain::Domain;
+use crate::ellipse::{Ellipse, LinearMap};
+use crate::plane_images::{PlaneImage, PlaneImages, stratified};
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Hole, Rays};
 use radsight_render::{MirroredLight, Ray, RayWorker, RenderPlan, Renderer};
 use radsight_sampling::{choose, unit_disk};
 use rayon::prelude::*;
-use std::f64::consts::FRAC_1_PI;
+use std::f64::consts::PI;
 
 /// Fraction of the rays of a pixel that is aimed at its images.
 const IMAGE_FRACTION: f64 = 0.5;
@@ -25,9 +27,6 @@ const IMAGE_FRACTION: f64 = 0.5;
 /// map, and fraction of the rays. The map of a smoothed mesh changes from facet to facet, so some
 /// light arrives from outside the first ellipse.
 const ELLIPSES: [(f64, f64); 2] = [(1.03, 0.8), (4.0, 0.2)];
-
-/// Step of the numerical derivatives, in radii of the pinhole and in pixels.
-const STEP: f64 = 1e-4;
 
 /// Newton's method takes at most this many steps, and converges within this fraction of a light's
 /// radius.
@@ -44,7 +43,7 @@ const MAX_COORDINATE: f64 = 3.0;
 /// The images that each pixel sees.
 #[derive(Debug)]
 pub(crate) struct PixelImages {
-    hole: Hole,
+    domain: Domain,
     /// By pixel; empty if no pixel sees any.
     images: Vec<Vec<PixelImage>>,
     /// The lights that plane mirrors may show, and their images.
@@ -52,50 +51,23 @@ pub(crate) struct PixelImages {
     plane: PlaneImages,
 }
 
-/// The image of a light in a pixel: an ellipse on the pinhole, or on the pixel itself if the
-/// pinhole is a point.
+/// An ellipse around the image of a light in a pixel.
 #[derive(Clone, Copy, Debug)]
 struct PixelImage {
-    /// For the centre of the pixel.
-    center: DVec2,
-    /// Derivative of the centre by the point on the pixel.
-    slope: DMat2,
-    /// From the unit disk.
-    map: DMat2,
-    inverse: DMat2,
+    ellipse: Ellipse,
     /// Share of the draws.
     probability: f64,
     /// Pdf of all samples in the ellipse, relative to uniform sampling.
     density: f64,
 }
 
-/// The image of a light under the linear map.
-pub(crate) struct Ellipse {
-    /// For the centre of the pixel.
-    pub(crate) center: DVec2,
-    /// Derivative of the centre by the point on the pixel.
-    pub(crate) slope: DMat2,
-    /// From the unit disk.
-    pub(crate) map: DMat2,
-}
-
-impl Ellipse {
-    /// The ellipses from which the image's fraction of the rays is drawn.
-    fn images(&self, hole: Hole, share: f64) -> [PixelImage; ELLIPSES.len()] {
-        // Uniform sampling has the pdf 1 on the pixel and 1/π on the disk.
-        let unit = if hole == Hole::Point { FRAC_1_PI } else { 1.0 };
-        ELLIPSES.map(|(size, part)| {
-            let (map, probability) = (self.map * size, share * part);
-            let density = probability * unit / map.determinant().abs();
-            PixelImage { center: self.center, slope: self.slope, map, inverse: map.inverse(), probability, density }
-        })
-    }
-}
-
-impl PixelImage {
-    fn center_at(&self, place: DVec2) -> DVec2 {
-        self.center + self.slope * (place - 0.5)
-    }
+/// The ellipses from which an image's fraction of the rays is drawn.
+fn images_of(image: &Ellipse, domain: Domain, share: f64) -> [PixelImage; ELLIPSES.len()] {
+    ELLIPSES.map(|(size, part)| {
+        let (ellipse, probability) = (image.scaled(size), share * part);
+        let density = probability * (domain.area() / PI) / ellipse.relative_area();
+        PixelImage { ellipse, probability, density }
+    })
 }
 
 impl PixelImages {
@@ -111,10 +83,10 @@ impl PixelImages {
 
     /// Finds the images that the pixels of a camera see.
     pub(crate) fn find(renderer: &Renderer, rays: &Rays) -> PixelImages {
-        let (hole, camera) = (rays.hole(), rays.camera());
+        let (domain, camera) = (Domain::of(rays.hole()), rays.camera());
         let none =
-            PixelImages { hole, images: Vec::new(), in_plane_mirrors: Vec::new(), plane: PlaneImages::default() };
-        if hole == Hole::Pattern {
+            PixelImages { domain, images: Vec::new(), in_plane_mirrors: Vec::new(), plane: PlaneImages::default() };
+        if rays.hole() == Hole::Pattern {
             return none;
         }
         let position = camera.position_m() / camera.scene_unit_m();
@@ -126,10 +98,10 @@ impl PixelImages {
         let of_pixel = |worker: &mut RayWorker<'_>, pixel: usize| {
             let pixel = pixel as u64;
             let Some(cone) = PixelCone::new(rays, pixel) else { return (Vec::new(), Vec::new()) };
-            let search = &mut Search { worker, rays, pixel };
+            let search = &mut Search { worker, rays, pixel, domain };
             let ellipses: Vec<_> = cone.seen(&curved).filter_map(|(_, image)| search.image(image)).collect();
             let share = (ellipses.len() as f64).recip();
-            let images = ellipses.into_iter().flat_map(|ellipse| ellipse.images(hole, share));
+            let images = ellipses.into_iter().flat_map(|ellipse| images_of(&ellipse, domain, share));
             let images = images.filter(|image| image.density.is_finite()).collect();
             let plane = cone.seen(&in_plane_mirrors).filter_map(|image| search.plane_image(renderer.plan(), image));
             (images, plane.collect())
@@ -139,7 +111,7 @@ impl PixelImages {
             .with_min_len(64)
             .map_init(|| renderer.worker(), of_pixel)
             .unzip();
-        PixelImages { hole, images, in_plane_mirrors, plane: PlaneImages::new(plane) }
+        PixelImages { domain, images, in_plane_mirrors, plane: PlaneImages::new(plane) }
     }
 
     /// The ray of a pixel for a point of the unit cube, and its weight; `None` where it would miss
@@ -155,45 +127,37 @@ impl PixelImages {
             return Some((rays.ray(pixel as u64, u), 1.0));
         }
         // If the pinhole is a point, the point on the pixel is drawn from the image.
-        let is_point = self.hole == Hole::Point;
+        let is_point = self.domain == Domain::Square;
         let [fixed, drawn] = if is_point { [[u[2], u[3]], [u[0], u[1]]] } else { [[u[0], u[1]], [u[2], u[3]]] };
         let fixed = DVec2::from(fixed);
         let mixed = |drawn| self.mixed_point(&self.images[pixel], fixed, drawn);
-        let ray = |at| {
-            let (place, on_pinhole) = if is_point { (at, DVec2::ZERO) } else { (fixed, at) };
-            rays.ray_through(pixel as u64, place.into(), on_pinhole.into())
-        };
+        let ray = |at| self.domain.ray(rays, pixel as u64, fixed, at);
         let hits = |at, light: usize| {
             let ray = ray(at).and_then(|ray| Ray::new(ray.origin, ray.direction));
             ray.is_some_and(|ray| self.in_plane_mirrors[light].is_in_plane_mirror(plan, &ray))
         };
         let (at, weight) = match self.plane.of_pixel(pixel) {
             [] => mixed(drawn)?,
-            images => stratified(images, Domain::of(self.hole), (fixed, drawn), hits, mixed)?,
+            images => stratified(images, self.domain, (fixed, drawn), hits, mixed)?,
         };
         Some((ray(at)?, weight))
     }
 
     /// A point of the pinhole, or of the pixel for a point pinhole, with its weight.
     fn mixed_point(&self, images: &[PixelImage], fixed: DVec2, drawn: [f64; 2]) -> Option<(DVec2, f64)> {
-        let domain = Domain::of(self.hole);
         if images.is_empty() {
-            return Some((domain.uniform(drawn), 1.0));
+            return Some((self.domain.uniform(drawn), 1.0));
         }
         let at = if drawn[0] < IMAGE_FRACTION {
             let (chosen, u) = choose(images.iter().map(|image| image.probability), drawn[0] / IMAGE_FRACTION)?;
-            let image = &images[chosen];
-            image.center_at(fixed) + image.map * DVec2::from(unit_disk(u, drawn[1]))
+            images[chosen].ellipse.point(fixed, DVec2::from(unit_disk(u, drawn[1])))
         } else {
-            domain.uniform([(drawn[0] - IMAGE_FRACTION) / (1.0 - IMAGE_FRACTION), drawn[1]])
+            self.domain.uniform([(drawn[0] - IMAGE_FRACTION) / (1.0 - IMAGE_FRACTION), drawn[1]])
         };
-        if !domain.contains(at) {
+        if !self.domain.contains(at) {
             return None;
         }
-        let density = |image: &PixelImage| {
-            let place = image.inverse * (at - image.center_at(fixed));
-            if place.length_squared() <= 1.0 { image.density } else { 0.0 }
-        };
+        let density = |image: &PixelImage| if image.ellipse.contains(fixed, at) { image.density } else { 0.0 };
         let mixed = (1.0 - IMAGE_FRACTION) + IMAGE_FRACTION * images.iter().map(density).sum::<f64>();
         Some((at, mixed.recip()))
     }
@@ -233,24 +197,29 @@ struct Search<'s, 'r> {
     worker: &'s mut RayWorker<'r>,
     rays: &'s Rays,
     pixel: u64,
+    domain: Domain,
 }
 
 impl Search<'_, '_> {
-    /// Where the ray through a point of the pixel and a point of the pinhole passes the light, in
-    /// radii of the light.
-    fn offset_from_light(&mut self, image: &MirroredLight, place: DVec2, on_pinhole: DVec2) -> Option<DVec2> {
-        let ray = self.rays.ray_through(self.pixel, place.into(), on_pinhole.into())?;
-        self.worker.offset_from(image, &Ray::new(ray.origin, ray.direction)?)
+    /// The ray through a fixed point and a point of the domain.
+    fn ray(&self, fixed: DVec2, at: DVec2) -> Option<Ray> {
+        let ray = self.domain.ray(self.rays, self.pixel, fixed, at)?;
+        Ray::new(ray.origin, ray.direction)
     }
 
-    /// The point of the pinhole whose ray has the image's direction, to first order in the size of
+    /// Where this ray passes the light, in radii of the light.
+    fn offset_from_light(&mut self, image: &MirroredLight, fixed: DVec2, at: DVec2) -> Option<DVec2> {
+        let ray = self.ray(fixed, at)?;
+        self.worker.offset_from(image, &ray)
+    }
+
+    /// The point of the domain whose ray has the image's direction, to first order in the size of
     /// the pinhole.
     fn start(&self, image: &MirroredLight) -> Option<DVec2> {
-        let is_point = self.rays.hole() == Hole::Point;
-        let middle = if is_point { DVec2::splat(0.5) } else { DVec2::ZERO };
+        let middle = self.domain.middle();
         let direction = |at: DVec2| {
-            let (place, on_pinhole) = if is_point { (at, DVec2::ZERO) } else { (DVec2::splat(0.5), at) };
-            self.rays.ray_through(self.pixel, place.into(), on_pinhole.into()).map(|ray| ray.direction)
+            let ray = self.domain.ray(self.rays, self.pixel, Domain::MIDDLE_OF_PIXEL, at);
+            ray.map(|ray| ray.direction)
         };
         let own = direction(middle)?;
         let [x, y] = [direction(middle + DVec2::X)? - own, direction(middle + DVec2::Y)? - own];
@@ -261,32 +230,22 @@ impl Search<'_, '_> {
         (at.is_finite() && at.length() <= MAX_COORDINATE).then_some(at)
     }
 
-    /// The image as the pixel sees it; `None` if it does not.
+    /// The image as the pixel sees it, by Newton's method; `None` if it does not.
     fn image(&mut self, image: &MirroredLight) -> Option<Ellipse> {
-        let is_point = self.rays.hole() == Hole::Point;
-        let middle = DVec2::splat(0.5);
-        let offset = |search: &mut Self, at: DVec2, place: DVec2| {
-            if is_point {
-                search.offset_from_light(image, at, DVec2::ZERO)
-            } else {
-                search.offset_from_light(image, place, at)
-            }
-        };
+        let domain = self.domain;
         let mut at = self.start(image)?;
         let mut best: Option<(f64, Ellipse)> = None;
         for _ in 0..MAX_STEPS {
-            let Some(at_center) = offset(self, at, middle) else { break };
-            let sides = [DVec2::X, DVec2::Y].map(|side| offset(self, at + side * STEP, middle));
-            let [Some(a), Some(b)] = sides else { break };
-            let map = DMat2::from_cols((a - at_center) / STEP, (b - at_center) / STEP).inverse();
-            let center = at - map * at_center;
+            let linear = LinearMap::new(at, |at| self.offset_from_light(image, Domain::MIDDLE_OF_PIXEL, at));
+            let Some(linear) = linear else { break };
+            let center = linear.zero();
             if !center.is_finite() || center.length() > MAX_COORDINATE {
                 break;
             }
-            let miss = at_center.length();
+            let miss = linear.value.length();
             if best.as_ref().is_none_or(|(least, _)| miss < *least) {
-                let slope = self.slope(at, middle, (at_center, map), &offset);
-                best = slope.map(|slope| (miss, Ellipse { center, slope, map })).or(best);
+                let ellipse = linear.ellipse(domain, |fixed| self.offset_from_light(image, fixed, at));
+                best = ellipse.map(|ellipse| (miss, ellipse)).or(best);
             }
             if miss <= CONVERGED {
                 break;
@@ -298,55 +257,29 @@ impl Search<'_, '_> {
 
     /// The image of a light in a plane mirror; `None` if the pixel does not see it.
     fn plane_image(&mut self, plan: &RenderPlan, (light, image): (usize, &MirroredLight)) -> Option<PlaneImage> {
-        let hole = self.rays.hole();
-        let (rays, pixel) = (self.rays, self.pixel);
-        let ray = |(fixed, at): (DVec2, DVec2)| {
-            let (place, on_pinhole) = if hole == Hole::Point { (at, DVec2::ZERO) } else { (fixed, at) };
-            let ray = rays.ray_through(pixel, place.into(), on_pinhole.into())?;
-            Ray::new(ray.origin, ray.direction)
-        };
-        let mut found = PlaneImage::new(self.image(image)?, light, Domain::of(hole))?;
-        let place_in_ring = |fixed, at| image.place_in_ring(&ray((fixed, at))?);
-        if let (Some(opening), Some(ring)) = (image.ring_opening(), linear_map(Domain::of(hole), place_in_ring)) {
+        let domain = self.domain;
+        let mut found = PlaneImage::new(self.image(image)?, light, domain)?;
+        let place_in_ring = |fixed, at| image.place_in_ring(&self.ray(fixed, at)?);
+        if let (Some(opening), Some(ring)) = (image.ring_opening(), ring_outline(domain, place_in_ring)) {
             let miss = |fixed, at, place: DVec2| Some(place_in_ring(fixed, at)?.distance(place));
             found = found.clipped(ring, opening, miss);
         }
-        let mut points = found.overlap_points(Domain::of(hole)).filter_map(ray);
-        if !points.any(|ray| image.is_in_plane_mirror(plan, &ray)) {
+        let mut rays = found.overlap_points(domain).filter_map(|(fixed, at)| self.ray(fixed, at));
+        if !rays.any(|ray| image.is_in_plane_mirror(plan, &ray)) {
             return None;
         }
         let mut farthest = 0.0_f64;
         for (fixed, at) in found.own_points() {
-            let offset = self.worker.offset_from(image, &ray((fixed, at))?)?;
+            let offset = self.offset_from_light(image, fixed, at)?;
             farthest = farthest.max(offset.distance(found.offset(fixed, at)));
         }
-        found.widened(farthest)?.overlapping(Domain::of(hole))
-    }
-
-    /// Derivative of the centre of an ellipse by the point on the pixel.
-    fn slope(
-        &mut self,
-        at: DVec2,
-        middle: DVec2,
-        (at_center, map): (DVec2, DMat2),
-        offset: &impl Fn(&mut Self, DVec2, DVec2) -> Option<DVec2>,
-    ) -> Option<DMat2> {
-        if self.rays.hole() == Hole::Point {
-            return Some(DMat2::ZERO);
-        }
-        let [x, y] = [DVec2::X, DVec2::Y].map(|side| offset(self, at, middle + side * STEP));
-        Some(map * DMat2::from_cols((at_center - x?) / STEP, (at_center - y?) / STEP))
+        found.widened(farthest)?.overlapping(domain)
     }
 }
 
-/// The ellipse of the points whose place, a function of the points on the pixel and in the domain,
-/// is within 1: to first order around the middle of both.
-fn linear_map(domain: Domain, place: impl Fn(DVec2, DVec2) -> Option<DVec2>) -> Option<Ellipse> {
-    let middle = DVec2::splat(0.5);
-    let at = if domain == Domain::Square { middle } else { DVec2::ZERO };
-    let own = place(middle, at)?;
-    let [x, y] = [DVec2::X, DVec2::Y].map(|side| Some((place(middle, at + side * STEP)? - own) / STEP));
-    let map = DMat2::from_cols(x?, y?).inverse();
-    let [x, y] = [DVec2::X, DVec2::Y].map(|side| Some((place(middle + side * STEP, at)? - own) / STEP));
-    Some(Ellipse { center: at - map * own, slope: -map * DMat2::from_cols(x?, y?), map })
+/// The outline of a ring, whose rim has the distance 1 from its centre in the plane of the ring.
+fn ring_outline(domain: Domain, place: impl Fn(DVec2, DVec2) -> Option<DVec2>) -> Option<Ellipse> {
+    let at = domain.middle();
+    let linear = LinearMap::new(at, |at| place(Domain::MIDDLE_OF_PIXEL, at))?;
+    linear.ellipse(domain, |fixed| place(fixed, at))
 }

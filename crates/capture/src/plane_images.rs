@@ -7,10 +7,10 @@
 //! pinhole and leave out what the first ones trace. Among the aimed rays the radiance is nearly
 //! constant, so that few of them suffice.
 
-use crate::mirrored_lights::Ellipse;
+use crate::domain::Domain;
+use crate::ellipse::Ellipse;
 use glam::{DMat2, DVec2};
-use radsight_pinhole::Hole;
-use radsight_sampling::{choose, unit_disk};
+use radsight_sampling::choose;
 use std::f64::consts::PI;
 
 /// Fraction of the rays that are not aimed at images. A power of two: then the low-discrepancy
@@ -29,39 +29,7 @@ const MAX_MISS: f64 = 0.1;
 /// Minimum enlargement of an image, for rounding.
 const MARGIN: f64 = 1e-4;
 
-/// What two of the dimensions sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Domain {
-    /// The pinhole, in its radii.
-    Disk,
-    /// The pixel in front of a point pinhole.
-    Square,
-}
-
 impl Domain {
-    pub(crate) fn of(hole: Hole) -> Domain {
-        if hole == Hole::Point { Domain::Square } else { Domain::Disk }
-    }
-
-    /// A point uniform by area.
-    pub(crate) fn uniform(self, u: [f64; 2]) -> DVec2 {
-        match self {
-            Domain::Disk => DVec2::from(unit_disk(u[0], u[1])),
-            Domain::Square => DVec2::from(u),
-        }
-    }
-
-    pub(crate) fn contains(self, at: DVec2) -> bool {
-        match self {
-            Domain::Disk => at.length_squared() <= 1.0,
-            Domain::Square => at.cmpge(DVec2::ZERO).all() && at.cmplt(DVec2::ONE).all(),
-        }
-    }
-
-    fn area(self) -> f64 {
-        if self == Domain::Disk { PI } else { 1.0 }
-    }
-
     /// The direction of the strips across it, unit. With it the strips of a disk and a circle are
     /// tight.
     fn axis(self, center: DVec2) -> DVec2 {
@@ -110,49 +78,13 @@ impl PlaneImages {
     }
 }
 
-/// An ellipse in the domain that moves with the point on the pixel.
-#[derive(Clone, Copy, Debug)]
-struct MovingEllipse {
-    /// For the centre of the pixel.
-    center: DVec2,
-    /// Derivative of the centre by the point on the pixel.
-    slope: DMat2,
-    /// From the unit disk.
-    map: DMat2,
-    inverse: DMat2,
-}
-
-impl MovingEllipse {
-    fn new(Ellipse { center, slope, map }: Ellipse) -> Option<MovingEllipse> {
-        let inverse = map.inverse();
-        (inverse.is_finite() && center.is_finite()).then_some(MovingEllipse { center, slope, map, inverse })
-    }
-
-    fn scaled(&self, by: f64) -> MovingEllipse {
-        let map = self.map * by;
-        MovingEllipse { map, inverse: map.inverse(), ..*self }
-    }
-
-    fn center_at(&self, fixed: DVec2) -> DVec2 {
-        self.center + self.slope * (fixed - 0.5)
-    }
-
-    fn offset(&self, fixed: DVec2, at: DVec2) -> DVec2 {
-        self.inverse * (at - self.center_at(fixed))
-    }
-
-    fn contains(&self, fixed: DVec2, at: DVec2) -> bool {
-        self.offset(fixed, at).length_squared() <= 1.0
-    }
-}
-
 /// The image of a light in one pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaneImage {
-    image: MovingEllipse,
+    image: Ellipse,
     /// The outline of a mirror that is a ring, and its opening.
-    outline: Option<MovingEllipse>,
-    opening: Option<MovingEllipse>,
+    outline: Option<Ellipse>,
+    opening: Option<Ellipse>,
     /// Its index in the list of lights in plane mirrors.
     light: usize,
     /// Approximate area of the overlap with the domain, averaged over the pixel.
@@ -161,11 +93,9 @@ pub(crate) struct PlaneImage {
 
 impl PlaneImage {
     /// `None` for an image without area or one that fills the domain.
-    pub(crate) fn new(ellipse: Ellipse, light: usize, domain: Domain) -> Option<PlaneImage> {
-        let area = PI * ellipse.map.determinant().abs();
-        let image = MovingEllipse::new(ellipse)?;
-        let is_small = area <= MAX_FRACTION * domain.area();
-        is_small.then_some(PlaneImage { image, outline: None, opening: None, light, area: 0.0 })
+    pub(crate) fn new(image: Ellipse, light: usize, domain: Domain) -> Option<PlaneImage> {
+        let is_small = PI * image.relative_area() <= MAX_FRACTION * domain.area();
+        (image.is_finite() && is_small).then_some(PlaneImage { image, outline: None, opening: None, light, area: 0.0 })
     }
 
     /// Widened for an error of the linear map, in radii of the light; `None` if it is too large.
@@ -181,7 +111,9 @@ impl PlaneImage {
         opening: f64,
         misses: impl Fn(DVec2, DVec2, DVec2) -> Option<f64>,
     ) -> PlaneImage {
-        let Some(ring) = MovingEllipse::new(ring) else { return *self };
+        if !ring.is_finite() {
+            return *self;
+        }
         let mut margin = MARGIN;
         for (fixed, at) in self.own_points() {
             match misses(fixed, at, ring.offset(fixed, at)) {
@@ -199,7 +131,7 @@ impl PlaneImage {
     }
 
     fn contains(&self, fixed: DVec2, at: DVec2) -> bool {
-        let is_within = |ellipse: &MovingEllipse| ellipse.contains(fixed, at);
+        let is_within = |ellipse: &Ellipse| ellipse.contains(fixed, at);
         is_within(&self.image)
             && self.outline.as_ref().is_none_or(is_within)
             && !self.opening.as_ref().is_some_and(is_within)
@@ -228,7 +160,7 @@ impl PlaneImage {
         let image = *self;
         [DVec2::ZERO, DVec2::ONE].into_iter().flat_map(move |fixed| {
             let offsets = [DVec2::ZERO, DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y];
-            offsets.map(|offset| (fixed, image.image.center_at(fixed) + image.image.map * offset))
+            offsets.map(|offset| (fixed, image.image.point(fixed, offset)))
         })
     }
 }
@@ -249,12 +181,12 @@ struct TurnedEllipse {
 }
 
 impl TurnedEllipse {
-    fn new(ellipse: &MovingEllipse, axis: DVec2, fixed: DVec2) -> TurnedEllipse {
+    fn new(ellipse: &Ellipse, axis: DVec2, fixed: DVec2) -> TurnedEllipse {
         let turned = DMat2::from_cols(axis, axis.perp());
         TurnedEllipse {
             center: turned.transpose() * ellipse.center_at(fixed),
-            inverse: ellipse.inverse * turned,
-            reach: (ellipse.map.transpose() * axis).length(),
+            inverse: ellipse.inverse_from(turned),
+            reach: ellipse.extent(axis),
         }
     }
 
@@ -284,7 +216,7 @@ impl Overlap {
     /// `None` where they do not overlap.
     fn new(image: &PlaneImage, domain: Domain, fixed: DVec2) -> Option<Overlap> {
         let axis = domain.axis(image.image.center_at(fixed));
-        let turned = |ellipse: &MovingEllipse| TurnedEllipse::new(ellipse, axis, fixed);
+        let turned = |ellipse: &Ellipse| TurnedEllipse::new(ellipse, axis, fixed);
         let (opening, outline) = (image.opening.as_ref().map(turned), image.outline.as_ref().map(turned));
         let image = turned(&image.image);
         let [mut start, mut end] = domain.extent();
@@ -364,7 +296,7 @@ mod tests {
     use super::*;
 
     fn ellipse(center: [f64; 2], map: [f64; 4]) -> Ellipse {
-        Ellipse { center: center.into(), slope: DMat2::ZERO, map: DMat2::from_cols_array(&map) }
+        Ellipse::new(center.into(), DMat2::ZERO, DMat2::from_cols_array(&map))
     }
 
     /// An image in a ring.

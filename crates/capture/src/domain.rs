@@ -1,0 +1,56 @@
+//! The two dimensions in which images of lights are searched and sampled.
+//!
+//! A ray of a pixel is a point on the pixel and a point on the pinhole. One of them, here `fixed`,
+//! is sampled uniformly; the other, a point of the domain, is aimed at images.
+
+use glam::DVec2;
+use radsight_pinhole::{CameraRay, Hole, Rays};
+use radsight_sampling::unit_disk;
+use std::f64::consts::PI;
+
+/// What is aimed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Domain {
+    /// The pinhole, in its radii.
+    Disk,
+    /// The pixel in front of a point pinhole.
+    Square,
+}
+
+impl Domain {
+    /// The middle of the pixel, for [`Domain::Disk`] the middle of the fixed points.
+    pub(crate) const MIDDLE_OF_PIXEL: DVec2 = DVec2::splat(0.5);
+
+    pub(crate) fn of(hole: Hole) -> Domain {
+        if hole == Hole::Point { Domain::Square } else { Domain::Disk }
+    }
+
+    pub(crate) fn middle(self) -> DVec2 {
+        if self == Domain::Square { Domain::MIDDLE_OF_PIXEL } else { DVec2::ZERO }
+    }
+
+    /// The ray through a fixed point and a point of the domain.
+    pub(crate) fn ray(self, rays: &Rays, pixel: u64, fixed: DVec2, at: DVec2) -> Option<CameraRay> {
+        let (on_pixel, on_pinhole) = if self == Domain::Square { (at, DVec2::ZERO) } else { (fixed, at) };
+        rays.ray_through(pixel, on_pixel.into(), on_pinhole.into())
+    }
+
+    /// A point uniform by area.
+    pub(crate) fn uniform(self, u: [f64; 2]) -> DVec2 {
+        match self {
+            Domain::Disk => DVec2::from(unit_disk(u[0], u[1])),
+            Domain::Square => DVec2::from(u),
+        }
+    }
+
+    pub(crate) fn contains(self, at: DVec2) -> bool {
+        match self {
+            Domain::Disk => at.length_squared() <= 1.0,
+            Domain::Square => at.cmpge(DVec2::ZERO).all() && at.cmplt(DVec2::ONE).all(),
+        }
+    }
+
+    pub(crate) fn area(self) -> f64 {
+        if self == Domain::Disk { PI } else { 1.0 }
+    }
+}
