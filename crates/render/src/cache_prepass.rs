@@ -1,5 +1,6 @@
 //! The irradiance-cache pre-pass: gathers irradiance where the rays of the picture need it.
 
+use crate::cache_point_search::{SecondaryGathers, cache_query, scattered};
 use crate::cache_query::{CachePoint, CacheQuery, Caches, HemisphereGather};
 use crate::caching::gathering_limits;
 use crate::checksum::ray_set;
@@ -11,7 +12,6 @@ use radsight_accel::Ray;
 use radsight_compile::{Quantity, RenderPlan};
 use radsight_irradiance_cache::{Cache, Fit, Hemisphere, Limits, Record, Stored, StoredBytes};
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 /// Rays of the first batch; later batches are larger, as fewer rays find a gap.
 const FIRST_BATCH: usize = 64;
@@ -59,10 +59,10 @@ const PREPASSES_FOR_CAUSTICS: usize = 6;
 /// Rounds of additional gathers where there are too few neighbours.
 const FURTHER_ROUNDS: usize = 3;
 
-/// Cache points that trace sample rays to find the points of the second cache, and number of rays
-/// of each.
-const MAX_SAMPLE_PLACES: usize = 1024;
+/// Minimum number of sample rays of a cache point that find the points of the second cache, and
+/// total of those of sensors.
 const SAMPLES_PER_POINT: usize = 16;
+const SENSOR_SAMPLES: usize = 4096;
 
 /// With fewer rays than this there is no second cache: their own paths cost less.
 const MIN_RAYS_FOR_SECOND_CACHE: usize = 256;
@@ -86,9 +86,6 @@ const RAYS_OF_A_POINT: f64 = 8.0;
 const MAX_SENSORS: usize = 128;
 const RAYS_OF_A_SENSOR: f64 = 16.0;
 const MIN_SENSOR_RAYS: f64 = 16_384.0;
-
-/// Total number of sample rays of sensors for the second cache.
-const SENSOR_SAMPLES: usize = 4096;
 
 /// First gather number of sensors' sample rays.
 const FIRST_SECONDARY_GATHER: u64 = 1 << 40;
@@ -126,7 +123,7 @@ fn gather_for<const BANDS: usize>(
     }
     served.push(requested);
     if plan.options.ambient_bounces > 1 && pays_for_second_cache(plan, rays.len()) {
-        let gathers = SecondaryGathers::new(plan, &seen.cache, rays, spread);
+        let gathers = SecondaryGathers::new(plan, &seen.cache, rays, spread, sample_rays(plan, rays.len()));
         beyond.budget = beyond.rays + seen.allowance(rays) / SECOND_CACHE_SHARE;
         beyond.gather(
             (plan, stops),
@@ -545,6 +542,12 @@ fn pays_for_second_cache(plan: &RenderPlan, points: usize) -> bool {
     points >= MIN_RAYS_FOR_SECOND_CACHE || are_sensors(plan, points) && of_sensors >= MIN_SENSOR_RAYS
 }
 
+/// Number of sample rays of a cache point that find the points of the second cache.
+fn sample_rays(plan: &RenderPlan, points: usize) -> usize {
+    let share = if are_sensors(plan, points) { SENSOR_SAMPLES / points.max(1) } else { SAMPLES_PER_POINT };
+    share.max(SAMPLES_PER_POINT)
+}
+
 /// Minimum number of own rays of a record, for this total number of points.
 fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
     let factor = if are_sensors(plan, points) { RAYS_OF_A_SENSOR } else { RAYS_OF_A_POINT };
@@ -557,113 +560,9 @@ fn rays_of_few(factor: f64, requested: usize, points: usize) -> f64 {
     factor * requested as f64 * (FEW_POINTS / points.max(1) as f64).min(1.0)
 }
 
-/// The cache queries of some rays.
-pub(crate) fn cache_query<const BANDS: usize>(
-    plan: &RenderPlan,
-    cache: &Cache<BANDS>,
-    rays: &[Option<Ray>],
-    order: &[usize],
-    requested: &CacheQuery<BANDS>,
-) -> Vec<CacheQuery<BANDS>> {
-    order
-        .par_iter()
-        .map_init(
-            || PathIntegrator::new(plan, [Some(cache), None]),
-            |tracer, index| {
-                tracer.cache_query = Some(requested.clone());
-                if let Some(ray) = &rays[*index] {
-                    let _ = tracer.trace(*index as u64, ray);
-                }
-                tracer.cache_query.take()
-            },
-        )
-        .flatten_iter()
-        .collect()
-}
-
-/// Rays like the hemisphere samples of cache points.
-struct SecondaryGathers<const BANDS: usize> {
-    from: Vec<CachePoint<BANDS>>,
-    hemisphere: Hemisphere,
-    /// Of the final number of rays of cache points.
-    spread: RaySpacing,
-}
-
-impl<const BANDS: usize> SecondaryGathers<BANDS> {
-    /// The cache points from which some of these rays start.
-    fn new(plan: &RenderPlan, cache: &Cache<BANDS>, rays: &[Option<Ray>], spread: RaySpacing) -> Self {
-        let order = scattered(rays.len());
-        let some = &order[..order.len().min(MAX_SAMPLE_PLACES)];
-        let queries = cache_query(plan, cache, rays, some, &CacheQuery::Missing(Vec::new(), spread));
-        let from: Vec<CachePoint<BANDS>> = queries.into_iter().flat_map(CacheQuery::missing).collect();
-        let gathers =
-            if are_sensors(plan, rays.len()) { SENSOR_SAMPLES / rays.len().max(1) } else { SAMPLES_PER_POINT };
-        let angle = (2.0 * PI / plan.options.gathering.rays() as f64).sqrt();
-        SecondaryGathers {
-            from,
-            hemisphere: Hemisphere::with_divisions(gathers.max(SAMPLES_PER_POINT)),
-            spread: RaySpacing { width: 0.0, angle },
-        }
-    }
-
-    fn len(&self) -> usize {
-        self.from.len() * self.hemisphere.len()
-    }
-
-    /// The cache queries of some of these rays.
-    fn cache_query(
-        &self,
-        plan: &RenderPlan,
-        cache: &Cache<BANDS>,
-        order: &[usize],
-        requested: &CacheQuery<BANDS>,
-    ) -> Vec<CacheQuery<BANDS>> {
-        let cells = self.hemisphere.len();
-        order
-            .par_iter()
-            .map_init(
-                || PathIntegrator::new(plan, [None, Some(cache)]),
-                |tracer, index| {
-                    tracer.cache_query = Some(requested.clone());
-                    let number = (index / cells) as u64;
-                    let gather = HemisphereGather { hemisphere: &self.hemisphere, sample: None, number, bright: None };
-                    let gather_direction = tracer.gather_direction(&self.from[index / cells], &gather, index % cells);
-                    let _ = tracer.gather_radiance(
-                        &self.from[index / cells],
-                        gather_direction.direction,
-                        gather_direction.sampler,
-                    );
-                    tracer.cache_query.take()
-                },
-            )
-            .flatten_iter()
-            .collect()
-    }
-}
-
-/// All indices in an order whose every prefix is evenly distributed: steps by the golden ratio
-/// (made coprime to the count).
-pub(crate) fn scattered(count: usize) -> Vec<usize> {
-    let common = |mut a: usize, mut b: usize| {
-        while b > 0 {
-            (a, b) = (b, a % b);
-        }
-        a
-    };
-    let golden = (count as f64 * 0.618_033_988_749_895) as usize;
-    let step = (golden.max(1)..).find(|step| common(*step, count) == 1).unwrap_or(1);
-    (0..count)
-        .scan(0usize, |at, _| {
-            let this = *at;
-            *at = (*at + step) % count.max(1);
-            Some(this)
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{RAYS_OF_A_POINT, rays_of_few, sample_allocation, scattered};
+    use super::{RAYS_OF_A_POINT, rays_of_few, sample_allocation};
 
     #[test]
     fn few_points_trace_more_rays_than_are_asked_for_and_pixels_do_not_have_to() {
@@ -673,20 +572,6 @@ mod tests {
         assert!(rays_of_few(RAYS_OF_A_POINT, 1000, 100_000) < 2.0);
         // The total number of rays never exceeds that of a few points.
         assert!((1..1000).all(|points| points as f64 * rays_of_few(8.0, 100, points) <= 16.0 * 8.0 * 100.0 + 1e-6));
-    }
-
-    #[test]
-    fn scattered_indices_are_all_there_and_spread() {
-        for count in [0, 1, 2, 7, 100, 4096] {
-            let mut order = scattered(count);
-            if count == 4096 {
-                let mut first: Vec<usize> = order[..64].to_vec();
-                first.sort_unstable();
-                assert!(first.windows(2).all(|pair| pair[1] - pair[0] < 200), "{first:?}");
-            }
-            order.sort_unstable();
-            assert_eq!(order, (0..count).collect::<Vec<_>>());
-        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Learns the path guide before a picture: random paths find bright patches, then the contribution
 //! of each patch to each region.
 
-use crate::cache_prepass::{cache_query, scattered};
+use crate::cache_point_search::{cache_query, scattered};
 use crate::cache_query::{CachePoint, CacheQuery};
 use crate::caching::gathering_limits;
 use crate::path_guide::PathGuide;
