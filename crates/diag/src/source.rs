@@ -42,31 +42,22 @@ struct Source {
     name: String,
     text: Arc<[u8]>,
     included_at: Option<Span>,
-    /// Offsets of the line starts, kept when the text is dropped.
-    line_starts: Vec<u32>,
-    /// Number of line ends before each [`STRIDE`] bytes of the text, counted when first asked for.
-    line_ends: OnceLock<Vec<usize>>,
+    /// Offsets of the line starts: found for the first message, kept when the text is dropped.
+    line_starts: OnceLock<Vec<u32>>,
 }
-
-/// Bytes of text between two entries of [`Source::line_ends`].
-const STRIDE: usize = 4096;
 
 impl Source {
     fn new(name: String, text: Arc<[u8]>, included_at: Option<Span>) -> Source {
-        Source { name, text, included_at, line_starts: Vec::new(), line_ends: OnceLock::new() }
+        Source { name, text, included_at, line_starts: OnceLock::new() }
     }
 
-    /// Number of line ends before an offset. A message needs it, and there can be a thousand.
-    fn line_ends_before(&self, offset: usize) -> usize {
-        let line_ends = |bytes: &[u8]| bytes.iter().filter(|&&byte| byte == b'\n').count();
-        let before = self.line_ends.get_or_init(|| {
-            let ends = self.text.chunks(STRIDE).scan(0, |sum, chunk| {
-                *sum += line_ends(chunk);
-                Some(*sum)
-            });
-            std::iter::once(0).chain(ends).collect()
-        });
-        before[offset / STRIDE] + line_ends(&self.text[offset / STRIDE * STRIDE..offset])
+    /// A message needs them, and there can be a thousand.
+    fn line_starts(&self) -> &[u32] {
+        self.line_starts.get_or_init(|| {
+            let ends = self.text.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
+            let starts = ends.map(|(at, _)| u32::try_from(at + 1).unwrap_or(u32::MAX));
+            std::iter::once(0).chain(starts).collect()
+        })
     }
 }
 
@@ -127,28 +118,25 @@ impl SourceMap {
     /// with columns in bytes.
     pub fn forget_text(&mut self, source: SourceId) {
         let source = &mut self.sources[source.0 as usize];
-        if source.line_starts.is_empty() {
-            let ends = source.text.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
-            let starts = ends.map(|(at, _)| u32::try_from(at + 1).unwrap_or(u32::MAX));
-            source.line_starts = std::iter::once(0).chain(starts).collect();
-        }
+        source.line_starts();
         source.text = Arc::from(&b""[..]);
     }
 
     /// Line and column where the span begins.
     #[must_use]
     pub fn position(&self, span: Span) -> Position {
-        let line_starts = &self.sources[span.source.0 as usize].line_starts;
-        if let Some(line) = line_starts.partition_point(|start| *start <= span.start).checked_sub(1) {
-            let column = 1 + span.start - line_starts[line];
-            return Position { line: u32::try_from(line + 1).unwrap_or(u32::MAX), column };
-        }
-        let text = self.text(span.source);
-        let start = (span.start as usize).min(text.len());
-        let line_start = text[..start].iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-        let line = 1 + self.sources[span.source.0 as usize].line_ends_before(start);
-        let column = 1 + String::from_utf8_lossy(&text[line_start..start]).chars().count();
-        Position { line: u32::try_from(line).unwrap_or(u32::MAX), column: u32::try_from(column).unwrap_or(u32::MAX) }
+        let source = &self.sources[span.source.0 as usize];
+        let line_starts = source.line_starts();
+        let line = line_starts.partition_point(|start| *start <= span.start).max(1);
+        let line_start = line_starts[line - 1];
+        let before = source.text.get(line_start as usize..).unwrap_or_default();
+        let bytes = span.start - line_start;
+        let column = match before.len() {
+            0 => bytes as usize,
+            length => String::from_utf8_lossy(&before[..length.min(bytes as usize)]).chars().count(),
+        };
+        let number = |from_zero: usize| u32::try_from(from_zero + 1).unwrap_or(u32::MAX);
+        Position { line: number(line - 1), column: number(column) }
     }
 
     /// The whole line in which the span begins, without its line end, and the offset of its first
@@ -169,11 +157,11 @@ mod tests {
 
     #[test]
     fn lines_of_a_long_text_are_counted_from_its_start() {
-        let text: Vec<u8> = (0..3 * STRIDE).map(|at| if at % 7 == 3 { b'\n' } else { b'x' }).collect();
+        let text: Vec<u8> = (0..12_288).map(|at| if at % 7 == 3 { b'\n' } else { b'x' }).collect();
         let mut sources = SourceMap::default();
         let file = sources.add("a", &b""[..], None);
         sources.set_text(file, &text[..]);
-        for start in [0, 3, 4, STRIDE - 1, STRIDE, STRIDE + 1, 2 * STRIDE + 5, 3 * STRIDE, 4 * STRIDE] {
+        for start in [0, 3, 4, 4095, 4096, 4097, 8197, 12_288, 16_384] {
             let before = &text[..start.min(text.len())];
             let mut lines = before.split(|byte| *byte == b'\n');
             let expected = Position {
