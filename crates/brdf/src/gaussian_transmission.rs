@@ -17,7 +17,8 @@
 //! Anisotropic lobes keep the albedo of Radiance's formula below grazing, which is more or less than
 //! τ by azimuth.
 
-use crate::{Brdf, BrdfSample, Density, Lobes};
+use crate::lobe::Lobe;
+use crate::{Brdf, BrdfSample, Lobes};
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, PI, TAU};
 
@@ -188,31 +189,29 @@ impl Azimuths {
     }
 }
 
+impl<const BANDS: usize> Lobe<BANDS> for GaussianTransmission<BANDS> {
+    fn scale(&self) -> &[f64; BANDS] {
+        &self.transmittance
+    }
+
+    fn shape(&self, outgoing: DVec3, incident: DVec3) -> (f64, f64) {
+        let (weighted, density) = GaussianTransmission::shape(self, -outgoing, outgoing.z, incident);
+        (if weighted > 0.0 { weighted / -incident.z } else { 0.0 }, density)
+    }
+}
+
 impl<const BANDS: usize> Brdf for GaussianTransmission<BANDS> {
     fn lobes(&self) -> Lobes {
         Lobes { glossy: true, transmission: true, ..Lobes::default() }
     }
 
     fn eval_pdf(&self, outgoing: DVec3, incident: &[DVec3], values: &mut [f64], pdfs: &mut [f64]) {
-        for ((direction, value), pdf) in incident.iter().zip(values.chunks_exact_mut(BANDS)).zip(pdfs) {
-            let (shape, density) = self.shape(-outgoing, outgoing.z, *direction);
-            *pdf = density;
-            for (value, transmittance) in value.iter_mut().zip(self.transmittance) {
-                *value = if shape > 0.0 { transmittance * shape / -direction.z } else { 0.0 };
-            }
-        }
+        self.eval_lobe(outgoing, incident, values, pdfs);
     }
 
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample> {
         let incident = self.sample_about(-outgoing, [u[0], u[1]]);
-        if outgoing.z <= 0.0 || incident.z >= 0.0 {
-            return None;
-        }
-        let (shape, density) = self.shape(-outgoing, outgoing.z, incident);
-        for (weight, transmittance) in weights.iter_mut().zip(self.transmittance) {
-            *weight = transmittance * shape / density;
-        }
-        Some(BrdfSample { incident, density: Density::Continuous(density) })
+        self.weigh(outgoing, incident, weights)
     }
 }
 
