@@ -4,6 +4,7 @@
 //! paths that begin with `crate` or `super` count; a `mod` line is not an import, so a child may
 //! depend on its parent.
 
+use crate::sources::{lines_without_comments, rust_files};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,29 +14,19 @@ const ROOMS: &[&str] = &["accel", "bsdf", "compile", "film", "light", "render", 
 
 /// The modules of a crate by their paths, `a::b`; the root is `lib`.
 fn modules(source: &Path) -> BTreeMap<String, PathBuf> {
-    let mut found = BTreeMap::new();
-    let mut folders = vec![source.to_owned()];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).expect("the folder is read") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
-                let inner = path.strip_prefix(source).expect("it is inside").with_extension("");
-                let words: Vec<_> =
-                    inner.iter().map(|word| word.to_string_lossy()).filter(|word| word != "mod").collect();
-                found.insert(words.join("::"), path);
-            }
-        }
-    }
-    found
+    let module = |path: PathBuf| {
+        let inner = path.strip_prefix(source).expect("it is inside").with_extension("");
+        let words: Vec<_> = inner.iter().map(|word| word.to_string_lossy()).filter(|word| word != "mod").collect();
+        (words.join("::"), path)
+    };
+    rust_files(source).into_iter().map(module).collect()
 }
 
 /// The code of a file without comments and without its tests, which may use anything.
 fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).expect("the file is read");
     let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-    code.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
+    lines_without_comments(code).collect::<Vec<_>>().join("\n")
 }
 
 /// The paths in a file that begin with `crate` or `super`, with lists in braces expanded, relative

@@ -8,4 +8,5 @@ mod crate_edges;
 mod dependencies;
 mod gallery;
 mod import_cycles;
+mod sources;
 mod words;

@@ -3,9 +3,10 @@
 //! Each word below once had a meaning of our own in this repository. The field has another word for
 //! it, so the word is absent from names and messages, except where it has its ordinary meaning.
 
+use crate::sources::{lines_without_comments, rust_files};
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A word, and the field's word for what it meant here.
 const WORDS: &[(&str, &str)] = &[
@@ -74,32 +75,16 @@ const EXCEPTIONS: &[(&str, &str, &str)] = &[
     ("look", "crates/camera/tests/camera_file.rs", "an assertion: to look for a value"),
 ];
 
-fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).expect("the folder is read") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            if path.file_name().is_some_and(|name| name != "target") {
-                rust_files(&path, found);
-            }
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            found.push(path);
-        }
-    }
-}
-
 /// The words of names and string literals of a file; comments are omitted.
 fn words(text: &str) -> BTreeSet<&str> {
-    let code = text.lines().map(|line| line.split("//").next().unwrap_or_default());
-    code.flat_map(|line| line.split(|c: char| !(c.is_alphanumeric() || c == '_'))).collect()
+    lines_without_comments(text).flat_map(|line| line.split(|c: char| !(c.is_alphanumeric() || c == '_'))).collect()
 }
 
 #[test]
 fn names_and_messages_use_the_fields_words() {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut files = Vec::new();
-    for folder in ["bindings", "crates", "fuzz", "plugins", "src", "tests", "xtask"] {
-        rust_files(&repository.join(folder), &mut files);
-    }
+    let folders = ["bindings", "crates", "fuzz", "plugins", "src", "tests", "xtask"];
+    let files: Vec<_> = folders.iter().flat_map(|folder| rust_files(&repository.join(folder))).collect();
     let mut wrong = Vec::new();
     let mut used = vec![false; EXCEPTIONS.len()];
     for path in &files {
