@@ -45,6 +45,23 @@ def option(letter: str, *values: Any) -> list[str]:
     return [] if any(value is None for value in values) else [letter, *map(str, values)]
 
 
+def attached(letter: str, value: Any) -> list[str]:
+    """An option with its value in the same word; nothing for an empty one."""
+    return [f"{letter}{value}"] if value else []
+
+
+def vector(letter: str, values: Any) -> list[str]:
+    """An option with a text, a number, or several numbers; nothing where it is not given."""
+    if values is None or isinstance(values, str | int | float):
+        return option(letter, values)
+    return [letter, *map(str, values)]
+
+
+def repeated(letter: str, values: None | str | Sequence[str]) -> list[str]:
+    """An option for one text, or once for each of several."""
+    return [word for value in ([values] if isinstance(values, str) else values or []) for word in (letter, value)]
+
+
 def switches(switches: dict[str, bool]) -> list[str]:
     return [letter for letter, is_on in switches.items() if is_on]
 
@@ -77,10 +94,3 @@ def one_source(words: list[str], stdin: None | bytes, source: Source) -> None | 
         raise ValueError("two inputs are bytes, expected at most one")
     words += word
     return stdin if data is None else data
-
-
-def texts(given: None | str | Sequence[str]) -> list[str]:
-    """One text or several as a list."""
-    if given is None:
-        return []
-    return [given] if isinstance(given, str) else list(given)

@@ -5,7 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal
 
-from ._command import Format, PathLike, Source, one_source, option, run, source_of, switches
+from ._command import (
+    Format,
+    PathLike,
+    Source,
+    attached,
+    one_source,
+    option,
+    repeated,
+    run,
+    source_of,
+    switches,
+    vector,
+)
 
 
 def rfluxmtx(
@@ -43,10 +55,8 @@ def rmtxop(
 ) -> bytes:
     """Change a matrix: ``rmtxop``."""
     word, stdin = source_of(inp, "-")
-    words = [*switches({"-t": transpose}), f"-f{outform}", *option("-s", scale)]
-    if transform is not None:
-        words += ["-c", *([transform] if isinstance(transform, str) else map(str, transform))]
-    words += [f"-r{reflectance[0]}"] if reflectance else []
+    words = [*switches({"-t": transpose}), f"-f{outform}", *option("-s", scale), *vector("-c", transform)]
+    words += attached("-r", (reflectance or "")[:1])
     return run("rmtxop", *words, *word, stdin=stdin)
 
 
@@ -67,8 +77,7 @@ def dctimestep(
         raise ValueError("only the last matrix may be bytes")
     last, stdin = source_of(mtx[-1])
     words = [*option("-n", nstep), *switches({"-h": not header}), *option("-x", xres), *option("-y", yres)]
-    words += [f"-i{inform}"] if inform else []
-    words += [f"-o{outform}"] if outform else []
+    words += [*attached("-i", inform), *attached("-o", outform)]
     said = run("dctimestep", *words, *option("-o", ospec), *mtx[:-1], *last, stdin=stdin)
     return None if ospec else said
 
@@ -102,12 +111,8 @@ class Rmtxop:
         """Add a matrix, and by which operation it joins those before."""
         _check_no_color(color)
         self._words += [op] if self._inputs else []
-        if scale is not None:
-            self._words += ["-s", *map(str, [scale] if isinstance(scale, int | float) else scale)]
-        self._words += [f"-r{refl_side[0]}"] if refl_side else []
-        self._words += switches({"-t": transpose})
-        if transform is not None:
-            self._words += ["-c", *([transform] if isinstance(transform, str) else map(str, transform))]
+        self._words += [*vector("-s", scale), *attached("-r", (refl_side or "")[:1])]
+        self._words += [*switches({"-t": transpose}), *vector("-c", transform)]
         self._stdin = one_source(self._words, self._stdin, input_data)
         self._inputs += 1
         return self
@@ -151,17 +156,15 @@ class Rcomb:
         silent: bool = False,
     ) -> None:
         words = [*switches({"-h": not header, "-w": silent}), *option("-e", expression)]
-        words += [word for matrix in concat or [] for word in ("-m", matrix)]
-        words += [*option("-C", transform_all), *option("-f", source)]
-        words += [f"-f{outform}"] if outform else []
-        self._words = [*words, *option("-c", transform)]
+        words += [*repeated("-m", concat), *option("-C", transform_all), *option("-f", source)]
+        self._words = [*words, *attached("-f", outform), *option("-c", transform)]
         self._stdin: None | bytes = None
 
     def add_input(
         self, input: Source, transform: None | str = None, scale: None | Sequence[float] = None
     ) -> Rcomb:
         """Add a matrix."""
-        self._words += [*option("-c", transform), *([] if scale is None else ["-s", *map(str, scale)])]
+        self._words += [*option("-c", transform), *vector("-s", scale)]
         self._stdin = one_source(self._words, self._stdin, input)
         return self
 

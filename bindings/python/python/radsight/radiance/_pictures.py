@@ -6,7 +6,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from ._command import PathLike, Source, as_file, one_source, option, run, source_of, switches, texts
+from ._command import (
+    PathLike,
+    Source,
+    as_file,
+    attached,
+    one_source,
+    option,
+    repeated,
+    run,
+    source_of,
+    switches,
+    vector,
+)
 from ._records import getinfo
 
 
@@ -68,9 +80,9 @@ def pvalue(
     words = switches({"-u": unique, "-o": original, "-h": not header, "-H": not resstr, "-d": dataonly})
     words += [*option("-s", skip or None), *option("-e", exposure or None)]
     words += option("-g", None if gamma == 1.0 else gamma)
-    words += [f"-d{outform}"] if outform else []
+    words += attached("-d", outform)
     words += switches({"-R": reverse_rgb, "-n": not interleaving, "-b": brightness})
-    words += [f"-p{outprimary}"] if outprimary else []
+    words += attached("-p", outprimary)
     return run("pvalue", *words, *word, stdin=stdin)
 
 
@@ -107,7 +119,7 @@ def pcond(
         stdin = histo.encode()
     words += [*option("-e", expval or None), *option("-u", None if ldmax == 100.0 else ldmax)]
     words += option("-d", None if lddyn == 100.0 else lddyn)
-    words += ["-p", *map(str, primaries)] if primaries is not None else option("-f", macbeth or None)
+    words += vector("-p", primaries) or option("-f", macbeth or None)
     words += option("-x", mapfile or None)
     with as_file(hdr) as path:
         return run("pcond", *words, path, stdin=stdin)
@@ -151,8 +163,7 @@ def falsecolor(
         "-b": bluv,
     }
     words = [text for letter, value in valued.items() for text in option(letter, value)]
-    words += [f"-c{contour}"] if contour else []
-    words += switches({"-e": extrema})
+    words += [*attached("-c", contour), *switches({"-e": extrema})]
     return run("falsecolor", *(["-i", *word] if word else []), *words, stdin=stdin)
 
 
@@ -195,8 +206,7 @@ class Pcomb:
         if inform != "a":
             raise ValueError(f"inform is {inform!r}, expected 'a': the input's header has the format")
         self._words = [*option("-x", xres), *option("-y", yres), *switches({"-ff": fout, "-h": not header})]
-        self._words += [word for text in texts(expression) for word in ("-e", text)]
-        self._words += [word for file in texts(source) for word in ("-f", file)]
+        self._words += [*repeated("-e", expression), *repeated("-f", source)]
         self._is_ready = xres is not None and yres is not None
         self._stdin: None | bytes = None
 
@@ -232,12 +242,10 @@ def pcompos(
     """Put pictures side by side: ``pcompos``, at positions or in so many columns."""
     words = []
     if ncols is not None:
-        words += ["-a", str(ncols), *option("-s", spacing or None)]
-        words += [] if anchor_point is None else ["-o", *map(str, anchor_point)]
+        words += ["-a", str(ncols), *option("-s", spacing or None), *vector("-o", anchor_point)]
     elif pos is None or len(pos) != len(inputs):
         raise ValueError("expected ncols, or a position for each picture")
-    words += [*option("-x", xres), *option("-y", yres)]
-    words += [] if background is None else ["-b", *map(str, background)]
+    words += [*option("-x", xres), *option("-y", yres), *vector("-b", background)]
     words += [*option("-t", lower_threashold), *option("+t", upper_threshold)]
     if label is not None:
         words += [*(["-l", label] if label else ["-la"]), *option("-lh", label_height)]
@@ -350,7 +358,7 @@ def ra_xyze(
         word = ["-"]
     words = [*switches({"-r": rgbe}), *option("-e", exposure)]
     words += switches({"-o": original, "-c": rle, "-u": flat and not rle})
-    words += [] if primaries is None else ["-p", *map(str, primaries)]
+    words += vector("-p", primaries)
     said = run("ra_xyze", *words, *word, *_file(out), stdin=stdin)
     return said if out is None else None
 

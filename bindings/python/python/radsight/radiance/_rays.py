@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from .._program import run as run_program
-from ._command import PathLike, Source, option, run, switches
+from ._command import PathLike, Source, attached, option, run, switches
 
 
 def oconv(
@@ -111,7 +111,7 @@ def rtrace(
         "rtrace",
         *switches({"-h": not header, "-I": irradiance, "-i": irradiance_lambertian and not irradiance}),
         f"-f{inform}{outform}",
-        *([f"-o{outspec}"] if outspec else []),
+        *attached("-o", outspec),
         *limit,
         *switches({"-u+": uncorrelated}),
         *option("-x", xres),

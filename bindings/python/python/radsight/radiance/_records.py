@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ._command import Source, one_source, option, run, source_of, switches
+from ._command import Source, attached, one_source, option, run, source_of, switches
 
 
 def getinfo(
@@ -72,12 +72,10 @@ def total(
     """Sums of columns: ``total``."""
     word, stdin = source_of(inp if inp is not None else b"")
     words = switches({"-m": mean, "-p": multiply, "-u": find_max, "-l": find_min})
-    words += [f"-s{sumpower}"] if sumpower else []
-    words += [f"-i{inform}{incount if incount > 1 else ''}"] if inform else []
-    words += [f"-o{outform}"] if outform else []
+    words += [*attached("-s", sumpower), *_formats(inform, incount, outform)]
     words += [f"-{substep}{'' if substep_reset else 'r'}"] if substep else []
     words += [*option("-in", inlimit), *option("-on", outlimit)]
-    words += [f"-t{sep}"] if sep else []
+    words += attached("-t", sep)
     return run("total", *words, *word, stdin=stdin)
 
 
@@ -100,9 +98,7 @@ def rcalc(
 ) -> bytes:
     """Calculate with columns: ``rcalc``."""
     word, stdin = source_of(inp)
-    words = [f"-t{sep}"] if sep else []
-    words += [f"-i{inform}{incount if incount > 1 else ''}"] if inform else []
-    words += [f"-o{outform}"] if outform else []
+    words = [*attached("-t", sep), *_formats(inform, incount, outform)]
     words += switches({"-p": passive, "-P": pass_negative and not passive})
     words += [*option("-in", inlimit), *option("-on", outlimit), *option("-f", source)]
     words += [*option("-e", expr), *option("-s", assign)]
@@ -117,3 +113,9 @@ def rlam(*inputs: Source) -> bytes:
     for source in inputs:
         stdin = one_source(words, stdin, source)
     return run("rlam", *words, stdin=stdin)
+
+
+def _formats(inform: None | str, incount: int, outform: None | str) -> list[str]:
+    """The formats of records that are read and written."""
+    count = incount if incount > 1 else ""
+    return [*attached("-i", inform and f"{inform}{count}"), *attached("-o", outform)]

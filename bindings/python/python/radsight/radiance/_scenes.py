@@ -6,17 +6,25 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Any
 
-from ._command import PathLike, Source, option, run, source_of, switches, texts
+from ._command import PathLike, Source, option, repeated, run, source_of, switches, vector
 
 
 def _when(
-    dt: None | datetime, place: dict[str, Any], altitude: None | float, azimuth: None | float, *, seconds: bool
+    dt: None | datetime,
+    latitude: None | float,
+    longitude: None | float,
+    timezone: None | int,
+    year: None | int,
+    altitude: None | float,
+    azimuth: None | float,
+    *,
+    seconds: bool,
 ) -> list[str]:
     """Date and place of a sky, or where its sun is."""
     if dt is not None:
         hour = dt.hour + dt.minute / 60 + (dt.second / 3600 if seconds else 0)
-        words = [text for letter, value in place.items() for text in option(letter, value)]
-        return [str(dt.month), str(dt.day), str(hour), *words]
+        place = [*option("-a", latitude), *option("-o", longitude), *option("-m", timezone), *option("-y", year)]
+        return [str(dt.month), str(dt.day), str(hour), *place]
     if altitude is None or azimuth is None:
         raise ValueError("expected a date, or altitude and azimuth")
     return ["-ang", str(altitude), str(azimuth)]
@@ -44,7 +52,7 @@ def gensky(
     turbidity: None | float = None,
 ) -> bytes:
     """A CIE sky: ``gensky``."""
-    place = {"-a": latitude, "-o": longitude, "-m": timezone, "-y": year}
+    sun = _when(dt, latitude, longitude, timezone, year, altitude, azimuth, seconds=False)
     kinds = {
         "+s": sunny_with_sun,
         "-s": sunny_without_sun,
@@ -53,7 +61,7 @@ def gensky(
         "-i": intermediate_without_sun,
         "-u": uniform,
     }
-    words = [*_when(dt, place, altitude, azimuth, seconds=False), *switches(kinds)[:1]]
+    words = [*sun, *switches(kinds)[:1]]
     words += option("-g", ground_reflectance)
     words += option("-b", zenith_brightness) or option("-B", horizontal_brightness)
     words += option("-r", solar_radiance) or option("-R", horizontal_direct_irradiance)
@@ -80,8 +88,7 @@ def gendaylit(
     interval: None | int = None,
 ) -> bytes:
     """A Perez sky: ``gendaylit``."""
-    place = {"-a": latitude, "-o": longitude, "-m": timezone, "-y": year}
-    words = _when(dt, place, altitude, azimuth, seconds=True)
+    words = _when(dt, latitude, longitude, timezone, year, altitude, azimuth, seconds=True)
     words += (
         option("-W", dirnorm, diffhor)
         or option("-G", dirhor, diffhor)
@@ -220,7 +227,7 @@ def genprism(
     if lvect is not None and len(lvect) != 3:
         raise ValueError(f"lvect has {len(lvect)} numbers, expected 3")
     corners = [vfile] if vertices is None else [len(vertices) // 2, *vertices]
-    words = [*([] if lvect is None else ["-l", *lvect]), *option("-r", radius)]
+    words = [*vector("-l", lvect), *option("-r", radius)]
     return run("genprism", mat, name, *corners, *words, *switches({"-c": no_connect, "-e": no_ends}), stdin=stdin)
 
 
@@ -282,8 +289,7 @@ def gendaymtx(
     kind = {"-d": sun_only, "-s": sky_only and not sun_only}
     words = ["-m", str(mfactor), *switches({"-v": verbose, "-h": not header, "-A": average, **kind})]
     words += ["-5", ".533"] if onesun else []
-    words += ["-c", *map(str, sky_color)] if sky_color else []
-    words += ["-g", *map(str, ground_color)] if ground_color else []
+    words += [*vector("-c", sky_color or None), *vector("-g", ground_color or None)]
     words += switches({"-n": dryrun, "-u": daylight_hours_only, "-O1": solar_radiance})
     words += [*option("-D", sun_file), *option("-M", sun_mods), *option("-r", rotate)]
     words += [f"-o{outform}"] if outform is not None else []
@@ -311,8 +317,7 @@ def ies2rad(
         raise ValueError(f"lamp_color has {len(lamp_color)} numbers, expected 3")
     words = [*option("-l", libdir), *option("-p", prefdir), *option("-o", outname), *switches({"-s": stdout})]
     words += [*option("-d", units), *option("-i", radius), *switches({"-g": instancing_geometry})]
-    words += [*option("-f", lampdat), *option("-t", lamp_type)]
-    words += [] if lamp_color is None else ["-c", *map(str, lamp_color)]
+    words += [*option("-f", lampdat), *option("-t", lamp_type), *vector("-c", lamp_color)]
     words += [*option("-u", set_default_lamp_color), *option("-m", multiply_factor)]
     return run("ies2rad", *words, *inp)
 
@@ -335,7 +340,7 @@ def obj2mesh(
 ) -> bytes:
     """A Wavefront file as a compiled mesh: ``obj2mesh``."""
     words = [*switches({"-w": silent, "-v": stats}), *option("-l", matlib), "-n", str(objlim), "-r", str(maxres)]
-    words += [word for file in texts(matfiles) for word in ("-a", file)]
+    words += repeated("-a", matfiles)
     word, stdin = source_of(inp)
     return run("obj2mesh", *words, *word, stdin=stdin)
 
