@@ -67,9 +67,11 @@ const SENSOR_SAMPLES: usize = 4096;
 /// With fewer rays than this there is no second cache: their own paths cost less.
 const MIN_RAYS_FOR_SECOND_CACHE: usize = 256;
 
-/// Factor of error and noise of the second cache.
+/// Factor of error and noise of the second cache. Pixels average its noise; sensors, which use the
+/// same few of its records, do not.
 const COARSER: f64 = 2.0;
 const NOISIER: f64 = 8.0;
+const NOISIER_FOR_SENSORS: f64 = 3.0;
 
 /// Fraction of the rays that may be used for the second cache, as its reciprocal.
 const SECOND_CACHE_SHARE: usize = 4;
@@ -84,7 +86,7 @@ const RAYS_OF_A_POINT: f64 = 8.0;
 /// Each gets this many times the requested rays, which end at surfaces with the second cache. This
 /// pays from the given total number of rays.
 const MAX_SENSORS: usize = 128;
-const RAYS_OF_A_SENSOR: f64 = 16.0;
+const RAYS_OF_A_SENSOR: f64 = 12.0;
 const MIN_SENSOR_RAYS: f64 = 16_384.0;
 
 /// First gather number of sensors' sample rays.
@@ -125,6 +127,7 @@ fn gather_for<const BANDS: usize>(
     if plan.options.ambient_bounces > 1 && pays_for_second_cache(plan, rays.len()) {
         let gathers = SecondaryGathers::new(plan, &seen.cache, rays, spread, sample_rays(plan, rays.len()));
         beyond.budget = beyond.rays + seen.allowance(rays) / SECOND_CACHE_SHARE;
+        beyond.noise = second_cache_noise(plan, rays.len());
         beyond.gather(
             (plan, stops),
             ([None; 2], bright),
@@ -192,7 +195,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         };
         GatheredIrradiance {
             seen: Level::new(plan, limits, noise, 0),
-            beyond: Level::new(plan, coarse, NOISIER * noise, FIRST_SECONDARY_GATHER),
+            beyond: Level::new(plan, coarse, second_cache_noise(plan, usize::MAX), FIRST_SECONDARY_GATHER),
             bright: GuidingRecords::default(),
             served: Vec::new(),
         }
@@ -254,7 +257,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
 }
 
 impl<const BANDS: usize> Level<BANDS> {
-    fn new(plan: &RenderPlan, limits: Limits, noise: f64, first_look: u64) -> Self {
+    fn new(plan: &RenderPlan, limits: Limits, noise: f64, first_gather: u64) -> Self {
         let needed = plan.options.gathering.rays();
         let divided = |share: usize| Hemisphere::with_divisions((needed / share).max(MIN_RAYS.min(needed)));
         let (hemisphere, first_hemisphere) = (divided(FIRST_SHARE), divided(FIRST_POINTS_SHARE));
@@ -269,7 +272,7 @@ impl<const BANDS: usize> Level<BANDS> {
             first_hemisphere,
             rays: 0,
             budget: 0,
-            gathers: first_look,
+            gathers: first_gather,
             least_own_rays: 0.0,
             allocations: Vec::new(),
         }
@@ -540,6 +543,12 @@ fn are_sensors(plan: &RenderPlan, points: usize) -> bool {
 fn pays_for_second_cache(plan: &RenderPlan, points: usize) -> bool {
     let of_sensors = least_own_rays(plan, points) * points as f64;
     points >= MIN_RAYS_FOR_SECOND_CACHE || are_sensors(plan, points) && of_sensors >= MIN_SENSOR_RAYS
+}
+
+/// Allowed relative standard error of the second cache, for this number of points.
+fn second_cache_noise(plan: &RenderPlan, points: usize) -> f64 {
+    let factor = if are_sensors(plan, points) { NOISIER_FOR_SENSORS } else { NOISIER };
+    factor * plan.options.gathering.noise
 }
 
 /// Number of sample rays of a cache point that find the points of the second cache.
