@@ -8,5 +8,6 @@ mod crate_edges;
 mod dependencies;
 mod gallery;
 mod import_cycles;
+mod option_words;
 mod sources;
 mod words;

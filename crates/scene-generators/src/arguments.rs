@@ -15,6 +15,15 @@ pub(crate) struct Arguments<'a> {
     pub(crate) warnings: Vec<String>,
 }
 
+/// An option of a command line.
+#[derive(Clone, Copy)]
+pub(crate) struct GivenOption<'a> {
+    /// Its name in the table.
+    pub(crate) name: &'static str,
+    /// The text attached to the name.
+    pub(crate) text: &'a str,
+}
+
 impl<'a> Arguments<'a> {
     /// The arguments of a program in the table of options.
     pub(crate) fn new(argv: &'a [String]) -> Self {
@@ -29,7 +38,7 @@ impl<'a> Arguments<'a> {
     }
 
     /// The next word if it begins with a dash: an option of the table.
-    pub(crate) fn option(&mut self) -> Result<Option<&'a str>, Error> {
+    pub(crate) fn option(&mut self) -> Result<Option<GivenOption<'a>>, Error> {
         match self.peek() {
             Some(word) if word.starts_with('-') => self.last_options(),
             _ => Ok(None),
@@ -37,17 +46,28 @@ impl<'a> Arguments<'a> {
     }
 
     /// As [`Arguments::option`], but `-` is not an option: it names standard input.
-    pub(crate) fn option_before_files(&mut self) -> Result<Option<&'a str>, Error> {
+    pub(crate) fn option_before_files(&mut self) -> Result<Option<GivenOption<'a>>, Error> {
         if self.peek() == Some("-") { Ok(None) } else { self.option() }
     }
 
+    /// The next word if it is an option of the table. Other words remain, since they may be
+    /// negative numbers.
+    pub(crate) fn option_before_numbers(&mut self) -> Option<GivenOption<'a>> {
+        let given = self.given(self.peek()?)?;
+        self.next += 1;
+        Some(given)
+    }
+
     /// The next option, where only options may follow.
-    pub(crate) fn last_options(&mut self) -> Result<Option<&'a str>, Error> {
+    pub(crate) fn last_options(&mut self) -> Result<Option<GivenOption<'a>>, Error> {
         let Some(word) = self.word() else { return Ok(None) };
-        match self.options {
-            Some(program) if program.parse_word(word).is_none() => Err(self.unknown()),
-            _ => Ok(Some(word)),
-        }
+        self.given(word).map(Some).ok_or_else(|| self.unknown())
+    }
+
+    /// A word as an option of the table.
+    fn given(&self, word: &'a str) -> Option<GivenOption<'a>> {
+        let option = self.options?.parse_word(word)?.option;
+        Some(GivenOption { name: option.name, text: word.get(option.name.len()..).unwrap_or_default() })
     }
 
     /// The program's name without its directory.

@@ -14,10 +14,11 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
-    let is_shuffled = arguments.peek().is_some_and(|word| word.starts_with("-s"));
-    if is_shuffled {
-        arguments.word();
-    }
+    let is_shuffled = match arguments.option_before_numbers().map(|option| option.name) {
+        None => false,
+        Some("-s") => true,
+        Some(_) => return Err(arguments.unknown()),
+    };
     let mut limits = Vec::new();
     loop {
         let position = arguments.position();

@@ -24,7 +24,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
     let mut has_air = false;
     while let Some(option) = arguments.option_before_files()? {
-        match option {
+        match option.name {
             "-a" => has_air = !has_air,
             _ => return Err(arguments.unknown()),
         }

@@ -26,7 +26,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let height = arguments.number("height")?;
     let slats = arguments.integer("nslats")?;
     let angle = arguments.number("angle")? * DEGREE;
-    let radius = match arguments.word() {
+    let radius = match arguments.last_options()?.map(|option| option.name) {
         None => 0.0,
         Some("-r") => arguments.number("radius of curvature (-r)")?,
         Some("+r") => -arguments.number("radius of curvature (+r)")?,

@@ -67,16 +67,16 @@ fn read<'a>(arguments: &mut Arguments<'a>) -> Result<Options<'a>, Error> {
     let (mut bevel, mut rounded, mut segments) = (0.0, false, 1);
     let (mut reversed, mut smooth, mut wavefront) = (false, false, false);
     while let Some(option) = arguments.last_options()? {
-        match option.as_bytes() {
-            [b'-', b'o', ..] => wavefront = true,
-            [b'-', b'i', ..] => reversed = true,
-            [b'-', b's', ..] => smooth = true,
-            [b'-', b'b', ..] => bevel = arguments.positive("bevel (-b)")?,
-            [b'-', b'r', ..] => {
+        match option.name {
+            "-o" => wavefront = true,
+            "-i" => reversed = true,
+            "-s" => smooth = true,
+            "-b" => bevel = arguments.positive("bevel (-b)")?,
+            "-r" => {
                 rounded = true;
                 bevel = arguments.positive("round (-r)")?;
             }
-            [b'-', b'n', ..] => segments = arguments.count("nsegs (-n)")?,
+            "-n" => segments = arguments.count("nsegs (-n)")?,
             _ => return Err(arguments.unknown()),
         }
     }

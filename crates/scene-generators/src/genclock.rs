@@ -15,10 +15,10 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
     let (mut face, mut case, mut name) = (None, None, "clock");
     while let Some(option) = arguments.option()? {
-        match option.as_bytes() {
-            [b'-', b'f', ..] => face = Some(arguments.required("face material (-f)")?),
-            [b'-', b'c', ..] => case = Some(arguments.required("case material (-c)")?),
-            [b'-', b'n', ..] => name = arguments.required("name (-n)")?,
+        match option.name {
+            "-f" => face = Some(arguments.required("face material (-f)")?),
+            "-c" => case = Some(arguments.required("case material (-c)")?),
+            "-n" => name = arguments.required("name (-n)")?,
             _ => return Err(arguments.unknown()),
         }
     }

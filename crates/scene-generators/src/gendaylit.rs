@@ -113,16 +113,14 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         coloured: false,
         locus: perez::LOCUS_BERLIN,
     };
-    while let Some(option) = arguments.word() {
-        let [sign @ (b'-' | b'+'), letter, rest @ ..] = option.as_bytes() else { return Err(arguments.unknown()) };
-        let plus = *sign == b'+';
-        match letter {
-            b's' => (options.cloudy, options.with_sun) = (false, plus),
-            b'c' => (options.cloudy, options.with_sun) = (true, false),
-            b'C' if rest.starts_with(b"IE") => options.locus = perez::LOCUS_CIE,
-            b'C' => options.coloured = true,
-            b'w' => options.quiet = true,
-            letter => read_value(&mut options, arguments, *letter)?,
+    while let Some(option) = arguments.last_options()? {
+        match option.name {
+            "-s" | "+s" => (options.cloudy, options.with_sun) = (false, option.name == "+s"),
+            "-c" => (options.cloudy, options.with_sun) = (true, false),
+            "-CIE" => options.locus = perez::LOCUS_CIE,
+            "-C" => options.coloured = true,
+            "-w" => options.quiet = true,
+            name => read_value(&mut options, arguments, name)?,
         }
     }
     warn_about_meridian(&options, &mut arguments.warnings);
@@ -130,20 +128,20 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
 }
 
 /// Parses an option with values.
-fn read_value(options: &mut Options, arguments: &mut Arguments<'_>, letter: u8) -> Result<(), Error> {
-    match letter {
-        b'd' => {
+fn read_value(options: &mut Options, arguments: &mut Arguments<'_>, name: &str) -> Result<(), Error> {
+    match name {
+        "-d" => {
             let dew_point = arguments.number("dew point (-d)")?;
             let dew_point = if (-40.0..=40.0).contains(&dew_point) { dew_point } else { DEFAULT_DEW_POINT };
             options.precipitable_water = (0.07 * dew_point - 0.075).exp();
         }
-        b'y' => {
+        "-y" => {
             let year = arguments.integer("year (-y)")?;
             if let SunPosition::Time(moment) = &mut options.sun {
                 moment.year = (year != 0).then_some(year.clamp(-100_000, 100_000));
             }
         }
-        b'l' => {
+        "-l" => {
             let mut values = [0.0f32; 7];
             for value in &mut values {
                 *value = arguments.number("colour locus (-l)")? as f32;
@@ -152,12 +150,12 @@ fn read_value(options: &mut Options, arguments: &mut Arguments<'_>, letter: u8) 
             options.locus = [a, b, c, d, a, b, c, d, e, f, g];
         }
         // Accepted for compatibility with gensky; without effect in the real program, too.
-        b'R' | b't' | b'b' => drop(arguments.number("value")?),
-        b'g' => options.ground_reflectance = arguments.number("ground reflectance (-g)")?,
-        b'a' => options.site.latitude = arguments.number("latitude (-a)")? * DEGREE,
-        b'o' => options.site.longitude = arguments.number("longitude (-o)")? * DEGREE,
-        b'm' => options.site.meridian = arguments.number("standard meridian (-m)")? * DEGREE,
-        b'O' => {
+        "-R" | "-t" | "-b" => drop(arguments.number("value")?),
+        "-g" => options.ground_reflectance = arguments.number("ground reflectance (-g)")?,
+        "-a" => options.site.latitude = arguments.number("latitude (-a)")? * DEGREE,
+        "-o" => options.site.longitude = arguments.number("longitude (-o)")? * DEGREE,
+        "-m" => options.site.meridian = arguments.number("standard meridian (-m)")? * DEGREE,
+        "-O" => {
             let position = arguments.position();
             options.unit = match arguments.number("output (-O)")? as i64 {
                 0 => Unit::VisibleRadiance,
@@ -166,24 +164,24 @@ fn read_value(options: &mut Options, arguments: &mut Arguments<'_>, letter: u8) 
                 other => return Err(arguments.mistake(position, format!("output (-O) is {other}, expected 0, 1 or 2"))),
             };
         }
-        b'P' => {
+        "-P" => {
             let (clearness, brightness) = (arguments.number("clearness (-P)")?, arguments.number("brightness (-P)")?);
             options.light = Light::Perez { clearness, brightness };
         }
-        b'W' => {
+        "-W" => {
             let (direct_normal, diffuse) = (arguments.number("direct (-W)")?, arguments.number("diffuse (-W)")?);
             options.light = Light::Irradiance { direct_normal, diffuse };
         }
-        b'L' => {
+        "-L" => {
             let (direct_normal, diffuse) = (arguments.number("direct (-L)")?, arguments.number("diffuse (-L)")?);
             options.light = Light::Illuminance { direct_normal, diffuse };
         }
-        b'G' => {
+        "-G" => {
             let (direct, diffuse) = (arguments.number("direct (-G)")?, arguments.number("diffuse (-G)")?);
             options.light = Light::Horizontal { direct, diffuse };
         }
-        b'E' => options.light = Light::Global(arguments.number("global irradiance (-E)")?),
-        b'i' => {
+        "-E" => options.light = Light::Global(arguments.number("global irradiance (-E)")?),
+        "-i" => {
             let position = arguments.position();
             options.time_step = f64::from(arguments.number("time interval (-i)")? as f32);
             if options.time_step < 0.0 {

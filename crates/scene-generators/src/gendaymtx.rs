@@ -113,8 +113,8 @@ impl<'a> Options<'a> {
             interval: 0.0,
             weather: "-",
         };
-        while let Some(word) = arguments.word() {
-            match word {
+        while let Some(option) = arguments.option_before_files()? {
+            match option.name {
                 "-v" => {}
                 "-h" => options.has_header = false,
                 "-oa" => options.format = Format::Ascii,
@@ -136,7 +136,7 @@ impl<'a> Options<'a> {
                     }
                 }
                 "-M" => options.modifiers = Some(arguments.required("file of modifiers (-M)")?),
-                "-r" | "-rz" => options.rotation = arguments.number("rotation in degrees (-r)")?.to_radians(),
+                "-r" => options.rotation = arguments.number("rotation in degrees (-r)")?.to_radians(),
                 "-i" => options.interval = arguments.number("interval in minutes (-i)")?,
                 "-5" => {
                     let radius = 0.5 * arguments.positive("diameter of the sun in degrees (-5)")?.to_radians();
@@ -151,10 +151,12 @@ impl<'a> Options<'a> {
                         );
                     }
                 }
-                _ if word.starts_with('-') && word != "-" => return Err(arguments.unknown()),
-                path if arguments.peek().is_none() => options.weather = path,
                 _ => return Err(arguments.unknown()),
             }
+        }
+        options.weather = arguments.word().unwrap_or(options.weather);
+        if arguments.peek().is_some() {
+            return Err(arguments.unknown());
         }
         Ok(options)
     }

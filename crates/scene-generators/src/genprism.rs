@@ -54,8 +54,8 @@ fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Resul
     let (extrusion, direction) = ([0.0, 0.0, 1.0], 1.0);
     let mut prism = Prism { material, name, corners, extrusion, direction, ends: true, closed: true, radius: 0.0 };
     while let Some(option) = arguments.last_options()? {
-        match option.as_bytes() {
-            [b'-', b'l', ..] => {
+        match option.name {
+            "-l" => {
                 prism.extrusion = arguments.vector("extrusion (-l)")?;
                 if prism.extrusion[2].abs() <= TINY {
                     let z = prism.extrusion[2];
@@ -66,9 +66,9 @@ fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Resul
                 }
                 prism.direction = prism.extrusion[2].signum();
             }
-            [b'-', b'r', ..] => prism.radius = arguments.number("radius (-r)")?,
-            [b'-', b'e', ..] => prism.ends = !prism.ends,
-            [b'-', b'c', ..] => prism.closed = !prism.closed,
+            "-r" => prism.radius = arguments.number("radius (-r)")?,
+            "-e" => prism.ends = !prism.ends,
+            "-c" => prism.closed = !prism.closed,
             _ => return Err(arguments.unknown()),
         }
     }

@@ -46,7 +46,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let [material, name, ..] = arguments.take::<5>(["material", "name", "z(t)", "r(t)", "nseg"])?;
     let mut smooth = false;
     while let Some(option) = arguments.last_options()? {
-        match option {
+        match option.name {
             "-e" => functions.take_definitions(&mut arguments)?,
             "-f" => functions.take_file(&mut arguments, invocation.loader)?,
             "-s" => smooth = true,

@@ -100,28 +100,22 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         turbidity: 2.45,
         ground_reflectance: 0.2,
     };
-    options.site.meridian = zone.unwrap_or(options.site.meridian);
-    while let Some(option) = arguments.word() {
-        read_option(&mut options, arguments, option, zone.is_some())?;
+    while let Some(option) = arguments.last_options()? {
+        read_option(&mut options, arguments, option.name)?;
     }
+    // A time zone has precedence over -m.
+    options.site.meridian = zone.unwrap_or(options.site.meridian);
     warn(&options, &mut arguments.warnings);
     Ok(options)
 }
 
-fn read_option(
-    options: &mut Options,
-    arguments: &mut Arguments<'_>,
-    option: &str,
-    zone_given: bool,
-) -> Result<(), Error> {
-    let [sign @ (b'-' | b'+'), letter, ..] = option.as_bytes() else { return Err(arguments.unknown()) };
-    let with_sun = *sign == b'+';
-    match letter {
-        b's' => (options.sky, options.with_sun) = (SkyType::Clear, with_sun),
-        b'i' => (options.sky, options.with_sun) = (SkyType::Intermediate, with_sun),
-        b'c' => options.sky = SkyType::Overcast,
-        b'u' => options.sky = SkyType::Uniform,
-        b'y' => {
+fn read_option(options: &mut Options, arguments: &mut Arguments<'_>, name: &str) -> Result<(), Error> {
+    match name {
+        "+s" | "-s" => (options.sky, options.with_sun) = (SkyType::Clear, name == "+s"),
+        "+i" | "-i" => (options.sky, options.with_sun) = (SkyType::Intermediate, name == "+i"),
+        "-c" => options.sky = SkyType::Overcast,
+        "-u" => options.sky = SkyType::Uniform,
+        "-y" => {
             let year = arguments.integer("year (-y)")?;
             if let SunPosition::Time(moment) = &mut options.sun {
                 moment.year = (year != 0).then_some(year.clamp(-100_000, 100_000));
@@ -130,20 +124,15 @@ fn read_option(
                 arguments.warnings.push("year should be in range 1950-2050".to_owned());
             }
         }
-        b'r' => options.solar = Brightness::Radiance(arguments.number("solar radiance (-r)")?),
-        b'R' => options.solar = Brightness::Irradiance(arguments.number("solar irradiance (-R)")?),
-        b'b' => options.zenith = Brightness::Radiance(arguments.number("zenith radiance (-b)")?),
-        b'B' => options.zenith = Brightness::Irradiance(arguments.number("diffuse irradiance (-B)")?),
-        b't' => options.turbidity = arguments.number("turbidity (-t)")?,
-        b'g' => options.ground_reflectance = arguments.number("ground reflectance (-g)")?,
-        b'a' => options.site.latitude = arguments.number("latitude (-a)")? * DEGREE,
-        b'o' => options.site.longitude = arguments.number("longitude (-o)")? * DEGREE,
-        b'm' => {
-            let meridian = arguments.number("standard meridian (-m)")? * DEGREE;
-            if !zone_given {
-                options.site.meridian = meridian;
-            }
-        }
+        "-r" => options.solar = Brightness::Radiance(arguments.number("solar radiance (-r)")?),
+        "-R" => options.solar = Brightness::Irradiance(arguments.number("solar irradiance (-R)")?),
+        "-b" => options.zenith = Brightness::Radiance(arguments.number("zenith radiance (-b)")?),
+        "-B" => options.zenith = Brightness::Irradiance(arguments.number("diffuse irradiance (-B)")?),
+        "-t" => options.turbidity = arguments.number("turbidity (-t)")?,
+        "-g" => options.ground_reflectance = arguments.number("ground reflectance (-g)")?,
+        "-a" => options.site.latitude = arguments.number("latitude (-a)")? * DEGREE,
+        "-o" => options.site.longitude = arguments.number("longitude (-o)")? * DEGREE,
+        "-m" => options.site.meridian = arguments.number("standard meridian (-m)")? * DEGREE,
         _ => return Err(arguments.unknown()),
     }
     Ok(())

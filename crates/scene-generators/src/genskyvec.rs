@@ -88,8 +88,8 @@ impl Options {
     fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         let mut options =
             Options { subdivision: 4, color: SKY_COLOR, has_sky: true, sun_in_one: false, has_header: true };
-        while let Some(option) = arguments.word() {
-            match option {
+        while let Some(option) = arguments.last_options()? {
+            match option.name {
                 "-c" => {
                     let names = ["red (-c)", "green (-c)", "blue (-c)"];
                     for (value, name) in options.color.iter_mut().zip(names) {

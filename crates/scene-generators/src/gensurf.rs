@@ -82,7 +82,7 @@ fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Resul
         arguments.take::<7>(["material", "name", "x(s,t)", "y(s,t)", "z(s,t)", "m", "n"])?;
     let (mut smooth, mut reversed, mut wavefront) = (false, false, false);
     while let Some(option) = arguments.last_options()? {
-        match option {
+        match option.name {
             "-e" => functions.take_definitions(arguments)?,
             "-f" => functions.take_file(arguments, invocation.loader)?,
             "-s" => smooth = true,

@@ -27,7 +27,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut functions = Functions::for_generators(&arguments);
     let [material, name, ..] = arguments.take::<7>(["material", "name", "x(t)", "y(t)", "z(t)", "r(t)", "nseg"])?;
     while let Some(option) = arguments.last_options()? {
-        match option {
+        match option.name {
             "-e" => functions.take_definitions(&mut arguments)?,
             "-f" => functions.take_file(&mut arguments, invocation.loader)?,
             _ => return Err(arguments.unknown()),

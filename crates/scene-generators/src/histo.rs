@@ -32,13 +32,12 @@ struct Column {
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
     let (mut cumulative, mut percent) = (false, false);
-    while let Some(option) = arguments.peek() {
-        match option.as_bytes() {
-            [b'-', b'c', ..] => cumulative = true,
-            [b'-', b'p', ..] => percent = true,
-            _ => break,
+    while let Some(option) = arguments.option_before_numbers() {
+        match option.name {
+            "-c" => cumulative = true,
+            "-p" => percent = true,
+            _ => return Err(arguments.unknown()),
         }
-        arguments.word();
     }
     let range = Range::read(&mut arguments)?;
     let mut text = invocation.text();

@@ -98,22 +98,22 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         default_color: [1.0; 3],
     };
     while let Some(option) = arguments.option()? {
-        match option.as_bytes() {
-            [b'-', b'd', ..] => read_units(&mut options, option).ok_or_else(|| arguments.unknown())?,
-            [b'-', b'l', ..] => options.library_folder = Some(arguments.required("library folder (-l)")?.to_owned()),
-            [b'-', b'p', ..] => options.prefix_folder = Some(arguments.required("prefix folder (-p)")?.to_owned()),
-            [b'-', b'f', ..] => options.lamp_file = Some(arguments.required("lamp table (-f)")?.to_owned()),
-            [b'-', b'o', ..] => options.output_name = Some(arguments.required("output name (-o)")?.to_owned()),
-            [b'-', b's', ..] => options.to_standard_output = !options.to_standard_output,
-            [b'-', b'i', ..] => {
+        match option.name {
+            "-d" => read_units(&mut options, option.text).ok_or_else(|| arguments.unknown())?,
+            "-l" => options.library_folder = Some(arguments.required("library folder (-l)")?.to_owned()),
+            "-p" => options.prefix_folder = Some(arguments.required("prefix folder (-p)")?.to_owned()),
+            "-f" => options.lamp_file = Some(arguments.required("lamp table (-f)")?.to_owned()),
+            "-o" => options.output_name = Some(arguments.required("output name (-o)")?.to_owned()),
+            "-s" => options.to_standard_output = !options.to_standard_output,
+            "-i" => {
                 let radius = arguments.number("illum radius (-i)")?;
                 options.illum_radius = (radius != 0.0).then_some(radius);
             }
-            [b'-', b't', ..] => options.lamp = Some(arguments.required("lamp (-t)")?.to_owned()),
-            [b'-', b'u', ..] => options.default_lamp = Some(arguments.required("default lamp (-u)")?.to_owned()),
-            [b'-', b'c', ..] => options.default_color = arguments.vector("default colour (-c)")?,
-            [b'-', b'm', ..] => options.multiplier = arguments.number("multiplier (-m)")?,
-            [b'-', b'g', ..] => {
+            "-t" => options.lamp = Some(arguments.required("lamp (-t)")?.to_owned()),
+            "-u" => options.default_lamp = Some(arguments.required("default lamp (-u)")?.to_owned()),
+            "-c" => options.default_color = arguments.vector("default colour (-c)")?,
+            "-m" => options.multiplier = arguments.number("multiplier (-m)")?,
+            "-g" => {
                 let position = arguments.position() - 1;
                 return Err(arguments.mistake(position, "-g writes an octree, which a command in a scene cannot"));
             }
@@ -124,23 +124,24 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
 }
 
 /// Parses `-dX` or `-dX/N`: units of 1/N metre, centimetre, foot or inch.
-fn read_units(options: &mut Options, option: &str) -> Option<()> {
-    let tail = option.get(3..)?;
+fn read_units(options: &mut Options, text: &str) -> Option<()> {
+    let letter = text.chars().next()?;
+    let tail = &text[letter.len_utf8()..];
     let parts = match tail.strip_prefix('/') {
         Some(number) => leading_number(number).map(|(value, _)| value).filter(|value| *value > TINY)?,
         None if tail.is_empty() => 1.0,
         None => return None,
     };
     let is = |value: f64| (parts - value).abs() <= TINY;
-    let (units, per_metre) = match option.as_bytes()[2] {
-        b'c' if is(10.0) => ("millimeters".to_owned(), 100.0 * parts),
-        b'c' => (format!("centimeters{tail}"), 100.0 * parts),
-        b'm' if is(1000.0) => ("millimeters".to_owned(), parts),
-        b'm' if is(100.0) => ("centimeters".to_owned(), parts),
-        b'm' => (format!("meters{tail}"), parts),
-        b'i' => (format!("inches{tail}"), parts * 12.0 / FOOT),
-        b'f' if is(12.0) => ("inches".to_owned(), parts / FOOT),
-        b'f' => (format!("feet{tail}"), parts / FOOT),
+    let (units, per_metre) = match letter {
+        'c' if is(10.0) => ("millimeters".to_owned(), 100.0 * parts),
+        'c' => (format!("centimeters{tail}"), 100.0 * parts),
+        'm' if is(1000.0) => ("millimeters".to_owned(), parts),
+        'm' if is(100.0) => ("centimeters".to_owned(), parts),
+        'm' => (format!("meters{tail}"), parts),
+        'i' => (format!("inches{tail}"), parts * 12.0 / FOOT),
+        'f' if is(12.0) => ("inches".to_owned(), parts / FOOT),
+        'f' => (format!("feet{tail}"), parts / FOOT),
         _ => return None,
     };
     (options.units, options.units_per_metre) = (units, per_metre);

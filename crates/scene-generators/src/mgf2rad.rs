@@ -17,10 +17,10 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
     let mut materials = MaterialWriter::default();
     while let Some(option) = arguments.option()? {
-        match option.as_bytes() {
-            [b'-', b's', ..] => materials.spectral = !materials.spectral,
-            b"-g" => materials.glow_distance = Some(arguments.number("glow distance (-g)")?),
-            b"-e" => materials.emitter_multiplier = arguments.number("emitter multiplier (-e)")?,
+        match option.name {
+            "-s" => materials.spectral = !materials.spectral,
+            "-g" => materials.glow_distance = Some(arguments.number("glow distance (-g)")?),
+            "-e" => materials.emitter_multiplier = arguments.number("emitter multiplier (-e)")?,
             _ => return Err(arguments.unknown()),
         }
     }

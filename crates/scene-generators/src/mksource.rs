@@ -39,16 +39,16 @@ pub fn mksource(argv: &[String], open: &OpenEnvironment<'_, '_>) -> Result<Outpu
     let mut arguments = Arguments::new(argv);
     let (mut samples, mut threshold, mut largest) = (262_144i64, 0.0, 15.0f64);
     while let Some(option) = arguments.option()? {
-        match option.as_bytes() {
-            [b'-', b'd', ..] => {
+        match option.name {
+            "-d" => {
                 let position = arguments.position();
                 samples = arguments.integer("samples (-d)")?;
                 if samples < 4 {
                     return Err(arguments.mistake(position, format!("samples (-d) is {samples}, expected at least 4")));
                 }
             }
-            [b'-', b't', ..] => threshold = arguments.number("threshold (-t)")?,
-            [b'-', b'a', ..] => largest = arguments.positive("largest angle (-a)")?.min(180.0),
+            "-t" => threshold = arguments.number("threshold (-t)")?,
+            "-a" => largest = arguments.positive("largest angle (-a)")?.min(180.0),
             _ => return Err(arguments.unknown()),
         }
     }

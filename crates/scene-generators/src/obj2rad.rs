@@ -31,11 +31,11 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
     let (mut object, mut mapping, mut list_names, mut flat) = ("unnamed", None, false, false);
     while let Some(option) = arguments.option_before_files()? {
-        match option.as_bytes() {
-            [b'-', b'o', ..] => object = arguments.required("object name (-o)")?,
-            [b'-', b'm', ..] => mapping = Some(read_mapping(&mut arguments, invocation)?),
-            [b'-', b'n', ..] => list_names = true,
-            [b'-', b'f', ..] => flat = true,
+        match option.name {
+            "-o" => object = arguments.required("object name (-o)")?,
+            "-m" => mapping = Some(read_mapping(&mut arguments, invocation)?),
+            "-n" => list_names = true,
+            "-f" => flat = true,
             _ => return Err(arguments.unknown()),
         }
     }

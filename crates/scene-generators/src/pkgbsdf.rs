@@ -22,7 +22,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
     let mut to_standard_output = false;
     while let Some(option) = arguments.option()? {
-        match option {
+        match option.name {
             "-s" => to_standard_output = true,
             _ => return Err(arguments.unknown()),
         }

@@ -109,34 +109,32 @@ impl Calculator {
             most_output: 0,
         };
         while let Some(option) = arguments.option_before_files()? {
-            match option.as_bytes() {
-                [b'-', b'b', ..] => options.input.blanks_join = !options.input.blanks_join,
-                [b'-', b'l', ..] => options.across_lines = !options.across_lines,
-                [b'-', b'p', ..] => options.passing = Passing::Unmatched,
-                [b'-', b'P', ..] => options.passing = Passing::UnmatchedAndRefused,
-                [b'-', b't', separator] => options.input.separator = *separator,
-                [b'-', b's', ..] => self.strings.preset(arguments.required("svar=sval (-s)")?),
-                [b'-', b'f', ..] => self.functions.take_file(arguments, invocation.loader)?,
-                [b'-', b'e', ..] => self.functions.take_definitions(arguments)?,
-                [b'-', b'n', ..] => options.no_input = true,
-                [b'-', b'w' | b'u', ..] => {}
-                [b'-', b'i'] => {
+            match option.name {
+                "-b" => options.input.blanks_join = !options.input.blanks_join,
+                "-l" => options.across_lines = !options.across_lines,
+                "-p" => options.passing = Passing::Unmatched,
+                "-P" => options.passing = Passing::UnmatchedAndRefused,
+                "-t" => options.input.take_separator(option.text, arguments)?,
+                "-s" => self.strings.preset(arguments.required("svar=sval (-s)")?),
+                "-f" => self.functions.take_file(arguments, invocation.loader)?,
+                "-e" => self.functions.take_definitions(arguments)?,
+                "-n" => options.no_input = true,
+                "-w" | "-u" => {}
+                "-i" if option.text.is_empty() => {
                     options.input = InputForm { encoding: Encoding::Ascii, columns: 0, ..options.input };
                     options.input_format = Some(read_format(arguments, invocation, options.across_lines)?);
                 }
-                [b'-', b'o'] => {
+                "-o" if option.text.is_empty() => {
                     options.output = Encoding::Ascii;
                     let position = arguments.position();
                     let fields = read_format(arguments, invocation, options.across_lines)?;
                     options.output_format = Some(self.output_fields(fields, position)?);
                 }
-                [b'-', b'i', b'n', ..] => options.most_input = arguments.integer("most records (-in)")?.max(0) as usize,
-                [b'-', b'o', b'n', ..] => {
-                    options.most_output = arguments.integer("most records (-on)")?.max(0) as usize
-                }
-                [b'-', b'i', ..] => options.input.take_encoding(option, arguments)?,
-                [b'-', b'o', letter, ..] => {
-                    options.output = Encoding::of_letter(*letter).ok_or_else(|| arguments.unknown())?;
+                "-in" => options.most_input = arguments.integer("most records (-in)")?.max(0) as usize,
+                "-on" => options.most_output = arguments.integer("most records (-on)")?.max(0) as usize,
+                "-i" => options.input.take_encoding(option.text, arguments)?,
+                "-o" => {
+                    options.output = Encoding::of_text(option.text).ok_or_else(|| arguments.unknown())?;
                 }
                 _ => return Err(arguments.unknown()),
             }

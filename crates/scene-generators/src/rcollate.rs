@@ -123,25 +123,21 @@ impl Options {
             blocks: Vec::new(),
         };
         while let Some(option) = arguments.option_before_files()? {
-            match option.as_bytes() {
-                b"-h" => (options.reads_header, options.writes_header) = (false, false),
-                b"-hi" => options.reads_header = false,
-                b"-ho" => options.writes_header = false,
-                [b'-', b'w', ..] => options.warns = !options.warns,
-                [b'-', b'c', ..] => options.checks = true,
-                [b'-', b't', ..] => options.transposes = !options.transposes,
-                [b'-', b'i', b'c', ..] => options.input.columns = arguments.count("input columns (-ic)")?,
-                [b'-', b'i', b'r', ..] => options.input.rows = arguments.count("input rows (-ir)")?,
-                [b'-', b'o', b'c', ..] => options.output.columns = arguments.count("output columns (-oc)")?,
-                [b'-', b'o', b'r', ..] => options.output.rows = arguments.count("output rows (-or)")?,
-                b"-o" => options.blocks = read_blocks(arguments)?,
-                [b'-', b'f', letter, count @ ..] => {
-                    let index = b"afdb".iter().position(|known| *known == letter.to_ascii_lowercase());
-                    options.format = Some(FORMATS[index.ok_or_else(|| arguments.unknown())?]);
-                    options.components = Some(match count {
-                        [] => 1,
-                        _ => whole_count(&option[3..]).ok_or_else(|| arguments.unknown())?,
-                    });
+            match option.name {
+                "-h" => (options.reads_header, options.writes_header) = (false, false),
+                "-hi" => options.reads_header = false,
+                "-ho" => options.writes_header = false,
+                "-w" => options.warns = !options.warns,
+                "-c" => options.checks = true,
+                "-t" => options.transposes = !options.transposes,
+                "-ic" => options.input.columns = arguments.count("input columns (-ic)")?,
+                "-ir" => options.input.rows = arguments.count("input rows (-ir)")?,
+                "-oc" => options.output.columns = arguments.count("output columns (-oc)")?,
+                "-or" => options.output.rows = arguments.count("output rows (-or)")?,
+                "-o" => options.blocks = read_blocks(arguments)?,
+                "-f" => {
+                    let (format, components) = read_format(option.text).ok_or_else(|| arguments.unknown())?;
+                    (options.format, options.components) = (Some(format), Some(components));
                 }
                 _ => return Err(arguments.unknown()),
             }
@@ -169,6 +165,14 @@ impl Options {
         let is_same = self.output.or(self.input) == self.input && (self.input.records() > 0 || !self.writes_header);
         is_same && !self.reorders() && !self.checks
     }
+}
+
+/// Parses `L` or `LN`: the letter of a format and a number of components.
+fn read_format(text: &str) -> Option<(Format, usize)> {
+    let letter = text.chars().next()?;
+    let index = "afdb".find(letter.to_ascii_lowercase())?;
+    let count = &text[letter.len_utf8()..];
+    Some((FORMATS[index], if count.is_empty() { 1 } else { whole_count(count)? }))
 }
 
 /// Parses the levels of `RxCxR1xC1…`: blocks of blocks, the whole first.

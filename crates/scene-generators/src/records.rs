@@ -20,9 +20,9 @@ pub(crate) enum Encoding {
 }
 
 impl Encoding {
-    /// The encoding for a letter after `-i` or `-o`.
-    pub(crate) fn of_letter(letter: u8) -> Option<Encoding> {
-        match letter {
+    /// The encoding named by the first letter of the text after `-i` or `-o`.
+    pub(crate) fn of_text(text: &str) -> Option<Encoding> {
+        match text.as_bytes().first()? {
             b'a' => Some(Encoding::Ascii),
             b'd' => Some(Encoding::Binary { double: true, swapped: false }),
             b'D' => Some(Encoding::Binary { double: true, swapped: true }),
@@ -54,12 +54,17 @@ pub(crate) struct InputForm {
 }
 
 impl InputForm {
-    /// Parses the rest of an option such as `-id3`.
-    pub(crate) fn take_encoding(&mut self, option: &str, arguments: &Arguments<'_>) -> Result<(), Error> {
-        let bytes = option.as_bytes();
-        self.encoding =
-            bytes.get(2).and_then(|letter| Encoding::of_letter(*letter)).ok_or_else(|| arguments.unknown())?;
-        let digits = option.get(3..).unwrap_or_default();
+    /// Parses the one-byte text of the option `-t`.
+    pub(crate) fn take_separator(&mut self, text: &str, arguments: &Arguments<'_>) -> Result<(), Error> {
+        let &[separator] = text.as_bytes() else { return Err(arguments.unknown()) };
+        self.separator = separator;
+        Ok(())
+    }
+
+    /// Parses the text of an option such as `-id3`.
+    pub(crate) fn take_encoding(&mut self, text: &str, arguments: &Arguments<'_>) -> Result<(), Error> {
+        self.encoding = Encoding::of_text(text).ok_or_else(|| arguments.unknown())?;
+        let digits = text.get(1..).unwrap_or_default();
         self.columns = crate::number_text::leading_integer(digits).map_or(1, |(count, _)| count.max(0) as usize);
         if self.columns.saturating_mul(self.encoding.size()) > LARGEST_BINARY_RECORD {
             let position = arguments.position() - 1;

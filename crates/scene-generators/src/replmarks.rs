@@ -64,15 +64,13 @@ fn read_markers<'a>(arguments: &mut Arguments<'a>) -> Result<(Vec<Marker<'a>>, b
     while arguments.peek().is_some_and(is_option) {
         let (mut replacement, mut new_modifier) = (None, None);
         while let Some(option) = arguments.option()? {
-            match option.as_bytes() {
-                [b'-', b'x', ..] => {
-                    replacement = Some((Replacement::Transform, arguments.required("object file (-x)")?))
-                }
-                [b'-', b'i', ..] => replacement = Some((Replacement::Instance, arguments.required("octree (-i)")?)),
-                [b'-', b'I', ..] => replacement = Some((Replacement::Mesh, arguments.required("mesh (-I)")?)),
-                [b'-', b'e', ..] => expand = true,
-                [b'-', b'm', ..] => new_modifier = Some(arguments.required("new modifier (-m)")?),
-                [b'-', b's', ..] => scale = arguments.number("marker size (-s)")?,
+            match option.name {
+                "-x" => replacement = Some((Replacement::Transform, arguments.required("object file (-x)")?)),
+                "-i" => replacement = Some((Replacement::Instance, arguments.required("octree (-i)")?)),
+                "-I" => replacement = Some((Replacement::Mesh, arguments.required("mesh (-I)")?)),
+                "-e" => expand = true,
+                "-m" => new_modifier = Some(arguments.required("new modifier (-m)")?),
+                "-s" => scale = arguments.number("marker size (-s)")?,
                 _ => return Err(arguments.unknown()),
             }
         }

@@ -39,20 +39,19 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
     let (mut inputs, mut streams, mut most) = (Vec::new(), Vec::new(), 0);
     let mut now = Input { stream: 0, form: Form::Lines(1), separator: "\t".to_owned() };
-    while let Some(word) = arguments.word() {
-        match word.as_bytes() {
-            [b'-', b't', ..] => {
-                now.separator = Some(&word[2..]).filter(|text| !text.is_empty()).unwrap_or("\n").to_owned();
-            }
-            b"-u" => {}
-            b"-in" => most = usize::try_from(arguments.integer("most records (-in)")?).unwrap_or(0),
-            [b'-', b'i', ..] => now.take_form(word, &arguments)?,
-            [b'-', _, ..] => return Err(arguments.unknown()),
-            _ => {
-                now.stream = stream(word, &mut streams, invocation)?;
-                inputs.push(now.clone());
+    loop {
+        while let Some(option) = arguments.option_before_files()? {
+            match option.name {
+                "-t" => now.separator = if option.text.is_empty() { "\n" } else { option.text }.to_owned(),
+                "-u" => {}
+                "-in" => most = usize::try_from(arguments.integer("most records (-in)")?).unwrap_or(0),
+                "-i" => now.take_form(option.text, &arguments)?,
+                _ => return Err(arguments.unknown()),
             }
         }
+        let Some(word) = arguments.word() else { break };
+        now.stream = stream(word, &mut streams, invocation)?;
+        inputs.push(now.clone());
     }
     if inputs.is_empty() {
         return Err(arguments.mistake(invocation.argv.len(), "missing input1"));
@@ -70,9 +69,9 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
 }
 
 impl Input {
-    /// Parses an option such as `-id3`.
-    fn take_form(&mut self, option: &str, arguments: &Arguments<'_>) -> Result<(), Error> {
-        let size = match option.as_bytes().get(2) {
+    /// Parses the text of an option such as `-id3`.
+    fn take_form(&mut self, text: &str, arguments: &Arguments<'_>) -> Result<(), Error> {
+        let size = match text.as_bytes().first() {
             Some(b'a') => None,
             Some(b'f' | b'i') => Some(4usize),
             Some(b'd') => Some(8),
@@ -80,7 +79,7 @@ impl Input {
             Some(b'b') => Some(1),
             _ => return Err(arguments.unknown()),
         };
-        let count = match &option[3..] {
+        let count = match &text[1..] {
             "" => 1,
             digits => leading_integer(digits).ok_or_else(|| arguments.unknown())?.0,
         };

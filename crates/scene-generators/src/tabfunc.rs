@@ -17,13 +17,12 @@ const LINE: usize = 64;
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
-    let interpolates = arguments.peek() == Some("-i");
-    if interpolates {
-        arguments.word();
-    }
-    if arguments.peek().is_some_and(|word| word.starts_with('-')) {
-        arguments.word();
-        return Err(arguments.unknown());
+    let mut interpolates = false;
+    while let Some(option) = arguments.option()? {
+        match option.name {
+            "-i" => interpolates = true,
+            _ => return Err(arguments.unknown()),
+        }
     }
     arguments.required("func1")?;
     let names = &invocation.argv[arguments.position() - 1..];

@@ -83,22 +83,22 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         most_output: 0,
     };
     while let Some(option) = arguments.option_before_files()? {
-        match option.as_bytes() {
-            [b'-', digit, ..] if digit.is_ascii_digit() => {
-                options.count = leading_integer(&option[1..]).map_or(0, |(count, _)| count as usize);
+        match option.name {
+            "-" if option.text.starts_with(|first: char| first.is_ascii_digit()) => {
+                options.count = leading_integer(option.text).map_or(0, |(count, _)| count as usize);
             }
-            [b'-', b'm', ..] => options.mean = !options.mean,
-            [b'-', b'p', ..] => options.reduction = Reduction::Product,
-            [b'-', b'u', ..] => options.reduction = Reduction::Largest,
-            [b'-', b'l', ..] => options.reduction = Reduction::Smallest,
-            [b'-', b's', ..] => options.power = leading_number(&option[2..]).map_or(0.0, |(power, _)| power),
-            [b'-', b't', separator] => options.input.separator = *separator,
-            [b'-', b'r', ..] => options.running = !options.running,
-            [b'-', b'i', b'n', ..] => options.most_input = arguments.integer("most records (-in)")?.max(0) as usize,
-            [b'-', b'o', b'n', ..] => options.most_output = arguments.integer("most records (-on)")?.max(0) as usize,
-            [b'-', b'i', b'a' | b'd' | b'f', ..] => options.input.take_encoding(option, arguments)?,
-            [b'-', b'o', letter @ (b'a' | b'd' | b'f'), ..] => {
-                options.output = Encoding::of_letter(*letter).ok_or_else(|| arguments.unknown())?;
+            "-m" => options.mean = !options.mean,
+            "-p" => options.reduction = Reduction::Product,
+            "-u" => options.reduction = Reduction::Largest,
+            "-l" => options.reduction = Reduction::Smallest,
+            "-s" => options.power = leading_number(option.text).map_or(0.0, |(power, _)| power),
+            "-t" => options.input.take_separator(option.text, &arguments)?,
+            "-r" => options.running = !options.running,
+            "-in" => options.most_input = arguments.integer("most records (-in)")?.max(0) as usize,
+            "-on" => options.most_output = arguments.integer("most records (-on)")?.max(0) as usize,
+            "-i" if option.text.starts_with(['a', 'd', 'f']) => options.input.take_encoding(option.text, arguments)?,
+            "-o" if option.text.starts_with(['a', 'd', 'f']) => {
+                options.output = Encoding::of_text(option.text).ok_or_else(|| arguments.unknown())?;
             }
             _ => return Err(arguments.unknown()),
         }
