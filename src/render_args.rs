@@ -122,13 +122,13 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
         }
         "-ae" | "-ai" => {
             let name: String = number(words, word, "the name of a modifier")?;
-            name_surfaces(options, word == "-ai", name);
+            name_surfaces(options, if word == "-ai" { SurfaceList::Only } else { SurfaceList::Except }, name);
             Ok(2)
         }
         "-aE" | "-aI" => {
             let file: String = number(words, word, "a file of modifiers' names")?;
             for name in names_in_file(word, &file)? {
-                name_surfaces(options, word == "-aI", name);
+                name_surfaces(options, if word == "-aI" { SurfaceList::Only } else { SurfaceList::Except }, name);
             }
             Ok(2)
         }
@@ -175,14 +175,21 @@ fn color(words: &[String], expected: &str, color: &mut Rgb) -> Result<usize, Fai
     Ok(4)
 }
 
+/// A list of surfaces with diffuse interreflection (`-ai`) or without (`-ae`).
+#[derive(Clone, Copy)]
+enum SurfaceList {
+    Only,
+    Except,
+}
+
 /// Adds a name to those of `-ae` or `-ai`; as in Radiance, the first of the other kind starts a new
 /// list.
-fn name_surfaces(options: &mut RenderOptions, only: bool, name: String) {
-    match &mut options.ambient_surfaces {
-        AmbientSurfaces::Only(names) if only => names.push(name),
-        AmbientSurfaces::Except(names) if !only => names.push(name),
-        other if only => *other = AmbientSurfaces::Only(vec![name]),
-        other => *other = AmbientSurfaces::Except(vec![name]),
+fn name_surfaces(options: &mut RenderOptions, list: SurfaceList, name: String) {
+    match (&mut options.ambient_surfaces, list) {
+        (AmbientSurfaces::Only(names), SurfaceList::Only) => names.push(name),
+        (AmbientSurfaces::Except(names), SurfaceList::Except) => names.push(name),
+        (other, SurfaceList::Only) => *other = AmbientSurfaces::Only(vec![name]),
+        (other, SurfaceList::Except) => *other = AmbientSurfaces::Except(vec![name]),
     }
 }
 

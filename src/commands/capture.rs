@@ -24,7 +24,7 @@ use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
 use radsight_render::{RenderOptions, RenderPlan, Renderer};
 use resume::{CheckpointFile, Saving};
 
-/// Error that is asked for when nothing is said.
+/// The default of the requested error.
 pub(super) const DEFAULT_ERROR: f64 = 0.005;
 
 /// Diffraction is mentioned when the pinhole's Fresnel number is below this.
@@ -66,7 +66,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         true => (plan(&arguments.scenes, Some(&camera), &arguments.reading, options.clone())?, Vec::new()),
         false => plan_split(&arguments.scenes, Some(&camera), &arguments.reading, &options, split)?,
     };
-    check_scene(&planned.plan, &camera, !by_row.is_empty())?;
+    check_scene(&planned.plan, &camera, by_row.len())?;
     let checkpoint = CheckpointFile::new(arguments, &camera, &planned, &options)?;
     let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
     let Planned { plan, registry, sources, .. } = planned;
@@ -91,7 +91,8 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let plans = by_row.iter().map(|light| light.renderer.plan());
     conclude_all(std::iter::once(renderer.plan()).chain(plans), registry.as_ref(), &sources, &arguments.reading)?;
     let can_resume = exposure.is_partial && checkpoint.save(&exposure.checkpoint)?;
-    say_result(&exposure, arguments, can_resume);
+    let remainder = if can_resume { Remainder::Kept } else { Remainder::Lost };
+    say_result(&exposure, arguments, remainder);
     if exposure.pixels_done > 0 {
         let image = exposure_image(&camera.camera, &exposure.values)?;
         let is_wanted = arguments.output.is_some() || arguments.color.is_some() || arguments.accounts.report.is_some();
@@ -147,12 +148,13 @@ fn check_sensor(arguments: &Capture, camera: &CameraFile) -> Outcome {
     }
 }
 
-fn check_scene(plan: &RenderPlan, camera: &CameraFile, more_emits: bool) -> Outcome {
+/// `flickering` is the number of scenes of lamps that flicker.
+fn check_scene(plan: &RenderPlan, camera: &CameraFile, flickering: usize) -> Outcome {
     let leds = camera.rig.as_ref().map_or(0, |rig| rig.leds as usize);
     if plan.surface_count() <= leds {
         return Err(Failure::input("the scene is empty: nothing that a ray could hit"));
     }
-    if !plan.has_emitters() && !more_emits {
+    if !plan.has_emitters() && flickering == 0 {
         return Err(Failure::input("the scene has no light: nothing in it emits, and the camera file has no [rig]"));
     }
     Ok(())
@@ -195,10 +197,20 @@ fn partial(exposure: &Exposure, arguments: &Capture) -> String {
     }
 }
 
-fn say_result(exposure: &Exposure, arguments: &Capture, can_resume: bool) {
+/// Whether an interrupted capture can be resumed.
+#[derive(Clone, Copy)]
+enum Remainder {
+    Kept,
+    Lost,
+}
+
+fn say_result(exposure: &Exposure, arguments: &Capture, remainder: Remainder) {
     if exposure.is_partial {
         let what = partial(exposure, arguments);
-        let how = if can_resume { "; --resume goes on with it" } else { "" };
+        let how = match remainder {
+            Remainder::Kept => "; --resume goes on with it",
+            Remainder::Lost => "",
+        };
         return say(&format!("radsight: interrupted: the exposure is partial ({what}){how}\n"));
     }
     let asked = arguments.error.unwrap_or(DEFAULT_ERROR);

@@ -30,13 +30,13 @@ pub(crate) struct Split {
     /// The whole job
     #[arg(value_name = "JOB.json")]
     job: String,
-    /// How many parts, of about as many rows or rays each
+    /// Number of parts, each with about the same number of rows or rays
     #[arg(long, value_name = "N", required_unless_present_any = ["tiles", "rays"], conflicts_with_all = ["tiles", "rays"])]
     parts: Option<usize>,
-    /// Rectangles of at most so many columns and rows, such as 64x64
+    /// Rectangles of at most WxH pixels, such as 64x64
     #[arg(long, value_name = "WxH", conflicts_with = "rays")]
     tiles: Option<String>,
-    /// Ranges of at most so many rays
+    /// Ranges of at most N rays
     #[arg(long, value_name = "N")]
     rays: Option<usize>,
     /// Names of the parts' files; %d, or %03d, is their number from 0

@@ -56,7 +56,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         arguments.warn("the octree of -i is frozen, and so is the new one");
     }
     let is_frozen = is_frozen || was_frozen;
-    let read = arguments.read_scene(inputs, is_frozen)?;
+    let read = arguments.read_scene(inputs, if is_frozen { KeepPrimitives::Yes } else { KeepPrimitives::No })?;
     let cube = arguments.cube(old.as_ref(), &read.scene)?;
     use_default_threads()?;
     let built = radsight_octree::build(&read.scene, &read.numbering.of_surfaces, cube, &arguments.build);
@@ -147,12 +147,8 @@ impl Arguments {
         Ok(arguments)
     }
 
-    fn read_scene(&self, inputs: Vec<Input>, is_frozen: bool) -> Result<Read, Failure> {
-        let options = ReadOptions {
-            primitives: if is_frozen { KeepPrimitives::Yes } else { KeepPrimitives::No },
-            purpose: Purpose::Octree,
-            ..ReadOptions::default()
-        };
+    fn read_scene(&self, inputs: Vec<Input>, primitives: KeepPrimitives) -> Result<Read, Failure> {
+        let options = ReadOptions { primitives, purpose: Purpose::Octree, ..ReadOptions::default() };
         let read = read(inputs, self.trust.commands(), &options);
         if read.has_errors() {
             return Err(Failure::diagnostics(&read.diagnostics, &read.sources));

@@ -58,6 +58,7 @@ enum Form {
 }
 
 use Form::{Cone, Cylinder, CylinderBack, Instance, Mesh, Ring, Sphere, Square, TiltedSquare, TiltedTriangle};
+use Turn::{Kept, Reversed};
 
 /// Scenes of one kind.
 struct Group {
@@ -108,7 +109,14 @@ const GROUPS: [Group; 26] = [
 ];
 
 /// Which of the two surfaces are reversed.
-const TURNS: [[bool; 2]; 3] = [[false, false], [false, true], [true, false]];
+const TURNS: [[Turn; 2]; 3] = [[Kept, Kept], [Kept, Reversed], [Reversed, Kept]];
+
+/// Whether a surface is reversed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Turn {
+    Kept,
+    Reversed,
+}
 
 /// From above, from below, oblique.
 const RAYS: [[[f64; 3]; 2]; 3] =
@@ -123,7 +131,8 @@ impl Group {
     }
 
     /// The text of a surface, lifted by this much.
-    fn surface(&self, form: Form, modifier: char, name: &str, is_turned: bool, lift: f64) -> String {
+    fn surface(&self, form: Form, modifier: char, name: &str, turn: Turn, lift: f64) -> String {
+        let is_turned = turn == Reversed;
         let head = |kind: &str| format!("{modifier} {kind} {name} 0 0 ");
         let polygon = |corners: &[[f64; 3]]| {
             let mut corners: Vec<String> = corners.iter().map(|corner| self.point(*corner, lift)).collect();
@@ -163,10 +172,10 @@ impl Group {
     }
 
     /// Whether Radiance supports a light of this shape: no round one facing inwards, and no cone.
-    fn is_lawful(form: Form, modifier: char, is_turned: bool) -> bool {
+    fn is_lawful(form: Form, modifier: char, turn: Turn) -> bool {
         let is_light = matches!(modifier, 'L' | 'I' | 'W');
         let can_shine = match form {
-            Sphere | Cylinder | CylinderBack => !is_turned,
+            Sphere | Cylinder | CylinderBack => turn == Kept,
             Cone => false,
             _ => true,
         };
@@ -179,8 +188,8 @@ impl Group {
         pairs
             .map(|pair| {
                 let is_lawful =
-                    |turns: &&[bool; 2]| (0..2).all(|at| Group::is_lawful(self.forms[at], pair[at], turns[at]));
-                let text = |turns: &[bool; 2]| {
+                    |turns: &&[Turn; 2]| (0..2).all(|at| Group::is_lawful(self.forms[at], pair[at], turns[at]));
+                let text = |turns: &[Turn; 2]| {
                     let [first, second] = [("first", 0.0), ("second", self.apart)];
                     MATERIALS.to_owned()
                         + &self.surface(self.forms[0], pair[0], first.0, turns[0], first.1)

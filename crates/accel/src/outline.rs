@@ -58,7 +58,7 @@ pub(crate) enum GridResult {
 }
 
 impl Outline {
-    /// `None` for a polygon without area or that is not flat.
+    /// `None` for a polygon that has no area or is not flat.
     pub(crate) fn new(vertices: &[DVec3]) -> Option<Outline> {
         let area = area_vector(vertices);
         let normal = area.try_normalize()?;

@@ -17,6 +17,15 @@ use radsight_sampling::cosine_hemisphere;
 use radsight_texture::{bands, spread, strongest};
 use std::f64::consts::FRAC_1_PI;
 
+/// The direction of a glossy highlight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HighlightShape {
+    /// Around the mirror direction.
+    Mirror,
+    /// Around the direction from which the light arrives.
+    Retro,
+}
+
 /// A specular lobe of finite width.
 #[derive(Clone, Copy, Debug)]
 pub enum Highlight<'a, const BANDS: usize> {
@@ -143,7 +152,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     /// A plastic or metal with this shading normal and this colour, patterns included.
     pub fn glossy(
         kind: &GlossyKind,
-        retro: bool,
+        shape: HighlightShape,
         color: [f64; BANDS],
         outgoing: DVec3,
         normal: DVec3,
@@ -160,7 +169,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         };
         let highlight = if smooth || kind.specularity <= 0.0 {
             Highlight::None
-        } else if retro {
+        } else if shape == HighlightShape::Retro {
             Highlight::Retro(Paper1991 { reflectance: specular, spread: kind.roughness })
         } else {
             Highlight::Ward(WardIsotropic { specularity: specular, roughness: kind.roughness })
@@ -169,7 +178,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
             outgoing,
             normal,
             frame: Frame::new(shading_normal),
-            diffuse_normal: if retro { outgoing } else { shading_normal },
+            diffuse_normal: if shape == HighlightShape::Retro { outgoing } else { shading_normal },
             diffuse: color.map(|band| band * (1.0 - specularity)),
             coat: if coated { FresnelCoat::Coat } else { FresnelCoat::None },
             highlight,
@@ -182,7 +191,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     /// A white Lambertian surface, seen from this unit direction.
     pub fn white(outgoing: DVec3, normal: DVec3) -> Self {
         let white = GlossyKind { color: Rgb::WHITE, specularity: 0.0, roughness: 0.0, metallic: false };
-        Bsdf::glossy(&white, false, [1.0; BANDS], outgoing, normal, normal)
+        Bsdf::glossy(&white, HighlightShape::Mirror, [1.0; BANDS], outgoing, normal, normal)
     }
 
     /// Leaves the highlight unsampled if it is no stronger than the specular threshold (`-st`).

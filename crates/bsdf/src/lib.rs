@@ -29,7 +29,7 @@ mod transmission_lobe;
 mod ward_function;
 
 pub use ashikhmin::AshikhminKind;
-pub use bsdf::{Bsdf, FresnelCoat, Highlight, colored, model_bands, of_model, pane, sum, through_pane};
+pub use bsdf::{Bsdf, FresnelCoat, Highlight, HighlightShape, colored, model_bands, of_model, pane, sum, through_pane};
 pub use context::{BsdfContext, SpecularBounce, SurfaceScattering};
 pub use frame::Frame;
 pub use function_lobe::{FunctionLobe, LobeFunction, MaterialView, Surroundings};

@@ -77,7 +77,8 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
         let incident = self.frame.to_local(incident);
         let is_transmitted = Side::of(incident) != Side::of(self.view.exact);
         let nothing = ([0.0; BANDS], 0.0);
-        let Some((scattering, chance)) = self.part(is_transmitted) else { return nothing };
+        let part = if is_transmitted { self.transmitted() } else { self.reflected() };
+        let Some((scattering, chance)) = part else { return nothing };
         if is_transmitted && self.peak.holds(scattering, self.view.exact, incident) {
             return nothing;
         }
@@ -91,7 +92,7 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
     /// Samples a direction, returned in the scene.
     pub fn sample(&self, [u, v, choice]: [f64; 3]) -> Option<BsdfSample<BANDS>> {
         let is_transmitted = choice < self.transmitted_chance;
-        let (scattering, chance) = self.part(is_transmitted)?;
+        let (scattering, chance) = if is_transmitted { self.transmitted() } else { self.reflected() }?;
         let sample = scattering.sample(self.view.jittered, [u, v])?;
         if is_transmitted && self.peak.holds(scattering, self.view.jittered, sample.direction) {
             return None;
@@ -107,13 +108,14 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
         })
     }
 
-    /// Data of one side, and the probability of sampling it.
-    fn part(&self, is_transmitted: bool) -> Option<(&'a Scattering, f64)> {
-        if is_transmitted {
-            Some((self.transmission?, self.transmitted_chance))
-        } else {
-            Some((self.reflection?, 1.0 - self.transmitted_chance))
-        }
+    /// Data of reflection, and the probability of sampling it.
+    fn reflected(&self) -> Option<(&'a Scattering, f64)> {
+        Some((self.reflection?, 1.0 - self.transmitted_chance))
+    }
+
+    /// Data of transmission, and the probability of sampling it.
+    fn transmitted(&self) -> Option<(&'a Scattering, f64)> {
+        Some((self.transmission?, self.transmitted_chance))
     }
 }
 

@@ -3,7 +3,8 @@
 
 use glam::DVec3;
 use radsight_brdf::Density;
-use radsight_bsdf::{Bsdf, BsdfValue, GlossyKind, PdfRequest, pane};
+use radsight_bsdf::HighlightShape::{Mirror, Retro};
+use radsight_bsdf::{Bsdf, BsdfValue, GlossyKind, HighlightShape, PdfRequest, pane};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
 
@@ -17,12 +18,16 @@ fn viewed(angle: f64) -> DVec3 {
     DVec3::new(angle.sin(), 0.0, angle.cos())
 }
 
-fn glossy(specularity: f64, roughness: f64, metallic: bool) -> GlossyKind {
-    GlossyKind { color: Rgb::WHITE, specularity, roughness, metallic }
+fn plastic(specularity: f64, roughness: f64) -> GlossyKind {
+    GlossyKind { color: Rgb::WHITE, specularity, roughness, metallic: false }
 }
 
-fn bsdf(kind: &GlossyKind, retro: bool, angle: f64) -> Bsdf<'static, 1> {
-    Bsdf::glossy(kind, retro, [1.0], viewed(angle), DVec3::Z, DVec3::Z)
+fn metal(specularity: f64, roughness: f64) -> GlossyKind {
+    GlossyKind { metallic: true, ..plastic(specularity, roughness) }
+}
+
+fn bsdf(kind: &GlossyKind, shape: HighlightShape, angle: f64) -> Bsdf<'static, 1> {
+    Bsdf::glossy(kind, shape, [1.0], viewed(angle), DVec3::Z, DVec3::Z)
 }
 
 fn eval(bsdf: &Bsdf<'_, 1>, incident: DVec3) -> BsdfValue<1> {
@@ -62,7 +67,7 @@ fn plastic_and_metal_conserve_energy() {
         [(0.05, 0.0, false), (0.05, 0.1, false), (0.9, 0.2, true), (1.0, 0.05, true), (0.3, 0.3, false)]
     {
         for angle in [0.0, 0.5, 1.0, 1.3, 1.5] {
-            let bsdf = bsdf(&glossy(specularity, roughness, metallic), false, angle);
+            let bsdf = bsdf(&GlossyKind { metallic, ..plastic(specularity, roughness) }, Mirror, angle);
             let [diffuse, highlight] = albedo(&bsdf);
             let sum = diffuse + highlight + bsdf.mirror[0];
             assert!(sum <= 1.0 + 2e-3, "{sum} of {specularity}, {roughness} at {angle}");
@@ -72,14 +77,14 @@ fn plastic_and_metal_conserve_energy() {
 
 #[test]
 fn a_rough_metal_loses_almost_no_energy_at_normal_incidence() {
-    let bsdf = bsdf(&glossy(1.0, 0.05, true), false, 0.0);
+    let bsdf = bsdf(&metal(1.0, 0.05), Mirror, 0.0);
     assert!((albedo(&bsdf)[1] - 1.0).abs() < 0.01);
 }
 
 #[test]
 fn the_retroreflector_of_the_paper_returns_its_specularity() {
     // At 0.3° the lobe lies within the hemisphere and returns its albedo.
-    let bsdf = bsdf(&glossy(0.4, 0.005, true), true, 0.3);
+    let bsdf = bsdf(&metal(0.4, 0.005), Retro, 0.3);
     let [_, highlight] = albedo(&bsdf);
     assert!((highlight - 0.4).abs() < 0.4 * 0.01, "{highlight}");
     let back = points(100).filter_map(|u| bsdf.sample_highlight(u));
@@ -88,10 +93,8 @@ fn the_retroreflector_of_the_paper_returns_its_specularity() {
 
 #[test]
 fn samples_have_the_density_and_weight_of_eval() {
-    for (kind, retro) in
-        [(glossy(0.05, 0.1, false), false), (glossy(0.8, 0.25, true), false), (glossy(0.3, 0.01, true), true)]
-    {
-        let bsdf = bsdf(&kind, retro, 0.8);
+    for (kind, shape) in [(plastic(0.05, 0.1), Mirror), (metal(0.8, 0.25), Mirror), (metal(0.3, 0.01), Retro)] {
+        let bsdf = bsdf(&kind, shape, 0.8);
         let mut samples = 0;
         for u in points(500) {
             if let Some(sample) = bsdf.sample_highlight(u) {
@@ -112,7 +115,7 @@ fn balance_weighted_samples_estimate_both_components() {
     // The balance heuristic (Veach 1997): the weights of one direction sum to one, so both sums
     // estimate the whole.
     for roughness in [0.08, 0.3] {
-        let bsdf = bsdf(&glossy(0.4, roughness, false), false, 0.6);
+        let bsdf = bsdf(&plastic(0.4, roughness), Mirror, 0.6);
         let [diffuse, highlight] = albedo(&bsdf);
         let weighted = |direction: DVec3| {
             let value = eval(&bsdf, direction);

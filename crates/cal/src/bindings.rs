@@ -90,14 +90,16 @@ impl<'a> Known<'a> {
         SymbolId(u32::try_from(self.definitions.symbols.len() + index).unwrap_or(u32::MAX))
     }
 
-    /// Names that may have been intended.
-    pub(crate) fn candidates(&self, bindings: &Bindings<'a>, functions: bool) -> impl Iterator<Item = &str> {
-        let defined = self.definitions.symbols.iter().filter(move |symbol| match functions {
-            true => symbol.function().is_some() || symbol.builtin.is_some(),
-            false => symbol.variable().is_some(),
-        });
-        let host_functions = bindings.functions.iter().filter(move |_| functions).map(|(name, _)| *name);
-        let host_variables = bindings.variables.iter().filter(move |_| !functions).map(|(name, _)| *name);
-        defined.map(Symbol::bare).chain(host_functions).chain(host_variables)
+    /// Names of functions that may have been intended.
+    pub(crate) fn function_names(&self, bindings: &Bindings<'a>) -> impl Iterator<Item = &str> {
+        let is_function = |symbol: &&Symbol| symbol.function().is_some() || symbol.builtin.is_some();
+        let defined = self.definitions.symbols.iter().filter(is_function).map(Symbol::bare);
+        defined.chain(bindings.functions.iter().map(|(name, _)| *name))
+    }
+
+    /// Names of variables that may have been intended.
+    pub(crate) fn variable_names(&self, bindings: &Bindings<'a>) -> impl Iterator<Item = &str> {
+        let defined = self.definitions.symbols.iter().filter(|symbol| symbol.variable().is_some()).map(Symbol::bare);
+        defined.chain(bindings.variables.iter().map(|(name, _)| *name))
     }
 }

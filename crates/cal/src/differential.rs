@@ -24,7 +24,8 @@ fn fast_code_and_exact_code_agree() {
     let (mut compiled, mut went_fast, mut evaluations) = (0, 0, 0);
     for seed in 0..4000 {
         let mut dice = Dice::new(seed);
-        let (text, roots) = program_text(&mut dice, true);
+        dice.calls_library = true;
+        let (text, roots) = program_text(&mut dice);
         let mut sources = SourceMap::default();
         let file = sources.add("x.cal", text.as_bytes(), None);
         let mut definitions = Definitions::with_initial_library();

@@ -10,6 +10,23 @@ use crate::syntax::Operator;
 /// known.
 const LASTING: Register = 1 << 15;
 
+/// Which of two values is wanted.
+#[derive(Clone, Copy)]
+enum Extreme {
+    Least,
+    Greatest,
+}
+
+/// The position of a test.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Nesting {
+    /// The test of an `if`.
+    Outer,
+    /// The test is itself chosen by an `if`, which would replace an infinite value by 0 and a
+    /// fault.
+    Inner,
+}
+
 /// A jump target, until its position is known.
 type Label = u32;
 
@@ -266,8 +283,8 @@ impl Emitter<'_> {
             Node::Absolute(a) => Op::Absolute { d, a: self.value(a, region) },
             Node::Guarded(inner) => return self.compute_or_move(inner, d, region),
             Node::Binary(operator, a, b) => self.binary(operator, a, b, d, region),
-            Node::Least(a, b) => self.extreme(a, b, d, region, true),
-            Node::Greatest(a, b) => self.extreme(a, b, d, region, false),
+            Node::Least(a, b) => self.extreme([a, b], d, region, Extreme::Least),
+            Node::Greatest(a, b) => self.extreme([a, b], d, region, Extreme::Greatest),
             Node::Function(builtin, a) => {
                 let a = self.checked(a, region);
                 match builtin {
@@ -339,15 +356,18 @@ impl Emitter<'_> {
         }
     }
 
-    fn extreme(&mut self, a: Value, b: Value, d: Register, region: RegionId, least: bool) -> Op {
-        match (self.graph.as_constant(a), self.graph.as_constant(b), least) {
-            (_, Some(b), true) => Op::LeastConstant { d, a: self.checked(a, region), b },
-            (_, Some(b), false) => Op::GreatestConstant { d, a: self.checked(a, region), b },
-            (Some(first), _, true) => Op::ConstantOrLess { d, a: self.checked(b, region), b: first },
-            (Some(first), _, false) => Op::ConstantOrGreater { d, a: self.checked(b, region), b: first },
+    fn extreme(&mut self, [a, b]: [Value; 2], d: Register, region: RegionId, extreme: Extreme) -> Op {
+        match (self.graph.as_constant(a), self.graph.as_constant(b), extreme) {
+            (_, Some(b), Extreme::Least) => Op::LeastConstant { d, a: self.checked(a, region), b },
+            (_, Some(b), Extreme::Greatest) => Op::GreatestConstant { d, a: self.checked(a, region), b },
+            (Some(first), _, Extreme::Least) => Op::ConstantOrLess { d, a: self.checked(b, region), b: first },
+            (Some(first), _, Extreme::Greatest) => Op::ConstantOrGreater { d, a: self.checked(b, region), b: first },
             (None, None, _) => {
                 let (a, b) = (self.checked(a, region), self.checked(b, region));
-                if least { Op::Least { d, a, b } } else { Op::Greatest { d, a, b } }
+                match extreme {
+                    Extreme::Least => Op::Least { d, a, b },
+                    Extreme::Greatest => Op::Greatest { d, a, b },
+                }
             }
         }
     }
@@ -364,7 +384,7 @@ impl Emitter<'_> {
         let [test, then, otherwise] = parts;
         let [then_region, else_region] = self.schedule.branches(value);
         let (else_label, end) = (self.label(), self.label());
-        self.jump_unless(test, else_label, region, false);
+        self.jump_unless(test, else_label, region, Nesting::Outer);
         self.within(then_region, |emitter| emitter.compute_or_move(then, d, then_region));
         self.ops.push(Op::Jump { target: end });
         self.bind(else_label);
@@ -409,7 +429,7 @@ impl Emitter<'_> {
     }
 
     fn follow(&mut self, chain: &Tests, d: Register, region: RegionId) {
-        let a = self.tested(chain.subject, region, false);
+        let a = self.tested(chain.subject, region, Nesting::Outer);
         let number = self.chains.len();
         self.ops.push(Op::Chain { a, chain: number as u32 });
         let limits = chain.tests.iter().map(|(_, limit)| *limit).collect();
@@ -429,10 +449,9 @@ impl Emitter<'_> {
         self.bind(end);
     }
 
-    /// Jumps unless the test is positive. `inner` means that the test is itself chosen by an `if`,
-    /// which would replace an infinite value by 0 and a fault.
-    fn jump_unless(&mut self, test: Value, target: Label, region: RegionId, inner: bool) {
-        match self.condition(test, region, inner) {
+    /// Jumps unless the test is positive.
+    fn jump_unless(&mut self, test: Value, target: Label, region: RegionId, nesting: Nesting) {
+        match self.condition(test, region, nesting) {
             Condition::Constant(true) => {}
             Condition::Constant(false) => self.ops.push(Op::Jump { target }),
             Condition::Choice(parts) => self.jump_unless_choice(test, parts, target, region),
@@ -445,8 +464,8 @@ impl Emitter<'_> {
     }
 
     /// Jumps if the test is positive.
-    fn jump_if(&mut self, test: Value, target: Label, region: RegionId, inner: bool) {
-        match self.condition(test, region, inner) {
+    fn jump_if(&mut self, test: Value, target: Label, region: RegionId, nesting: Nesting) {
+        match self.condition(test, region, nesting) {
             Condition::Constant(true) => self.ops.push(Op::Jump { target }),
             Condition::Constant(false) => {}
             Condition::Choice(parts) => {
@@ -470,48 +489,48 @@ impl Emitter<'_> {
         let [then_region, else_region] = self.schedule.branches(test);
         let is_true = |emitter: &Self, value| emitter.graph.as_constant(value).map(|number| number > 0.0);
         if otherwise == first || is_true(self, otherwise) == Some(false) {
-            self.jump_unless(first, target, region, false);
-            self.within(then_region, |emitter| emitter.jump_unless(then, target, then_region, true));
+            self.jump_unless(first, target, region, Nesting::Outer);
+            self.within(then_region, |emitter| emitter.jump_unless(then, target, then_region, Nesting::Inner));
         } else if then == first || is_true(self, then) == Some(true) {
             let end = self.label();
-            self.jump_if(first, end, region, false);
-            self.within(else_region, |emitter| emitter.jump_unless(otherwise, target, else_region, true));
+            self.jump_if(first, end, region, Nesting::Outer);
+            self.within(else_region, |emitter| emitter.jump_unless(otherwise, target, else_region, Nesting::Inner));
             self.bind(end);
         } else {
             let (else_label, end) = (self.label(), self.label());
-            self.jump_unless(first, else_label, region, false);
-            self.within(then_region, |emitter| emitter.jump_unless(then, target, then_region, true));
+            self.jump_unless(first, else_label, region, Nesting::Outer);
+            self.within(then_region, |emitter| emitter.jump_unless(then, target, then_region, Nesting::Inner));
             self.ops.push(Op::Jump { target: end });
             self.bind(else_label);
-            self.within(else_region, |emitter| emitter.jump_unless(otherwise, target, else_region, true));
+            self.within(else_region, |emitter| emitter.jump_unless(otherwise, target, else_region, Nesting::Inner));
             self.bind(end);
         }
     }
 
-    fn tested(&mut self, test: Value, region: RegionId, inner: bool) -> Register {
+    fn tested(&mut self, test: Value, region: RegionId, nesting: Nesting) -> Register {
         let a = self.value(test, region);
-        if self.graph.is_tainted(test) || (inner && !self.graph.is_finite(test)) {
+        if self.graph.is_tainted(test) || (nesting == Nesting::Inner && !self.graph.is_finite(test)) {
             self.ops.push(Op::Check { a });
         }
         a
     }
 
     /// Condition of a test, after computing its operands.
-    fn condition(&mut self, test: Value, region: RegionId, inner: bool) -> Condition {
+    fn condition(&mut self, test: Value, region: RegionId, nesting: Nesting) -> Condition {
         match self.graph.test(test) {
             Test::Positive(_) => match self.graph.node(test) {
                 Node::Constant(bits) => Condition::Constant(f64::from_bits(bits) > 0.0),
                 Node::If(first, then, otherwise) if self.schedule.form(test) == Form::Jump => {
                     Condition::Choice([first, then, otherwise])
                 }
-                _ => Condition::Positive(self.tested(test, region, inner)),
+                _ => Condition::Positive(self.tested(test, region, nesting)),
             },
-            Test::Negative(a) => Condition::Negative(self.tested(a, region, inner)),
-            Test::Above(x, limit) => Condition::Above(self.tested(x, region, inner), limit),
-            Test::Below(x, limit) => Condition::Below(self.tested(x, region, inner), limit),
+            Test::Negative(a) => Condition::Negative(self.tested(a, region, nesting)),
+            Test::Above(x, limit) => Condition::Above(self.tested(x, region, nesting), limit),
+            Test::Below(x, limit) => Condition::Below(self.tested(x, region, nesting), limit),
             Test::Greater(a, b) => {
-                let a = self.tested(a, region, inner);
-                Condition::Greater(a, self.tested(b, region, inner))
+                let a = self.tested(a, region, nesting);
+                Condition::Greater(a, self.tested(b, region, nesting))
             }
         }
     }

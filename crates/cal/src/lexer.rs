@@ -164,7 +164,7 @@ impl<'t> Lexer<'t> {
             }
         }
         self.start = self.at;
-        Err(self.error("comment is not closed", start, start + 1).hint("each \"{\" needs its \"}\""))
+        Err(self.error("comment is not closed", start, start + 1).hint("expected a \"}\" for each \"{\""))
     }
 
     fn name(&mut self) -> Token<'t> {

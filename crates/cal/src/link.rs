@@ -464,7 +464,10 @@ pub(crate) fn unknown(known: &Known<'_>, bindings: &Bindings<'_>, symbol: Symbol
     if let Some(other) = other {
         return Diagnostic::error(format!("unknown {wanted} \"{name}\"")).hint(format!("\"{name}\" is {other}"));
     }
-    let hint = radsight_diag::hint_nearest(name, known.candidates(bindings, wanted == "function"));
+    let hint = match wanted {
+        "function" => radsight_diag::hint_nearest(name, known.function_names(bindings)),
+        _ => radsight_diag::hint_nearest(name, known.variable_names(bindings)),
+    };
     Diagnostic::error(format!("unknown {wanted} \"{name}\"")).maybe_hint(hint)
 }
 

@@ -101,7 +101,7 @@ fn all_errors_of_a_file_are_reported() {
 fn comments_must_be_closed() {
     assert_eq!(
         load("a = 1; { open { closed }\nb = 2;"),
-        "sky.cal:1:8: error: comment is not closed\n  1 | a = 1; { open { closed }\n    |        ^\nhint: each \"{\" needs its \"}\"\n"
+        "sky.cal:1:8: error: comment is not closed\n  1 | a = 1; { open { closed }\n    |        ^\nhint: expected a \"}\" for each \"{\"\n"
     );
 }
 

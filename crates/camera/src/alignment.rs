@@ -6,7 +6,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use std::fmt::Write;
 
-/// Draws farther out than so many standard deviations are drawn again: such a part does not pass
+/// Samples beyond this number of standard deviations are drawn again: such a part does not pass
 /// inspection.
 const INSPECTED: f64 = 3.0;
 

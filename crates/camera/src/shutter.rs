@@ -52,7 +52,7 @@ pub struct Flicker {
 }
 
 impl Flicker {
-    /// The mean radiance over an exposure as a share of the mean over all time: the integral of the
+    /// The mean radiance over an exposure relative to the mean over all time: the integral of the
     /// waveform in closed form.
     #[must_use]
     pub fn mean(&self, start_s: f64, exposure_s: f64) -> f64 {

@@ -14,15 +14,15 @@ pub(crate) fn compile_scatterer(
     own: Option<ModifierHandle>,
     appearances: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
 ) -> Option<Result<Scatterer, Diagnostic>> {
-    let opaque = |surface: &Anisotropic<Glossy>, metallic| {
+    let opaque = |surface: &Anisotropic<Glossy>| {
         let translucent = Translucent { surface: surface.surface, transmissivity: 0.0, transmitted_specularity: 0.0 };
-        anisotropic(surface, translucent, metallic)
+        anisotropic(surface, translucent)
     };
     let sheet = match material {
-        Material::Trans(surface) => sheet(*surface, false),
-        Material::AnisotropicPlastic(surface) => opaque(surface, false),
-        Material::AnisotropicMetal(surface) => opaque(surface, true),
-        Material::AnisotropicTrans(surface) => anisotropic(surface, surface.surface, false),
+        Material::Trans(surface) => sheet(*surface),
+        Material::AnisotropicPlastic(surface) => opaque(surface),
+        Material::AnisotropicMetal(surface) => Sheet { metallic: true, ..opaque(surface) },
+        Material::AnisotropicTrans(surface) => anisotropic(surface, surface.surface),
         Material::Ashikhmin { orientation, diffuse, specular, exponents } => {
             return Some(Ok(Scatterer::Ashikhmin(AshikhminKind {
                 orientation: Function::new(orientation),
@@ -39,12 +39,12 @@ pub(crate) fn compile_scatterer(
     Some(Ok(Scatterer::Sheet(sheet)))
 }
 
-fn sheet(surface: Translucent, metallic: bool) -> Sheet {
+fn sheet(surface: Translucent) -> Sheet {
     Sheet {
         color: surface.surface.color,
         specularity: surface.surface.specularity,
         roughness: [surface.surface.roughness; 2],
-        metallic,
+        metallic: false,
         transmissivity: surface.transmissivity,
         transmitted_specularity: surface.transmitted_specularity,
         orientation: None,
@@ -54,9 +54,9 @@ fn sheet(surface: Translucent, metallic: bool) -> Sheet {
 /// An anisotropic roughness is never smooth: Radiance rejects smaller values.
 const LEAST_ROUGHNESS: f64 = 1e-6;
 
-fn anisotropic<S>(material: &Anisotropic<S>, surface: Translucent, metallic: bool) -> Sheet {
+fn anisotropic<S>(material: &Anisotropic<S>, surface: Translucent) -> Sheet {
     let roughness = [surface.surface.roughness, material.roughness_v].map(|roughness| roughness.max(LEAST_ROUGHNESS));
-    Sheet { roughness, orientation: Some(Function::new(&material.orientation)), ..sheet(surface, metallic) }
+    Sheet { roughness, orientation: Some(Function::new(&material.orientation)), ..sheet(surface) }
 }
 
 fn scattering(material: &ScatteringFunction) -> ScatteringKind {

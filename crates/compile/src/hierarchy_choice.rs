@@ -7,7 +7,7 @@ use radsight_ir::Scene;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// From so many rays for each primitive on, a better hierarchy is worth what it takes to build.
+/// Number of rays for each primitive from which a better hierarchy is worth its construction.
 const RAYS_WORTH_CARE: f64 = 32.0;
 
 /// Of fewer primitives every builder makes a good hierarchy.

@@ -55,11 +55,11 @@ pub use options::{
     AmbientSurfaces, BackFaces, BareSurfaces, Caustics, Gathering, GlobalMedium, LightDivision, Lights, PathLimit,
     Quantity, RayTreeOutput, RenderOptions, Skip, Skipping, TrackedValue, Uncached,
 };
-pub use plan::{PlanDecision, RenderPlan, Sky};
+pub use plan::{IllumView, PlanDecision, RenderPlan, Sky};
 pub use portals::{MOST_PORTALS, Portal, PortalForm, Portals, VisiblePortals};
 pub use prism::PrismKind;
 pub use reflectors::Reflector;
-pub use refraction::{DielectricInterface, Refracted};
+pub use refraction::{DielectricInterface, RaySide, Refracted};
 pub use shader::{Emitter, EmitterType, Kind, MixtureKind, Shader, Substitution};
 pub use smooth_view::SmoothView;
 pub use unbounded::Unbounded;

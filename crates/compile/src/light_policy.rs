@@ -1,7 +1,7 @@
 //! Number of lights sampled at a point.
 
 use crate::options::{LightDivision, Quantity, RenderOptions, Uncached};
-use radsight_light::Light;
+use radsight_light::{Light, LightTree};
 
 /// Up to `all` lights every light is sampled; of more, `draws` are selected.
 #[derive(Clone, Copy, Debug)]
@@ -31,10 +31,10 @@ pub(crate) const ALWAYS_ALL: usize = SELECTION[1].all;
 /// Number of lights selected at a point seen from the eye, and on a path that was scattered before.
 /// Zero means that every light is sampled: if there are few, or if each light's contribution is
 /// reported.
-pub(crate) fn light_draws(lights: &[Light], has_tree: bool, options: &RenderOptions) -> [u32; 2] {
+pub(crate) fn light_draws(lights: &[Light], tree: Option<&LightTree>, options: &RenderOptions) -> [u32; 2] {
     let real = lights.partition_point(|light| light.virtual_sources.is_empty());
     let like_lights = real + (lights.len() - real) / IMAGES_FOR_ONE;
-    let samples_all = !has_tree || !options.tracked_modifiers.is_empty() || options.ray_tree.is_some();
+    let samples_all = tree.is_none() || !options.tracked_modifiers.is_empty() || options.ray_tree.is_some();
     let first = match options.light_division {
         _ if splits_first(options) => SPLIT_SELECTION,
         LightDivision::BySize => DIVIDED_SELECTION,

@@ -83,6 +83,15 @@ pub struct RenderPlan {
     pub(crate) decisions: Vec<PlanDecision>,
 }
 
+/// What a ray sees of an `illum`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IllumView {
+    /// Its light: the ray searches for lights.
+    Light,
+    /// The alternate material.
+    Substitute,
+}
+
 /// A distant source.
 #[derive(Clone, Copy, Debug)]
 pub struct Sky {
@@ -204,7 +213,9 @@ impl RenderPlan {
     pub fn cast(&self, ray: &Ray) -> Option<FirstHit> {
         match self.first_hit(ray, None) {
             Some(hit) => Some(FirstHit::at(&hit, hit.distance)),
-            None => self.sky_at(ray.direction, false).map(|(surface, _)| FirstHit::distant(surface, ray.direction)),
+            None => self
+                .sky_at(ray.direction, IllumView::Substitute)
+                .map(|(surface, _)| FirstHit::distant(surface, ray.direction)),
         }
     }
 
@@ -276,9 +287,9 @@ impl RenderPlan {
         self.excluded.get(shader.0 as usize).copied().unwrap_or(false)
     }
 
-    /// Distant source that contains the direction, and its shader. Only `sampled` rays see the
-    /// light of an illum.
-    pub fn sky_at(&self, direction: glam::DVec3, sampled: bool) -> Option<(SurfaceHandle, &Shader)> {
+    /// Distant source that contains the direction, and its shader. `view` says what the ray
+    /// sees of an illum.
+    pub fn sky_at(&self, direction: glam::DVec3, view: IllumView) -> Option<(SurfaceHandle, &Shader)> {
         // (1 − cos)/2 of the angle between the directions, from the chord: exact even for the sun's
         // quarter degree. The horizon belongs to the sky.
         let half_versed = |sky: &Sky| 0.25 * sky.direction.distance_squared(direction);
@@ -286,8 +297,8 @@ impl RenderPlan {
         for sky in inside {
             let shader = self.shader(sky.surface);
             match &shader.kind {
-                Kind::Illum { substitute: Substitution::Void, .. } if !sampled => {}
-                Kind::Illum { .. } if !sampled => {
+                Kind::Illum { substitute: Substitution::Void, .. } if view == IllumView::Substitute => {}
+                Kind::Illum { .. } if view == IllumView::Substitute => {
                     return Some((sky.surface, virtual_source_shader(&self.shaders, shader)));
                 }
                 _ => return Some((sky.surface, shader)),

@@ -16,7 +16,7 @@ use crate::shader_sets::{all_cut, excluded, mark_tracked};
 use crate::substance::substance;
 use crate::unbounded::Unbounded;
 use crate::veils::find_veils;
-use crate::visibility_class::Visibility;
+use crate::visibility_class::{UnsampledLight, Visibility};
 use radsight_accel::Geometry;
 use radsight_diag::Diagnostic;
 use radsight_ir::{Shape, SurfaceHandle, ValidScene};
@@ -64,9 +64,13 @@ impl RenderPlan {
         let shadow_rays_interact = has_media || stands_in || has_antimatter;
         let lights_are_covered = has_media
             && (!options.medium.albedo.is_black() || any(|kind| matches!(kind, Kind::Mist(mist) if mist.scatters())));
-        let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
+        let has_unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
+        let unsampled_light = match has_unsampled_sky || lights_are_covered {
+            true => UnsampledLight::Some,
+            false => UnsampledLight::None,
+        };
         let visibility = if may_skip(Skip::Unreached) && !has_antimatter {
-            Visibility::new(&scene, &geometry, shader, &lights, unsampled_sky || lights_are_covered)
+            Visibility::new(&scene, &geometry, shader, &lights, unsampled_light)
         } else {
             Visibility::everything()
         };
@@ -108,7 +112,7 @@ impl RenderPlan {
         if plan.lights.len() > ALWAYS_ALL {
             plan.light_tree = Some(LightTree::new(&plan.lights, |light| plan.typical_radiance(light)));
         }
-        plan.light_draws = light_draws(&plan.lights, plan.light_tree.is_some(), &plan.options);
+        plan.light_draws = light_draws(&plan.lights, plan.light_tree.as_ref(), &plan.options);
         if plan.options.ambient_bounces > 0 {
             plan.portals = Portals::new(&plan);
             plan.has_caustics = makes_caustics(&plan);

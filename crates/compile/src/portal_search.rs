@@ -1,6 +1,6 @@
 //! Search for the portals of a scene.
 
-use crate::plan::RenderPlan;
+use crate::plan::{IllumView, RenderPlan, Sky};
 use crate::portals::{MOST_PORTALS, Portal, Portals, turned};
 use crate::shader::{EmitterType, Kind, Shader};
 use glam::DVec3;
@@ -26,11 +26,11 @@ const MOST_PANES: u32 = 8;
 impl Portals {
     /// Finds the portals of a scene.
     pub fn new(plan: &RenderPlan) -> Portals {
-        let has_sky = plan.sky.iter().any(|sky| !is_sampled(plan, sky.surface));
+        let open_sky = plan.sky.iter().find(|sky| !is_sampled(plan, sky.surface));
         let mut candidates: Vec<(MemberId, SurfaceHandle, LightForm)> = plan
             .geometry
             .listed_members()
-            .filter(|(member, handle)| plan.geometry.is_plain(*member) && can_admit_light(plan, *handle, has_sky))
+            .filter(|(member, handle)| plan.geometry.is_plain(*member) && can_admit_light(plan, *handle, open_sky))
             .filter_map(|(member, handle)| {
                 let form = LightForm::new(&plan.scene, plan.scene.surfaces[handle].shape)?;
                 form.plane().is_some().then_some((member, handle, form))
@@ -110,13 +110,13 @@ pub(crate) fn makes_caustics(plan: &RenderPlan) -> bool {
 }
 
 /// Whether indirect light from outside may pass through a surface or leave it.
-fn can_admit_light(plan: &RenderPlan, handle: SurfaceHandle, has_sky: bool) -> bool {
+fn can_admit_light(plan: &RenderPlan, handle: SurfaceHandle, open_sky: Option<&Sky>) -> bool {
     let shader = plan.shader(handle);
     is_flat(plan.scene.surfaces[handle].shape)
         && match &shader.kind {
             Kind::Emitter(emitter) => matches!(emitter.class, EmitterType::Glow(radius) if radius == 0.0),
-            Kind::Dielectric(_) => has_sky,
-            _ => has_sky && shader.lets_light_through(),
+            Kind::Dielectric(_) => open_sky.is_some(),
+            _ => open_sky.is_some() && shader.lets_light_through(),
         }
 }
 
@@ -126,7 +126,7 @@ fn sky_along(plan: &RenderPlan, mut ray: Ray, own: PrimitiveId, scratch: &mut Sc
     let mut from = Some(own);
     for _ in 0..MOST_PANES {
         let Some(hit) = plan.first_hit(&ray, from) else {
-            let Some((surface, shader)) = plan.sky_at(ray.direction, true) else { return 0.0 };
+            let Some((surface, shader)) = plan.sky_at(ray.direction, IllumView::Light) else { return 0.0 };
             return if is_sampled(plan, surface) {
                 0.0
             } else {

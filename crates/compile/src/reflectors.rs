@@ -56,13 +56,13 @@ pub(crate) fn find_reflectors<'a>(
     shaders: &[Shader],
     shader: impl Fn(SurfaceHandle) -> &'a Shader,
 ) -> Vec<Reflector> {
-    if !shaders.iter().any(|shader| mirrors(&shader.kind, false)) {
+    if !shaders.iter().any(|shader| mirrors(&shader.kind, None)) {
         return Vec::new();
     }
     let is_mirror = |handle: SurfaceHandle| match scene.surfaces[handle].shape {
         // Their contents are not examined.
         Shape::Mesh(_) | Shape::Instance(_) => true,
-        shape => mirrors(&shader(handle).kind, is_flat(shape)),
+        shape => mirrors(&shader(handle).kind, Some(shape)),
     };
     let mirrors: Vec<SurfaceHandle> =
         geometry.listed_members().map(|(_, handle)| handle).filter(|handle| is_mirror(*handle)).collect();
@@ -81,10 +81,11 @@ pub(crate) fn find_reflectors<'a>(
     mirrors.iter().filter_map(reflector).collect()
 }
 
-/// Whether a surface may reflect specularly in a way that light sampling does not cover.
-fn mirrors(kind: &Kind, is_flat: bool) -> bool {
+/// Whether a surface, of any shape if none is given, may reflect specularly in a way that light
+/// sampling does not cover.
+fn mirrors(kind: &Kind, shape: Option<Shape>) -> bool {
     match kind {
-        Kind::Mirror { substitute, .. } => substitute.is_none() && !is_flat,
+        Kind::Mirror { substitute, .. } => substitute.is_none() && !shape.is_some_and(is_flat),
         Kind::Glossy(glossy) => glossy.is_smooth() && glossy.specularity > 0.0,
         Kind::Scatterer(scatterer) => !matches!(**scatterer, Scatterer::Measured(_)),
         // Even a few per cent of a lamp are the brightest that a camera sees.

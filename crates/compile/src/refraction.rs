@@ -25,6 +25,23 @@ pub struct DielectricInterface {
     ratio: f64,
 }
 
+/// The side of a surface from which a ray comes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RaySide {
+    /// The side of the geometric normal.
+    Front,
+    /// The other side.
+    Back,
+}
+
+impl RaySide {
+    /// The side for a ray's direction and the unit geometric normal.
+    #[must_use]
+    pub fn of(direction: DVec3, front: DVec3) -> RaySide {
+        if direction.dot(front) > 0.0 { RaySide::Back } else { RaySide::Front }
+    }
+}
+
 /// Reflection and refraction of a ray at an interface.
 #[derive(Clone, Copy, Debug)]
 pub struct Refracted {
@@ -63,20 +80,25 @@ impl DielectricInterface {
 
     /// Transmissivity on the side from which a ray comes (`None` is the surrounding medium), and on
     /// the other side.
-    pub fn sides(&self, behind: bool) -> [Option<Rgb>; 2] {
-        if behind { [Some(self.inside), self.outside] } else { [self.outside, Some(self.inside)] }
+    pub fn sides(&self, side: RaySide) -> [Option<Rgb>; 2] {
+        match side {
+            RaySide::Front => [self.outside, Some(self.inside)],
+            RaySide::Back => [Some(self.inside), self.outside],
+        }
     }
 
     /// Reflects and refracts a ray along `direction`; `front` is the unit geometric normal,
     /// `perturbation` that of the textures.
     pub fn refract(&self, direction: DVec3, front: DVec3, perturbation: DVec3) -> Refracted {
-        let behind = direction.dot(front) > 0.0;
-        let side = if behind { -front } else { front };
-        let normal = perturbed(direction, front, perturbation, behind);
-        let normal = if behind { -normal } else { normal };
+        let side = RaySide::of(direction, front);
+        let normal = perturbed(direction, front, perturbation, side);
+        let (normal, front) = match side {
+            RaySide::Front => (normal, front),
+            RaySide::Back => (-normal, -front),
+        };
         let cosine = -direction.dot(normal);
         // Index on the ray's side over index on the other side.
-        let ratio = self.index_ratio(behind);
+        let ratio = self.index_ratio(side);
         let squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
         if squared < GRAZING {
             return Refracted { reflectance: 1.0, transmitted: None, normal, cosine };
@@ -87,16 +109,19 @@ impl DielectricInterface {
         let reflectance = 0.5 * (perpendicular + parallel);
         let along_normal = ratio * cosine - inner;
         let mut transmitted = direction * ratio + normal * along_normal;
-        if perturbation != DVec3::ZERO && transmitted.dot(side) >= -GRAZING {
-            transmitted = direction * ratio + side * along_normal;
+        if perturbation != DVec3::ZERO && transmitted.dot(front) >= -GRAZING {
+            transmitted = direction * ratio + front * along_normal;
         }
         let transmitted = transmitted.normalize_or(direction);
         Refracted { reflectance, transmitted: Some((transmitted, (1.0 - reflectance) * ratio * ratio)), normal, cosine }
     }
 
     /// Index on a ray's side over index on the other side.
-    pub fn index_ratio(&self, behind: bool) -> f64 {
-        if behind { self.ratio } else { self.ratio.recip() }
+    pub fn index_ratio(&self, side: RaySide) -> f64 {
+        match side {
+            RaySide::Front => self.ratio.recip(),
+            RaySide::Back => self.ratio,
+        }
     }
 }
 
@@ -112,13 +137,13 @@ impl Refracted {
 
 /// Perturbed normal on the front side. One that would face the other side of the ray is reflected
 /// back (Radiance's `raynormal`).
-fn perturbed(direction: DVec3, front: DVec3, perturbation: DVec3, behind: bool) -> DVec3 {
+fn perturbed(direction: DVec3, front: DVec3, perturbation: DVec3, side: RaySide) -> DVec3 {
     if perturbation == DVec3::ZERO {
         return front;
     }
     let Some(normal) = (front + perturbation).try_normalize() else { return front };
     let along = normal.dot(direction);
-    if (along > 0.0) == behind { normal } else { normal - direction * (2.0 * along) }
+    if (along > 0.0) == (side == RaySide::Back) { normal } else { normal - direction * (2.0 * along) }
 }
 
 #[cfg(test)]

@@ -47,6 +47,15 @@ pub struct Receiver {
     pub lights_suffice: bool,
 }
 
+/// Light that light sampling does not cover.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnsampledLight {
+    /// There is none.
+    None,
+    /// There may be some.
+    Some,
+}
+
 /// Visibility at all primitives; empty if the scene is too large for all pairs.
 #[derive(Debug, Default)]
 pub struct Visibility {
@@ -59,14 +68,14 @@ impl Visibility {
         Visibility::default()
     }
 
-    /// Classifies all pairs of surfaces and lights; `unsampled_light` says whether there is light
-    /// that light sampling does not cover.
+    /// Classifies all pairs of surfaces and lights; `unsampled_light` says whether light
+    /// sampling covers all light.
     pub fn new<'a>(
         scene: &ValidScene,
         geometry: &Geometry,
         shader: impl Fn(SurfaceHandle) -> &'a Shader,
         lights: &[Light],
-        unsampled_light: bool,
+        unsampled_light: UnsampledLight,
     ) -> Visibility {
         let count = geometry.len();
         if count.saturating_mul(count).saturating_mul(lights.len().max(1)) > MAX_TESTS {
@@ -90,7 +99,8 @@ impl Visibility {
                         None => VisibilityClass::Anything,
                     })
                     .collect(),
-                sees_only_lights: !unsampled_light && sees_only_lights(occluder, &occluders, lights, tolerance),
+                sees_only_lights: unsampled_light == UnsampledLight::None
+                    && sees_only_lights(occluder, &occluders, lights, tolerance),
                 lights_suffice: lights_are_small(occluder, lights),
             })
             .collect();

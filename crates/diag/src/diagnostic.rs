@@ -8,7 +8,7 @@ use std::fmt::Write;
 pub enum Severity {
     /// Information; nothing is wrong.
     Note,
-    /// A suspicious input; the work goes on.
+    /// A suspicious input; the work continues.
     Warning,
     /// The input is wrong.
     Error,

@@ -252,6 +252,22 @@ impl Interpolation {
     }
 }
 
+/// The noise of the light at the corners of a cell; high noise precedes.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Noise {
+    High,
+    Low,
+}
+
+/// Number of rays of a pixel of a grid, initial and maximum.
+fn rays_of(spacing: usize, noise: Noise) -> (u32, u32) {
+    match (spacing, noise) {
+        (4.., _) => COARSE_RAYS,
+        (_, Noise::High) => NOISY_RAYS,
+        (_, Noise::Low) => FINE_RAYS,
+    }
+}
+
 impl Block<'_> {
     fn at(&self, (column, row): (usize, usize)) -> usize {
         row * self.camera.columns() + column
@@ -273,7 +289,7 @@ impl Block<'_> {
         let (columns, rows) = (steps(self.camera.columns()), steps(self.rows));
         let first: Vec<(usize, usize)> =
             rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row))).collect();
-        self.trace(first.into_iter().map(|pixel| (pixel, false)).collect(), spacing);
+        self.trace(first.into_iter().map(|pixel| (pixel, Noise::Low)).collect(), spacing);
         self.darkness = DARK_FRACTION * self.interpolation.contrast * self.typical();
         let pairs = |steps: &[usize]| -> Vec<(usize, usize)> {
             if steps.len() < 2 { vec![(0, 0)] } else { steps.windows(2).map(|pair| (pair[0], pair[1])).collect() }
@@ -296,16 +312,16 @@ impl Block<'_> {
                     smooth.push(cell);
                 } else if cell.is_divisible() {
                     let (columns, rows) = cell.parts();
-                    let noisy = self.is_noisy(&cell);
+                    let noise = if self.is_noisy(&cell) { Noise::High } else { Noise::Low };
                     wanted
-                        .extend(rows.iter().flat_map(|row| columns.iter().map(move |column| ((*column, *row), noisy))));
+                        .extend(rows.iter().flat_map(|row| columns.iter().map(move |column| ((*column, *row), noise))));
                     divided.extend(cell.divided());
                 }
             }
             finer = (finer / 2).max(1);
             wanted.retain(|(pixel, _)| self.samples[self.at(*pixel)].is_none());
             // A pixel between cells counts as noisy if one of them is.
-            wanted.sort_unstable_by_key(|((column, row), noisy)| (*row, *column, !noisy));
+            wanted.sort_unstable_by_key(|((column, row), noise)| (*row, *column, *noise));
             wanted.dedup_by_key(|(pixel, _)| *pixel);
             self.trace(wanted, finer);
             cells = divided.into_iter().filter(Cell::is_divisible).collect();
@@ -332,29 +348,20 @@ impl Block<'_> {
         NOISE_REDUCTION * self.interpolation.contrast * mean(&sample.value)
     }
 
-    fn trace(&mut self, pixels: Vec<((usize, usize), bool)>, spacing: usize) {
+    fn trace(&mut self, pixels: Vec<((usize, usize), Noise)>, spacing: usize) {
         let (renderer, block) = (self.renderer, &*self);
         let samples: Vec<Sample> = pixels
             .par_iter()
             .with_min_len(16)
             .map_init(
                 || renderer.worker(),
-                |worker, (pixel, noisy)| block.sample_of(worker, *pixel, spacing, block.rays_of(spacing, *noisy)),
+                |worker, (pixel, noise)| block.sample_of(worker, *pixel, spacing, rays_of(spacing, *noise)),
             )
             .collect();
         for ((pixel, _), sample) in pixels.into_iter().zip(samples) {
             let at = self.at(pixel);
             self.samples[at] = Some(sample);
             self.spacing[at] = spacing as u8;
-        }
-    }
-
-    /// Number of rays of a pixel of a grid, initial and maximum.
-    fn rays_of(&self, spacing: usize, noisy: bool) -> (u32, u32) {
-        match spacing {
-            4.. => COARSE_RAYS,
-            _ if noisy => NOISY_RAYS,
-            _ => FINE_RAYS,
         }
     }
 

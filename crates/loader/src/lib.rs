@@ -56,7 +56,7 @@ pub enum LoadError {
     /// No searched folder has the file.
     #[error("cannot find {kind} \"{name}\"{searched}")]
     NotFound {
-        /// The name asked for.
+        /// The requested name.
         name: String,
         /// The kind of file, in words.
         kind: &'static str,

@@ -210,9 +210,9 @@ pub fn falsecolor<R: Read, W: Write>(
             return Err(ToolError::OtherSize { found, expected: [columns, rows] });
         }
     }
-    let is_luminance = reader.encoding() == Encoding::Xyze;
-    let brightness = Brightness::new(if is_luminance { Encoding::Xyze } else { Encoding::Rgbe }, 3);
-    let exposure = exposure(reader.header(), is_luminance)?;
+    let encoding = if reader.encoding() == Encoding::Xyze { Encoding::Xyze } else { Encoding::Rgbe };
+    let brightness = Brightness::new(encoding, 3);
+    let exposure = exposure(reader.header(), encoding)?;
     let norm = scale.multiplier / scale.top / exposure;
     let mut writer = PictureWriter::new(target, header, 3, radsight_picture::Resolution::standard(columns, rows))?;
     let mut window: VecDeque<Row> = VecDeque::new();
@@ -264,11 +264,11 @@ struct Row {
 }
 
 /// The product of all exposures and corrections of a header, as a brightness.
-fn exposure(header: &Header, is_luminance: bool) -> Result<f64, ToolError> {
+fn exposure(header: &Header, encoding: Encoding) -> Result<f64, ToolError> {
     let correction = header.color_correction()?;
     let exposure = header.exposure()?;
     let parts = correction.map(|part| (part * exposure) as f32);
-    Ok(if is_luminance { f64::from(parts[1]) } else { of_rgb(parts) })
+    Ok(if encoding == Encoding::Xyze { f64::from(parts[1]) } else { of_rgb(parts) })
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ const LEFT: u64 = 500;
 /// The adjustment ends when fewer than one pixel in this many is above the ceiling.
 const ABOVE: u64 = 40;
 
-/// Returns the display output of each pixel in file order, as a share of the display's maximum; it
+/// Returns the display output of each pixel in file order, relative to the display's maximum; it
 /// may slightly exceed 1.
 ///
 /// # Errors
@@ -169,7 +169,7 @@ impl ToneMap {
         })
     }
 
-    /// The output for a luminance, as a share of the display's maximum.
+    /// The output for a luminance, relative to the display's maximum.
     fn light(&self, luminance: f64) -> f64 {
         /// The output of the display's black.
         const BLACK: f64 = 1.0 / RANGE;

@@ -360,7 +360,7 @@ pub(crate) fn components_of(header: &Header, encoding: Encoding) -> Result<usize
 
 /// The size of the decoded pixels in bytes, if the remaining bytes can hold that many.
 fn checked_size(bytes: &[u8], start: usize, resolution: &Resolution, components: usize) -> Result<usize, PictureError> {
-    // A two-byte run stands for at most 127 decoded bytes. Only the old encoding can exceed this,
+    // A two-byte run encodes at most 127 decoded bytes. Only the old encoding can exceed this,
     // and it was never used for pictures of this size.
     const LARGEST_FROM_OLD_RUNS: usize = 1 << 26;
     const LARGEST_RATIO: usize = 64;

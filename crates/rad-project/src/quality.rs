@@ -87,7 +87,8 @@ impl QualityOptions {
     pub(crate) fn new(project: &Project, zone: &Zone, cube: &Cube) -> Result<QualityOptions, ProjectError> {
         let quality = Level::of(project, Variable::Quality);
         let detail = Level::of(project, Variable::Detail);
-        let penumbras = project.value(Variable::Penumbras).is_some_and(|value| value.starts_with(['T', 't']));
+        let has_penumbras = project.value(Variable::Penumbras).is_some_and(|value| value.starts_with(['T', 't']));
+        let shadows = if has_penumbras { Shadows::Soft } else { Shadows::Hard };
         let mut render = String::new();
         let map = |name: Variable| project.value(name).map(photon_map).unwrap_or_default();
         render.push_str(&map(Variable::GlobalMap));
@@ -101,7 +102,7 @@ impl QualityOptions {
         }
         render.push_str(
             quality.pick([[" -ds 0", " -ds .4"], [" -ds .3", " -ds .2 -dj .9"], [" -ds .2", " -ds .1 -dj .9"]])
-                [usize::from(penumbras)],
+                [usize::from(has_penumbras)],
         );
         render.push_str(quality.pick([
             " -dt .1 -dc .5 -dr 0 -ss 0 -st .5",
@@ -132,20 +133,27 @@ impl QualityOptions {
             let accuracy = more.split_once("-aa ").and_then(|(_, rest)| rest.split_whitespace().next());
             overture &= accuracy.is_none_or(|word| word.parse().is_ok_and(|accuracy: f64| accuracy > 1e-6));
         }
-        let mut pixels = pixels(quality, detail, penumbras).to_owned();
+        let mut pixels = pixels(quality, detail, shadows).to_owned();
         pixels.push_str(quality.pick([" -pt .16", " -pt .08", " -pt .04"]));
         pixels.push_str(&own_options(project, Variable::Rpict).1);
         Ok(QualityOptions { render, pixels, overture })
     }
 }
 
-fn pixels(quality: Level, detail: Level, penumbras: bool) -> &'static str {
-    match (quality, penumbras) {
+/// The shadows of large lights (`PENUMBRAS`).
+#[derive(Clone, Copy)]
+enum Shadows {
+    Soft,
+    Hard,
+}
+
+fn pixels(quality: Level, detail: Level, shadows: Shadows) -> &'static str {
+    match (quality, shadows) {
         (Level::Low, _) => detail.pick([" -ps 16", " -ps 8", " -ps 4"]),
-        (Level::Medium, true) => detail.pick([" -ps 4", " -ps 3", " -ps 2"]),
-        (Level::Medium, false) => detail.pick([" -ps 8", " -ps 6", " -ps 4"]),
-        (Level::High, true) => " -ps 1",
-        (Level::High, false) => detail.pick([" -ps 8", " -ps 5", " -ps 3"]),
+        (Level::Medium, Shadows::Soft) => detail.pick([" -ps 4", " -ps 3", " -ps 2"]),
+        (Level::Medium, Shadows::Hard) => detail.pick([" -ps 8", " -ps 6", " -ps 4"]),
+        (Level::High, Shadows::Soft) => " -ps 1",
+        (Level::High, Shadows::Hard) => detail.pick([" -ps 8", " -ps 5", " -ps 3"]),
     }
 }
 

@@ -30,7 +30,7 @@ use radsight_accel::{PrimitiveId, Ray, is_flat};
 use radsight_brdf::Density;
 use radsight_bsdf::{Bsdf, BsdfSample, PdfRequest};
 use radsight_compile::{Kind, Reflector, Shader};
-use radsight_ir::SurfaceHandle;
+use radsight_ir::{Shape, SurfaceHandle};
 use radsight_light::{Light, LightForm};
 use radsight_sampling::{DimensionSet, choose, unit_disk};
 use radsight_texture::strongest;
@@ -406,8 +406,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             let step =
                 step.or_else(|| self.specular_direction(&ray, &hit, shader, other).map(|direction| (other, direction)));
             let Some((event, direction)) = step else { break };
-            let flat = is_flat(self.plan.scene.surfaces[hit.surface].shape);
-            is_caustic |= !is_seen_by_light_sampling(shader, event, flat);
+            let shape = self.plan.scene.surfaces[hit.surface].shape;
+            is_caustic |= !is_seen_by_light_sampling(shader, event, shape);
             events.push(event);
             ray = Ray { origin: hit.point, direction };
             from = Some(hit.primitive);
@@ -450,10 +450,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 }
 
 /// Whether light sampling follows lights through this event: panes and flat mirrors.
-fn is_seen_by_light_sampling(shader: &Shader, event: SpecularEvent, flat: bool) -> bool {
+fn is_seen_by_light_sampling(shader: &Shader, event: SpecularEvent, shape: Shape) -> bool {
     match shader.kind {
         Kind::Glass { .. } => event == SpecularEvent::Transmitted,
-        Kind::Mirror { .. } => flat,
+        Kind::Mirror { .. } => is_flat(shape),
         _ => false,
     }
 }

@@ -5,8 +5,10 @@ use crate::trace::PathIntegrator;
 use crate::trace::passage::Passage;
 use crate::trace::path_state::PathState;
 use glam::DVec3;
-use radsight_accel::{Intersection, is_flat};
-use radsight_compile::{DielectricInterface, Emitter, Kind, Medium, MistKind, PrismKind, Shader, Substitution};
+use radsight_accel::Intersection;
+use radsight_compile::{
+    DielectricInterface, Emitter, Kind, Medium, MistKind, PrismKind, RaySide, Shader, Substitution,
+};
 use radsight_light::{Light, Reception};
 use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, bands, product};
@@ -21,7 +23,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let behind = path.ray.direction.dot(hit.front) > 0.0;
         let known = self.medium(path.medium);
         let medium = match &shader.kind {
-            Kind::Dielectric(boundary) => match boundary.sides(behind)[0] {
+            Kind::Dielectric(boundary) => match boundary.sides(RaySide::of(path.ray.direction, hit.front))[0] {
                 Some(transmissivity) => {
                     let pattern = self.body_appearance(path, hit, shader).0;
                     Medium::absorbing(transmissivity, pattern, known.lights)
@@ -139,13 +141,13 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.note_normal(path, if behind { -refraction.normal } else { refraction.normal });
         if let Some((transmitted, factor)) = refraction.transmitted {
             let lights = self.medium(path.medium).lights;
-            let next = match boundary.sides(behind)[1] {
+            let next = match boundary.sides(RaySide::of(direction, hit.front))[1] {
                 Some(transmissivity) => Medium::absorbing(transmissivity, pattern, lights),
                 None => Medium { lights, ..self.global_medium() },
             };
             let next = self.add_medium(next);
-            let flat = is_flat(self.plan.scene.surfaces[hit.surface].shape) && perturbation == DVec3::ZERO;
-            self.specular_into(path, hit, (transmitted, next), [factor; BANDS], Passage::Refraction { flat });
+            let image = self.image_behind(hit, perturbation);
+            self.specular_into(path, hit, (transmitted, next), [factor; BANDS], Passage::Refraction { image });
         }
         let reflected = refraction.reflected(direction, hit.front);
         let image = self.image_behind(hit, perturbation);
@@ -174,11 +176,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         prism: &PrismKind,
         interaction: &SurfaceInteraction,
     ) {
-        let flat = is_flat(self.plan.scene.surfaces[hit.surface].shape);
+        let image = self.image_behind(hit, DVec3::ZERO);
         for face in 0..prism.faces {
             let found = prism.redirect(face, interaction, DVec3::ZERO, &mut self.workspace.scratch);
             if let Some((coefficient, direction)) = found {
-                self.specular(path, hit, direction, [coefficient; BANDS], Passage::Prism { flat });
+                self.specular(path, hit, direction, [coefficient; BANDS], Passage::Prism { image });
             }
         }
     }
@@ -232,11 +234,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Whether the ray sees a mirror's substitute: a sampled ray that searches for lights through
-    /// the mirror hits the mirror itself.
-    pub(crate) fn is_replaced(&self, path: &PathState<BANDS>, substitute: Substitution, behind: bool) -> bool {
+    /// Whether a ray sees a mirror's substitute from the front: a sampled ray that searches for
+    /// lights through the mirror hits the mirror itself.
+    pub(crate) fn is_replaced(&self, path: &PathState<BANDS>, substitute: Substitution) -> bool {
         let lets_through = |id| self.plan.shader_at(id).kind.is_transparent();
-        behind || path.mis.is_none() || matches!(substitute, Substitution::Shader(id) if lets_through(id))
+        path.mis.is_none() || matches!(substitute, Substitution::Shader(id) if lets_through(id))
     }
 }
 

@@ -82,12 +82,6 @@ pub(crate) enum Image {
     AtSurface,
 }
 
-impl Image {
-    pub(crate) fn in_place_if(flat: bool) -> Image {
-        if flat { Image::InPlace } else { Image::AtSurface }
-    }
-}
-
 /// The rays of the current tree.
 #[derive(Debug)]
 pub(crate) struct RayTree<const BANDS: usize> {

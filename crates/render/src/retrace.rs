@@ -4,7 +4,7 @@ use crate::specular_chain::SpecularEvent;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_accel::{Intersection, PrimitiveId, Ray};
-use radsight_bsdf::{Bsdf, BsdfContext, Scatterer, through_pane};
+use radsight_bsdf::{Bsdf, BsdfContext, HighlightShape, Scatterer, through_pane};
 use radsight_compile::{Kind, Shader};
 use radsight_texture::{SurfaceInteraction, mirrored, reflect, shading_normal};
 
@@ -137,7 +137,14 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             }
             Kind::Glossy(glossy) if is_reflected => {
                 let color = appearance.color;
-                let point = Bsdf::glossy(glossy, false, color, -interaction.direction, interaction.normal, normal);
+                let point = Bsdf::glossy(
+                    glossy,
+                    HighlightShape::Mirror,
+                    color,
+                    -interaction.direction,
+                    interaction.normal,
+                    normal,
+                );
                 point.mirror.iter().any(|band| *band > 0.0).then(|| point.mirror_direction())
             }
             Kind::Scatterer(scatterer) if !matches!(**scatterer, Scatterer::Measured(_)) => {

@@ -14,7 +14,7 @@ use glam::DVec3;
 use radsight_accel::{Crossing, Intersection, MemberId, PrimitiveId, Ray, RayFrame};
 use radsight_bsdf::pane;
 use radsight_cal::Scratch;
-use radsight_compile::{Kind, Medium, RenderPlan, Shader, Substitution, VisibilityClass, emission, given};
+use radsight_compile::{Kind, Medium, RaySide, RenderPlan, Shader, Substitution, VisibilityClass, emission, given};
 use radsight_ir::Shape;
 use radsight_light::{Light, LightSample, Redirection, VirtualSource};
 use radsight_texture::{SurfaceInteraction, bands, product, reflect};
@@ -239,7 +239,7 @@ impl DirectSampler<'_> {
         match &shader.kind {
             Kind::Dielectric(boundary) => {
                 let (pattern, perturbation) = shader.body_appearance::<BANDS>(scene, &interaction, scratch);
-                let [before, after] = boundary.sides(behind);
+                let [before, after] = boundary.sides(RaySide::of(direction, hit.front));
                 let lights = walk.medium.lights;
                 if let Some(before) = before {
                     walk.medium = Medium::absorbing(before, pattern, lights);

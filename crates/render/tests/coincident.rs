@@ -59,16 +59,22 @@ const COMPANIES: [Company; 2] = [Company::None, Company::Crowd];
 /// Within Radiance's 1e-6: on the light, in front of it, behind it.
 const HEIGHTS: [f64; 4] = [3.0, 3.0 - 5e-7, 3.0 + 5e-7, 3.0 - 1e-9];
 
-/// The lamp's light with a surface on it: a modifier defined before the light's or after it, and
-/// its polygon.
+/// Where a modifier is defined: before the light's or after it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Order {
+    Earlier,
+    Later,
+}
+
+/// The lamp's light with a surface on it: its modifier and its polygon.
 fn with_overlay(
     company: Company,
-    is_later: bool,
+    order: Order,
     corners: [DVec3; 4],
     cover: impl Fn(&mut Builder) -> ModifierHandle,
 ) -> f64 {
     floor_under_lamp(company, |scene| {
-        let early = (!is_later).then(|| cover(scene));
+        let early = (order == Order::Earlier).then(|| cover(scene));
         let light = scene.light([10.0; 3]);
         let cover = early.unwrap_or_else(|| cover(scene));
         // The order of the surfaces does not matter.
@@ -82,7 +88,11 @@ fn what_is_opaque_and_defined_later_hides_the_light_that_it_lies_on() {
     for company in COMPANIES {
         for height in HEIGHTS {
             let plastic = |scene: &mut Builder| scene.plastic([0.1; 3], 0.0, 0.0);
-            assert_eq!(with_overlay(company, true, downwards(height, 2.0), plastic), 0.0, "{company:?} {height}");
+            assert_eq!(
+                with_overlay(company, Order::Later, downwards(height, 2.0), plastic),
+                0.0,
+                "{company:?} {height}"
+            );
         }
     }
 }
@@ -96,9 +106,9 @@ fn what_is_defined_earlier_or_shows_its_back_or_is_transparent_does_not() {
         assert!(bare > 0.05);
         for height in HEIGHTS {
             let what = format!("{company:?} {height}");
-            close(with_overlay(company, false, downwards(height, 2.0), plastic), bare, &what);
-            close(with_overlay(company, true, upwards(height, 2.0), plastic), bare, &what);
-            close(with_overlay(company, true, downwards(height, 2.0), glass), bare, &what);
+            close(with_overlay(company, Order::Earlier, downwards(height, 2.0), plastic), bare, &what);
+            close(with_overlay(company, Order::Later, upwards(height, 2.0), plastic), bare, &what);
+            close(with_overlay(company, Order::Later, downwards(height, 2.0), glass), bare, &what);
         }
     }
 }
@@ -107,9 +117,9 @@ fn what_is_defined_earlier_or_shows_its_back_or_is_transparent_does_not() {
 fn what_is_in_front_of_the_light_by_more_than_the_tolerance_hides_it() {
     let plastic = |scene: &mut Builder| scene.plastic([0.1; 3], 0.0, 0.0);
     for company in COMPANIES {
-        for is_later in [false, true] {
-            assert_eq!(with_overlay(company, is_later, downwards(3.0 - 1e-5, 2.0), plastic), 0.0);
-            assert!(with_overlay(company, is_later, downwards(3.0 + 1e-5, 2.0), plastic) > 0.05);
+        for order in [Order::Earlier, Order::Later] {
+            assert_eq!(with_overlay(company, order, downwards(3.0 - 1e-5, 2.0), plastic), 0.0);
+            assert!(with_overlay(company, order, downwards(3.0 + 1e-5, 2.0), plastic) > 0.05);
         }
     }
 }

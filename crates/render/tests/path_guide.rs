@@ -57,15 +57,24 @@ fn room(walls: f64, mirror: Option<f64>) -> Builder {
     scene
 }
 
+/// The patch itself, or its mirror image.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum PatchSource {
+    Direct,
+    Image,
+}
+
 /// Irradiance from the patch, or from its mirror image.
-fn from_patch(point: DVec3, normal: DVec3, image: bool) -> f64 {
+fn from_patch(point: DVec3, normal: DVec3, source: PatchSource) -> f64 {
     let [low, high] = HOLE;
     let cells = 64;
     let step = (high - low) / f64::from(cells);
     let mut sum = 0.0;
     for cell in 0..cells * cells {
         let mut place = low + step * DVec3::new(f64::from(cell % cells) + 0.5, f64::from(cell / cells) + 0.5, 0.0);
-        place.x = if image { -place.x } else { place.x };
+        if source == PatchSource::Image {
+            place.x = -place.x;
+        }
         let way = place - point;
         let squared = way.length_squared();
         sum += normal.dot(way).max(0.0) * point.z / (squared * squared);
@@ -141,7 +150,7 @@ fn compared(found: &[(f64, f64)], truth: impl Fn(usize) -> (f64, f64)) -> (f64, 
 fn a_patch_of_sun_is_found_and_counted_once() {
     let scene = room(0.0, None);
     let sensors = sensors();
-    let truth = |index: usize| (from_patch(sensors[index].origin, sensors[index].direction, false), 0.0);
+    let truth = |index: usize| (from_patch(sensors[index].origin, sensors[index].direction, PatchSource::Direct), 0.0);
     let (plain, noise) = compared(&measured(&scene, options(1, 1), Guided::No), truth);
     let (guided, less) = compared(&measured(&scene, options(1, 1), Guided::Yes), truth);
     assert!(plain.abs() < 3.0 && guided.abs() < 3.0, "{plain} and {guided} standard errors off");
@@ -154,7 +163,11 @@ fn a_patch_is_found_in_a_mirror() {
     let sensors = sensors();
     let truth = |index: usize| {
         let Ray { origin, direction } = sensors[index];
-        (from_patch(origin, direction, false) + 0.8 * from_patch(origin, direction, true), 0.0)
+        (
+            from_patch(origin, direction, PatchSource::Direct)
+                + 0.8 * from_patch(origin, direction, PatchSource::Image),
+            0.0,
+        )
     };
     let (plain, noise) = compared(&measured(&scene, options(1, 2), Guided::No), truth);
     let (guided, less) = compared(&measured(&scene, options(1, 2), Guided::Yes), truth);

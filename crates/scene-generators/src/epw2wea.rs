@@ -20,12 +20,25 @@ const DIFFUSE: usize = 15;
 const TENTHS_COVERED: usize = 22;
 const AEROSOL_DEPTH: usize = 29;
 
+/// What is written of each record.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Columns {
+    Light,
+    /// Also aerosol optical depth and cloud cover.
+    LightAndAir,
+}
+
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
-    let mut has_air = false;
+    let mut columns = Columns::Light;
     while let Some(option) = arguments.option_before_files()? {
         match option.name {
-            "-a" => has_air = !has_air,
+            "-a" => {
+                columns = match columns {
+                    Columns::Light => Columns::LightAndAir,
+                    Columns::LightAndAir => Columns::Light,
+                }
+            }
             _ => return Err(arguments.unknown()),
         }
     }
@@ -49,7 +62,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let in_an_hour = records_in_an_hour(&header).map_err(wrong)?;
     for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
         let record = Record { number, fields: line.split(',').collect() };
-        text.push_bytes(record.text(in_an_hour, has_air).map_err(wrong)?.as_bytes())?;
+        text.push_bytes(record.text(in_an_hour, columns).map_err(wrong)?.as_bytes())?;
     }
     let text = text.into_bytes();
     let (standard_output, files) = match output {
@@ -93,7 +106,7 @@ struct Record<'a> {
 }
 
 impl Record<'_> {
-    fn text(&self, in_an_hour: i64, has_air: bool) -> Found<String> {
+    fn text(&self, in_an_hour: i64, columns: Columns) -> Found<String> {
         let [Some(month), Some(day), Some(hour), Some(minute), Some(direct), Some(diffuse)] =
             [MONTH, DAY, HOUR, MINUTE, DIRECT, DIFFUSE].map(|column| self.field(column))
         else {
@@ -102,7 +115,7 @@ impl Record<'_> {
         // A record belongs to the hour before its time, and its light is the mean over that hour.
         let time = if in_an_hour == 1 { hour - 0.5 } else { hour - 1.0 + minute / 60.0 };
         let air = match [AEROSOL_DEPTH, TENTHS_COVERED].map(|column| self.field(column)) {
-            _ if !has_air => String::new(),
+            _ if columns == Columns::Light => String::new(),
             [Some(depth), Some(tenths)] => format!(" {depth:.3} {:.1}", tenths / 10.0),
             _ => return Err((self.number, "expected cloud cover and aerosol optical depth (-a)")),
         };

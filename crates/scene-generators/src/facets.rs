@@ -14,6 +14,8 @@ use crate::text::{Text, general, wide};
 const TINY: f64 = 1e-6;
 /// Normals whose cosine exceeds this are equal.
 const SAME_DIRECTION: f64 = 0.999_995;
+/// Largest number of normals that the faces of a joined vertex may share.
+const MOST_NORMALS: usize = 9;
 
 /// A reference from a face to a vertex and its normal.
 #[derive(Clone, Copy)]
@@ -218,10 +220,11 @@ impl Mesh {
         }
         let mut normals: Vec<usize> = Vec::new();
         for &face in faces_of[kept].iter().rev() {
-            self.share_normal(face, kept, &mut normals, tolerance, true);
+            let own = self.share_normal(face, kept, &normals, tolerance);
+            normals.extend(own.filter(|_| normals.len() < MOST_NORMALS));
         }
         for &face in faces_of[gone].iter().rev() {
-            self.share_normal(face, gone, &mut normals, tolerance, false);
+            self.share_normal(face, gone, &normals, tolerance);
             let uses = &mut self.faces[face].uses;
             uses.iter_mut().filter(|corner| corner.vertex == gone).for_each(|corner| corner.vertex = kept);
             let area = 0.5 * length(self.area_vector(&self.faces[face]));
@@ -231,19 +234,17 @@ impl Mesh {
         faces_of[kept].extend(moved);
     }
 
-    /// Makes a face use one of the listed normals if its own is close to it. Otherwise adds its own
-    /// to the list, if requested.
-    fn share_normal(&mut self, face: usize, vertex: usize, listed: &mut Vec<usize>, tolerance: f64, list_new: bool) {
-        let Some(corner) = self.faces[face].uses().iter().rposition(|corner| corner.vertex == vertex) else { return };
-        let Some(own) = self.faces[face].uses[corner].normal else { return };
+    /// Makes a face use one of the listed normals if its own is close to it. Otherwise returns its
+    /// own.
+    fn share_normal(&mut self, face: usize, vertex: usize, listed: &[usize], tolerance: f64) -> Option<usize> {
+        let corner = self.faces[face].uses().iter().rposition(|corner| corner.vertex == vertex)?;
+        let own = self.faces[face].uses[corner].normal?;
         let close = |other: usize| {
             (0..3).all(|axis| f64::from((self.normals[own][axis] - self.normals[other][axis]).abs()) <= tolerance)
         };
-        match listed.iter().find(|other| **other == own || close(**other)) {
-            Some(other) => self.faces[face].uses[corner].normal = Some(*other),
-            None if list_new && listed.len() < 9 => listed.push(own),
-            None => {}
-        }
+        let Some(other) = listed.iter().find(|other| **other == own || close(**other)) else { return Some(own) };
+        self.faces[face].uses[corner].normal = Some(*other);
+        None
     }
 
     /// The mesh as Wavefront text, last face first, with indices counted from the end.

@@ -22,7 +22,7 @@ use crate::arguments::Arguments;
 use crate::gensky::read_in_range;
 use crate::number_text::leading_number;
 use crate::perez::{self, Conditions};
-use crate::sun::{Moment, Site, direction, simple_declination, sky_normalization};
+use crate::sun::{CieSky, Moment, Site, direction, simple_declination, sky_normalization};
 use crate::text::{Exponential, Text};
 use crate::{Error, Invocation, Output};
 use radsight_units::photometry::WHITE_EFFICACY;
@@ -490,12 +490,12 @@ impl<'a> LightOfSky<'a> {
 
     fn check_irradiance(&mut self, warnings: &mut Warnings) -> Result<(), Black> {
         let (direct, diffuse) = (&mut self.direct_irradiance, &mut self.diffuse_irradiance);
-        check("irradiance", direct, diffuse, perez::SOLAR_CONSTANT, self.altitude > 0.0, warnings)
+        check("irradiance", direct, diffuse, perez::SOLAR_CONSTANT, self.altitude, warnings)
     }
 
     fn check_illuminance(&mut self, warnings: &mut Warnings) -> Result<(), Black> {
         let (direct, diffuse) = (&mut self.direct_illuminance, &mut self.diffuse_illuminance);
-        check("illuminance", direct, diffuse, SOLAR_CONSTANT_LUX, self.altitude > 0.0, warnings)
+        check("illuminance", direct, diffuse, SOLAR_CONSTANT_LUX, self.altitude, warnings)
     }
 
     fn finish(&mut self) -> Result<Computed, Black> {
@@ -539,7 +539,8 @@ impl<'a> LightOfSky<'a> {
         } else {
             (2.739 + 0.9891 * (0.3119 + 2.6 * altitude).sin()) * (-zenith * (0.4441 + 1.48 * altitude)).exp()
         };
-        sky_normalization(altitude, clearness < 6.0) / denominator / PI
+        let sky = if clearness < 6.0 { CieSky::Intermediate } else { CieSky::Clear };
+        sky_normalization(altitude, sky) / denominator / PI
     }
 }
 
@@ -550,7 +551,7 @@ fn check(
     direct: &mut f64,
     diffuse: &mut f64,
     solar_constant: f64,
-    sun_is_up: bool,
+    altitude: f64,
     warnings: &mut Warnings,
 ) -> Result<(), Black> {
     for (part, value) in [("direct", &mut *direct), ("diffuse", &mut *diffuse)] {
@@ -559,7 +560,7 @@ fn check(
             *value = 0.0;
         }
     }
-    if *direct + *diffuse == 0.0 && sun_is_up {
+    if *direct + *diffuse == 0.0 && altitude > 0.0 {
         return Err(Black(format!("zero {what} at sun altitude > 0")));
     }
     if *direct > solar_constant {

@@ -16,7 +16,7 @@ use std::fmt::Write;
 
 use crate::arguments::Arguments;
 use crate::number_text::{leading_integer, leading_number};
-use crate::sun::{Moment, Site, direction, sky_normalization};
+use crate::sun::{CieSky, Moment, Site, direction, sky_normalization};
 use crate::text::{Exponential, Text};
 use crate::{Error, Invocation, Output};
 
@@ -272,7 +272,10 @@ fn compute(options: &Options, altitude: f64, azimuth: f64, text: &mut Text) -> R
     let mean_over_zenith = match options.sky {
         SkyType::Uniform => 1.0,
         SkyType::Overcast => 0.777_778,
-        _ => sky_normalization(altitude, options.sky == SkyType::Intermediate) / denominator / PI,
+        _ => {
+            let sky = if options.sky == SkyType::Intermediate { CieSky::Intermediate } else { CieSky::Clear };
+            sky_normalization(altitude, sky) / denominator / PI
+        }
     };
     let zenith = match options.zenith {
         Brightness::Radiance(radiance) => radiance,

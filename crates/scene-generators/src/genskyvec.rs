@@ -70,7 +70,10 @@ pub fn genskyvec(argv: &[String], standard_input: &dyn StandardInput, open: &Ope
         sample(&mut radiances, options.subdivision, &*open(sky)?);
     }
     if let Some(sun) = description.sun.filter(|sun| sun.direction[2] > 0.0) {
-        sun.add_to(&mut radiances, &patches, options.sun_in_one);
+        match options.sun_in_one {
+            true => radiances[patches.nearest(sun.direction, 1)[0].1] = sun.radiance,
+            false => sun.distribute(&mut radiances, &patches),
+        }
     }
     let mut text = Text::default();
     if options.has_header {
@@ -223,12 +226,8 @@ fn sample(radiances: &mut [[f64; 3]], subdivision: usize, environment: &Environm
 }
 
 impl Sun {
-    fn add_to(&self, radiances: &mut [[f64; 3]], patches: &SkyPatches, in_one: bool) {
-        if in_one {
-            let (_, patch) = patches.nearest(self.direction, 1)[0];
-            radiances[patch] = self.radiance;
-            return;
-        }
+    /// Adds the sun to the nearest patches.
+    fn distribute(&self, radiances: &mut [[f64; 3]], patches: &SkyPatches) {
         let solid_angle = PI * (0.5 * self.angle.to_radians()).powi(2);
         let weight = |cosine: f64| 1.0 / (cosine.min(1.0).acos() + SOFTENING);
         let nearest = patches.nearest(self.direction, SHARERS);

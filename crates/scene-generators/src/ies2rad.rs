@@ -331,22 +331,27 @@ impl Conversion<'_> {
             writeln!(scene, "# {line}")?;
         }
         let (lower, upper) = (luminaire.vertical[0] < 90.0 - TINY, luminaire.last_vertical() > 90.0 + TINY);
-        let sides = lower && upper && opening.height > opening::SMALLEST;
-        let (correction, coordinates) = (correction(opening.shape, sides), coordinates(luminaire));
+        let has_sides = lower && upper && opening.height > opening::SMALLEST;
+        let luminous = if has_sides { LuminousParts::EndsAndSides } else { LuminousParts::Ends };
+        let (correction, coordinates) = (correction(opening.shape, luminous), coordinates(luminaire));
         let count = 3 + coordinates.split_whitespace().count();
         writeln!(scene, "\n'{modifier}' brightdata '{name}_dist'")?;
         writeln!(scene, "{count} {correction} '{}' source.cal {coordinates} ", self.referred(&self.name, ".dat"))?;
         let multiplier = self.options.multiplier * luminaire.multiplier;
         let [width, length, height] = [opening.width, opening.length, opening.height].map(g);
-        match (opening.shape, sides) {
-            (Shape::Cylinder, true) => writeln!(scene, "0\n3 {} {width} {height}", g(multiplier))?,
-            (Shape::Box, true) => writeln!(scene, "0\n4 {} {length} {width} {height}", g(multiplier))?,
+        match (opening.shape, luminous) {
+            (Shape::Cylinder, LuminousParts::EndsAndSides) => {
+                writeln!(scene, "0\n3 {} {width} {height}", g(multiplier))?
+            }
+            (Shape::Box, LuminousParts::EndsAndSides) => {
+                writeln!(scene, "0\n4 {} {length} {width} {height}", g(multiplier))?
+            }
             _ => writeln!(scene, "0\n1 {}", g(multiplier / opening.area()))?,
         }
         let kind = if opening.is_illum { "illum" } else { "light" };
         let [red, green, blue] = color.map(g);
         write!(scene, "\n'{name}_dist' {kind} '{name}_light'\n0\n0\n3 {red} {green} {blue}\n")?;
-        opening.write(scene, name, self.options.units_per_metre, [lower, upper, sides])
+        opening.write(scene, name, self.options.units_per_metre, [lower, upper, has_sides])
     }
 
     /// Appends the geometry named in the luminaire's file, in Materials and Geometry Format.
@@ -377,13 +382,20 @@ impl Conversion<'_> {
     }
 }
 
+/// The luminous parts of an opening that is no sphere.
+#[derive(Clone, Copy)]
+enum LuminousParts {
+    Ends,
+    EndsAndSides,
+}
+
 /// The function of `source.cal` that converts candela to radiance over the opening.
-fn correction(shape: Shape, sides: bool) -> &'static str {
-    match (shape, sides) {
+fn correction(shape: Shape, luminous: LuminousParts) -> &'static str {
+    match (shape, luminous) {
         (Shape::Sphere, _) => "corr",
-        (_, false) => "flatcorr",
-        (Shape::Cylinder, true) => "cylcorr",
-        (Shape::Box, true) => "boxcorr",
+        (_, LuminousParts::Ends) => "flatcorr",
+        (Shape::Cylinder, LuminousParts::EndsAndSides) => "cylcorr",
+        (Shape::Box, LuminousParts::EndsAndSides) => "boxcorr",
     }
 }
 

@@ -41,40 +41,41 @@ pub(crate) struct Matcher<'a> {
     input: Supply<'a>,
     /// Offset up to which the current record is matched.
     position: usize,
-    blanks_join: bool,
-    across_lines: bool,
+    blanks: Blanks,
     passing: Passing,
     numbers: Vec<(&'a str, f64)>,
 }
 
+/// How blanks of a format match blanks of the input.
+#[derive(Clone, Copy)]
+pub(crate) struct Blanks {
+    /// Whether a run of blanks matches any other.
+    pub(crate) join: bool,
+    /// Whether records extend over lines, so that line ends are blanks.
+    pub(crate) across_lines: bool,
+}
+
+impl Blanks {
+    fn contain(self, byte: u8) -> bool {
+        if self.across_lines { is_blank(byte) } else { byte == b' ' || byte == b'\t' }
+    }
+}
+
 impl<'a> Matcher<'a> {
-    pub(crate) fn new(
-        fields: &'a [Field],
-        input: Supply<'a>,
-        blanks_join: bool,
-        across_lines: bool,
-        passing: Passing,
-    ) -> Self {
+    pub(crate) fn new(fields: &'a [Field], input: Supply<'a>, blanks: Blanks, passing: Passing) -> Self {
         let mut fields: Vec<&Field> = fields.iter().collect();
         let mut matcher_literal = None;
-        if blanks_join && let Some(Field::Literal(bytes)) = fields.first() {
-            let blanks = bytes.iter().take_while(|byte| blank(**byte, across_lines)).count();
-            if blanks == bytes.len() {
+        if blanks.join
+            && let Some(Field::Literal(bytes)) = fields.first()
+        {
+            let leading = bytes.iter().take_while(|byte| blanks.contain(**byte)).count();
+            if leading == bytes.len() {
                 fields.remove(0);
             } else {
-                matcher_literal = Some(bytes[blanks..].to_vec());
+                matcher_literal = Some(bytes[leading..].to_vec());
             }
         }
-        Matcher {
-            fields,
-            first_literal: matcher_literal,
-            input,
-            position: 0,
-            blanks_join,
-            across_lines,
-            passing,
-            numbers: Vec::new(),
-        }
+        Matcher { fields, first_literal: matcher_literal, input, position: 0, blanks, passing, numbers: Vec::new() }
     }
 
     /// The numbers of the current record.
@@ -90,13 +91,13 @@ impl<'a> Matcher<'a> {
     /// Finds the next record; false at the end of the input.
     pub(crate) fn next_record(&mut self, strings: &mut Strings, text: &mut Text) -> Result<bool, Error> {
         while self.peek(text)?.is_some() {
-            if self.blanks_join {
-                while self.peek(text)?.is_some_and(|byte| blank(byte, self.across_lines)) {
+            if self.blanks.join {
+                while self.peek(text)?.is_some_and(|byte| self.blanks.contain(byte)) {
                     self.skip(text)?;
                 }
             }
             let Some(first) = self.peek(text)? else { return Ok(false) };
-            let eats_line = !self.across_lines && first != b'\n';
+            let eats_line = !self.blanks.across_lines && first != b'\n';
             strings.matched.clear();
             self.numbers.clear();
             if self.fields(strings, text)? {
@@ -117,9 +118,15 @@ impl<'a> Matcher<'a> {
     }
 
     /// Advances past the current record.
-    pub(crate) fn advance(&mut self, accepted: bool, text: &mut Text) -> Result<(), Error> {
+    pub(crate) fn accept(&mut self) {
+        self.input.take(self.position);
+        self.position = 0;
+    }
+
+    /// Advances past the current record, which is copied if requested.
+    pub(crate) fn refuse(&mut self, text: &mut Text) -> Result<(), Error> {
         let record = self.input.take(self.position);
-        if !accepted && self.passing == Passing::UnmatchedAndRefused {
+        if self.passing == Passing::UnmatchedAndRefused {
             text.push_bytes(self.input.bytes(record))?;
         }
         self.position = 0;
@@ -173,11 +180,11 @@ impl<'a> Matcher<'a> {
     }
 
     fn literal(&mut self, bytes: &[u8], text: &mut Text) -> Result<bool, Error> {
-        let across_lines = self.across_lines;
-        let is_blank = |byte: u8| blank(byte, across_lines);
+        let blanks = self.blanks;
+        let is_blank = |byte: u8| blanks.contain(byte);
         let mut rest = bytes;
         while let Some(first) = rest.first() {
-            if self.blanks_join && is_blank(*first) {
+            if self.blanks.join && is_blank(*first) {
                 if !self.peek(text)?.is_some_and(is_blank) {
                     return Ok(false);
                 }
@@ -207,8 +214,8 @@ impl<'a> Matcher<'a> {
     /// the field's width.
     fn belongs(&self, byte: u8, delimiter: Option<u8>, length: usize, width: usize) -> bool {
         match delimiter {
-            Some(delimiter) if self.blanks_join => match blank(delimiter, self.across_lines) {
-                true => !blank(byte, self.across_lines),
+            Some(delimiter) if self.blanks.join => match self.blanks.contain(delimiter) {
+                true => !self.blanks.contain(byte),
                 false => byte != delimiter,
             },
             _ => length < width,
@@ -245,7 +252,7 @@ impl<'a> Matcher<'a> {
         let mut number_start = None;
         while let Some(byte) = self.peek(text)? {
             let length = self.position - start;
-            let leading = number_start.is_none() && blank(byte, self.across_lines);
+            let leading = number_start.is_none() && self.blanks.contain(byte);
             let numeric = byte.is_ascii_digit() || b"-.+eE".contains(&byte);
             if !(leading || numeric) || length == LONGEST_FIELD || !self.belongs(byte, delimiter, length, width) {
                 break;
@@ -267,9 +274,4 @@ impl<'a> Matcher<'a> {
             }
         })
     }
-}
-
-/// Blanks of a format, including line ends if records extend over lines.
-fn blank(byte: u8, across_lines: bool) -> bool {
-    if across_lines { is_blank(byte) } else { byte == b' ' || byte == b'\t' }
 }

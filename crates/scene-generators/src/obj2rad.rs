@@ -52,7 +52,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     } else {
         text.write_str("# ")?;
         write_words(&mut text, invocation.argv.iter().map(String::as_str))?;
-        let mut converter = Converter::new(text, object, mapping, flat);
+        let mut converter = Converter { flat, ..Converter::new(text, object, mapping) };
         let statements = Statements::new(&content);
         converter.convert(source_name, statements).map_err(|mistake| match mistake {
             Mistake::Text(mistake) => {
@@ -123,12 +123,12 @@ pub(crate) enum CornerNormals {
 }
 
 impl<'a> Converter<'a> {
-    fn new(text: Text, default_object: &'a str, mapping: Option<Mapping>, flat: bool) -> Self {
+    fn new(text: Text, default_object: &'a str, mapping: Option<Mapping>) -> Self {
         Converter {
             text,
             default_object,
             mapping,
-            flat,
+            flat: false,
             vertices: Vertices::default(),
             material: String::new(),
             map: String::new(),

@@ -17,7 +17,7 @@ use radsight_loader::FileKind;
 
 use crate::arguments::Arguments;
 use crate::functions::Functions;
-use crate::matching::{Matcher, Strings};
+use crate::matching::{Blanks, Matcher, Strings};
 use crate::record_format::{self, Field};
 use crate::record_output::{self, OutputField};
 use crate::records::{Encoding, InputForm, Record, encode};
@@ -122,12 +122,12 @@ impl Calculator {
                 "-w" | "-u" => {}
                 "-i" if option.text.is_empty() => {
                     options.input = InputForm { encoding: Encoding::Ascii, columns: 0, ..options.input };
-                    options.input_format = Some(read_format(arguments, invocation, options.across_lines)?);
+                    options.input_format = Some(read_format(arguments, invocation, &options)?);
                 }
                 "-o" if option.text.is_empty() => {
                     options.output = Encoding::Ascii;
                     let position = arguments.position();
-                    let fields = read_format(arguments, invocation, options.across_lines)?;
+                    let fields = read_format(arguments, invocation, &options)?;
                     options.output_format = Some(self.output_fields(fields, position)?);
                 }
                 "-in" => options.most_input = arguments.integer("most records (-in)")?.max(0) as usize,
@@ -227,8 +227,8 @@ impl Calculator {
         input: Supply<'_>,
         records: &mut usize,
     ) -> Result<(), Error> {
-        let (blanks_join, across_lines) = (options.input.blanks_join, options.across_lines);
-        let mut matcher = Matcher::new(fields, input, blanks_join, across_lines, options.passing);
+        let blanks = Blanks { join: options.input.blanks_join, across_lines: options.across_lines };
+        let mut matcher = Matcher::new(fields, input, blanks, options.passing);
         let mut written = 0;
         while matcher.next_record(&mut self.strings, &mut self.text)? {
             if matcher.is_empty_match() {
@@ -240,10 +240,12 @@ impl Calculator {
             }
             let channels = Channels::none();
             let accepted = self.accepts(records, written, &channels)?;
-            matcher.advance(accepted, &mut self.text)?;
             if accepted {
+                matcher.accept();
                 self.put_record(options, &channels)?;
                 written += 1;
+            } else {
+                matcher.refuse(&mut self.text)?;
             }
             if options.is_enough(*records, written) {
                 break;
@@ -277,7 +279,7 @@ impl Calculator {
 
     fn put_record(&mut self, options: &Options, channels: &Channels<'_>) -> Result<(), Error> {
         if let Some(fields) = &options.output_format {
-            return self.put_fields(fields, options.input.blanks_join, channels);
+            return self.put_fields(fields, options, channels);
         }
         // The current column, from 1.
         let mut column = 1;
@@ -293,12 +295,12 @@ impl Calculator {
                     }
                     self.text.push_bytes(general(value, 9).to_string().as_bytes())?;
                 }
-                Encoding::Binary { double, swapped } => {
+                Encoding::Binary(number) => {
                     while column < channel {
-                        encode(&mut self.text, 0.0, double, swapped)?;
+                        encode(&mut self.text, 0.0, number)?;
                         column += 1;
                     }
-                    encode(&mut self.text, value, double, swapped)?;
+                    encode(&mut self.text, value, number)?;
                     column += 1;
                 }
             }
@@ -310,8 +312,8 @@ impl Calculator {
         Ok(())
     }
 
-    fn put_fields(&mut self, fields: &[OutputField], blanks_join: bool, channels: &Channels<'_>) -> Result<(), Error> {
-        let mut writer = record_output::Writer::new(fields, blanks_join);
+    fn put_fields(&mut self, fields: &[OutputField], options: &Options, channels: &Channels<'_>) -> Result<(), Error> {
+        let mut writer = record_output::Writer::new(fields, &options.input);
         for (index, field) in fields.iter().enumerate() {
             match field {
                 OutputField::Literal(bytes) => writer.literal(&mut self.text, bytes)?,
@@ -335,7 +337,7 @@ impl Calculator {
 fn read_format(
     arguments: &mut Arguments<'_>,
     invocation: &Invocation<'_>,
-    across_lines: bool,
+    options: &Options,
 ) -> Result<Vec<Field>, Error> {
     let position = arguments.position();
     let specification = arguments.required("record format")?;
@@ -344,8 +346,8 @@ fn read_format(
         false => Some(invocation.loader.load(specification, FileKind::Other)?.bytes),
     };
     let bytes = from_file.as_deref().unwrap_or(specification.as_bytes());
-    record_format::read(bytes, across_lines)
-        .map_err(|mistake| arguments.mistake(position, format!("record format: {mistake}")))
+    let fields = if options.across_lines { record_format::read(bytes) } else { record_format::read_line(bytes) };
+    fields.map_err(|mistake| arguments.mistake(position, format!("record format: {mistake}")))
 }
 
 /// The columns of a record.

@@ -14,7 +14,7 @@ use crate::records::is_blank;
 use crate::supply::Supply;
 use crate::text::{Quoted, Text};
 use crate::{Error, Invocation, Output, source_name};
-use pass_on::{Plan, copy, copy_lines, pass_bytes, pass_words};
+use pass_on::{Plan, WordCheck, copy, copy_lines, pass_bytes, pass_words};
 use radsight_loader::FileKind;
 use std::fmt::Write;
 use std::ops::Range;
@@ -352,7 +352,10 @@ impl Collation {
     ) -> Result<(), Mistake> {
         let found = match format.size {
             Some(size) => pass_bytes(input, text, &plan, size.saturating_mul(components))?,
-            None => pass_words(input, text, &plan, components, self.options.checks)?,
+            None => {
+                let check = if self.options.checks { WordCheck::Number } else { WordCheck::Nothing };
+                pass_words(input, text, &plan, components, check)?
+            }
         };
         let Shape { rows, columns } = plan.input;
         let what = match plan.wanted {

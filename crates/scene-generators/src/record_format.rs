@@ -16,17 +16,23 @@ pub(crate) enum Field {
     },
 }
 
-/// Parses a format. A line end is added unless `across_lines`.
-pub(crate) fn read(specification: &[u8], across_lines: bool) -> Result<Vec<Field>, String> {
+/// Parses the format of a record that ends at a line end.
+pub(crate) fn read_line(specification: &[u8]) -> Result<Vec<Field>, String> {
+    let mut fields = read(specification)?;
+    if !specification.is_empty() && !specification.ends_with(b"\n") {
+        fields.push(Field::Literal(b"\n".to_vec()));
+    }
+    Ok(fields)
+}
+
+/// Parses a format.
+pub(crate) fn read(specification: &[u8]) -> Result<Vec<Field>, String> {
     let mut fields: Vec<Field> = Vec::new();
     let mut rest = specification;
     while !rest.is_empty() {
         let (field, behind) = read_field(rest)?;
         fields.push(field);
         rest = behind;
-    }
-    if !across_lines && !specification.is_empty() && !specification.ends_with(b"\n") {
-        fields.push(Field::Literal(b"\n".to_vec()));
     }
     Ok(fields)
 }
@@ -59,7 +65,7 @@ mod tests {
 
     #[test]
     fn fields_have_names_and_widths() {
-        let fields = read(b"a$$b ${ x }\n$(word)", false).unwrap();
+        let fields = read_line(b"a$$b ${ x }\n$(word)").unwrap();
         assert_eq!(
             fields,
             [
@@ -71,6 +77,6 @@ mod tests {
                 Field::Literal(b"\n".to_vec()),
             ]
         );
-        assert!(read(b"$x", false).is_err());
+        assert!(read_line(b"$x").is_err());
     }
 }

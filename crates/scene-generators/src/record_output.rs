@@ -5,6 +5,7 @@ use std::fmt::Write;
 use radsight_cal::Handle;
 
 use crate::Error;
+use crate::records::InputForm;
 use crate::text::{Exponential, Text, general};
 
 /// One part of an output format.
@@ -24,8 +25,9 @@ pub(crate) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    pub(crate) fn new(fields: &'a [OutputField], blanks_join: bool) -> Self {
-        Writer { fields, blanks_join, touched: false }
+    /// A writer of records that have blanks as the input has.
+    pub(crate) fn new(fields: &'a [OutputField], input: &InputForm) -> Self {
+        Writer { fields, blanks_join: input.blanks_join, touched: false }
     }
 
     /// Whether a non-blank follows a field.

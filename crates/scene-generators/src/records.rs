@@ -15,8 +15,17 @@ const LARGEST_BINARY_RECORD: usize = 16_384;
 pub(crate) enum Encoding {
     /// As text.
     Ascii,
-    /// IEEE numbers of 4 bytes, or 8 if `double`; little-endian unless `swapped`.
-    Binary { double: bool, swapped: bool },
+    /// As IEEE numbers.
+    Binary(BinaryNumber),
+}
+
+/// The form of an IEEE number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BinaryNumber {
+    /// 8 bytes instead of 4.
+    double: bool,
+    /// Big-endian.
+    swapped: bool,
 }
 
 impl Encoding {
@@ -24,10 +33,10 @@ impl Encoding {
     pub(crate) fn of_text(text: &str) -> Option<Encoding> {
         match text.as_bytes().first()? {
             b'a' => Some(Encoding::Ascii),
-            b'd' => Some(Encoding::Binary { double: true, swapped: false }),
-            b'D' => Some(Encoding::Binary { double: true, swapped: true }),
-            b'f' => Some(Encoding::Binary { double: false, swapped: false }),
-            b'F' => Some(Encoding::Binary { double: false, swapped: true }),
+            b'd' => Some(Encoding::Binary(BinaryNumber { double: true, swapped: false })),
+            b'D' => Some(Encoding::Binary(BinaryNumber { double: true, swapped: true })),
+            b'f' => Some(Encoding::Binary(BinaryNumber { double: false, swapped: false })),
+            b'F' => Some(Encoding::Binary(BinaryNumber { double: false, swapped: true })),
             _ => None,
         }
     }
@@ -35,7 +44,7 @@ impl Encoding {
     /// Bytes of a binary number.
     fn size(self) -> usize {
         match self {
-            Encoding::Binary { double: true, .. } => 8,
+            Encoding::Binary(BinaryNumber { double: true, .. }) => 8,
             _ => 4,
         }
     }
@@ -81,7 +90,7 @@ impl InputForm {
     ) -> Result<Option<Record<'a>>, Error> {
         let range = match self.encoding {
             Encoding::Ascii => supply.line(text)?,
-            Encoding::Binary { .. } => match self.columns * self.encoding.size() {
+            Encoding::Binary(_) => match self.columns * self.encoding.size() {
                 0 => None,
                 length => supply.exactly(length, text)?,
             },
@@ -102,11 +111,11 @@ impl Record<'_> {
     pub(crate) fn column(&self, column: usize) -> f64 {
         match self.form.encoding {
             Encoding::Ascii => number_at_start(self.field(column)),
-            Encoding::Binary { .. } if column > self.form.columns => 0.0,
-            Encoding::Binary { double, swapped } => {
+            Encoding::Binary(_) if column > self.form.columns => 0.0,
+            Encoding::Binary(number) => {
                 let size = self.form.encoding.size();
                 let field = &self.bytes[(column - 1) * size..column * size];
-                decode(field, double, swapped)
+                decode(field, number)
             }
         }
     }
@@ -177,7 +186,7 @@ pub(crate) fn number_at_start(bytes: &[u8]) -> f64 {
 }
 
 /// A binary number.
-fn decode(field: &[u8], double: bool, swapped: bool) -> f64 {
+fn decode(field: &[u8], BinaryNumber { double, swapped }: BinaryNumber) -> f64 {
     let mut bytes = [0u8; 8];
     bytes[..field.len()].copy_from_slice(field);
     if swapped {
@@ -190,7 +199,7 @@ fn decode(field: &[u8], double: bool, swapped: bool) -> f64 {
 }
 
 /// Appends a binary number.
-pub(crate) fn encode(text: &mut Text, value: f64, double: bool, swapped: bool) -> Result<(), Error> {
+pub(crate) fn encode(text: &mut Text, value: f64, BinaryNumber { double, swapped }: BinaryNumber) -> Result<(), Error> {
     let (mut bytes, size) = match double {
         true => (value.to_le_bytes(), 8),
         false => {

@@ -371,8 +371,11 @@ fn tokens(line: &str) -> Result<Vec<Token>, SyntaxError> {
             '(' => Operator::Open,
             ')' => Operator::Close,
             _ => {
-                let begins_command = !matches!(tokens.last(), Some(Token::Word(_)));
-                tokens.push(Token::Word(scanner.word(begins_command)?));
+                let position = match tokens.last() {
+                    Some(Token::Word(_)) => WordPosition::Argument,
+                    _ => WordPosition::Command,
+                };
+                tokens.push(Token::Word(scanner.word(position)?));
                 continue;
             }
         };
@@ -380,6 +383,14 @@ fn tokens(line: &str) -> Result<Vec<Token>, SyntaxError> {
         tokens.push(Token::Operator { kind: operator, range: start..scanner.position });
     }
     Ok(tokens)
+}
+
+/// The position of a word.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum WordPosition {
+    /// The first word of a command, where `name=value` would set a variable.
+    Command,
+    Argument,
 }
 
 /// Characters of file name patterns. The closing bracket is special only after an opening one.
@@ -421,8 +432,8 @@ impl Scanner<'_> {
         SyntaxError::NeedsShell { construct, text: self.line[range.clone()].to_owned(), range }
     }
 
-    /// A whole word. `begins_command` means that `name=value` here would set a variable.
-    fn word(&mut self, begins_command: bool) -> Result<Word, SyntaxError> {
+    /// A whole word.
+    fn word(&mut self, position: WordPosition) -> Result<Word, SyntaxError> {
         let start = self.position;
         let mut text = String::new();
         let mut wildcards = Vec::new();
@@ -443,7 +454,7 @@ impl Scanner<'_> {
                 '\\' => self.escaped(&mut text),
                 '$' => self.dollar(&mut text)?,
                 '`' => return Err(self.back_quotes()),
-                '=' if begins_command && is_name(&self.line[start..self.position]) => {
+                '=' if position == WordPosition::Command && is_name(&self.line[start..self.position]) => {
                     return Err(self.needs_shell("a variable setting", start, self.position + 1 - start));
                 }
                 _ => {

@@ -130,13 +130,23 @@ pub(crate) fn direction(altitude: f64, azimuth: f64) -> [f64; 3] {
     [-azimuth.sin() * altitude.cos(), -azimuth.cos() * altitude.cos(), altitude.sin()]
 }
 
+/// A sky of the CIE whose radiance depends on the sun.
+#[derive(Clone, Copy)]
+pub(crate) enum CieSky {
+    Clear,
+    Intermediate,
+}
+
 /// Mean horizontal radiance of the sky times π, divided by zenith radiance, as fourth-degree
 /// polynomials of the solar altitude; for the intermediate or the clear sky. The coefficients are
 /// `gensky`'s.
-pub(crate) fn sky_normalization(altitude: f64, intermediate: bool) -> f64 {
+pub(crate) fn sky_normalization(altitude: f64, sky: CieSky) -> f64 {
     const CLEAR: [f64; 5] = [2.766521, 0.547665, -0.369832, 0.009237, 0.059229];
     const INTERMEDIATE: [f64; 5] = [3.5556, -2.7152, -1.3081, 1.0660, 0.60227];
     let x = (altitude - PI / 4.0) / (PI / 4.0);
-    let coefficients = if intermediate { INTERMEDIATE } else { CLEAR };
+    let coefficients = match sky {
+        CieSky::Clear => CLEAR,
+        CieSky::Intermediate => INTERMEDIATE,
+    };
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }

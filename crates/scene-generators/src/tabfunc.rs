@@ -128,7 +128,7 @@ impl Table {
         }
         let g = |value: f64| general(value, 6);
         if !uniform {
-            return self.uneven_place(text, step > 0.0);
+            return self.uneven_place(text);
         }
         Ok(if step > 0.0 && (step - 1.0).abs() < tolerance {
             if (first - 1.0).abs() < tolerance { "x".to_owned() } else { format!("x-{}", g(first - 1.0)) }
@@ -139,7 +139,8 @@ impl Table {
         })
     }
 
-    fn uneven_place(&self, text: &mut Text, rises: bool) -> Result<String, PlaceError> {
+    fn uneven_place(&self, text: &mut Text) -> Result<String, PlaceError> {
+        let rises = self.variable[1] > self.variable[0];
         let (number, rows) = (self.number, self.variable.len());
         let [first, last] = [self.variable[0], self.variable[rows - 1]].map(|value| general(value, 6));
         write!(text, "X`p{number}(i):select(i,")?;

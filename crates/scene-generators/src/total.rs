@@ -92,7 +92,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
             "-u" => options.reduction = Reduction::Largest,
             "-l" => options.reduction = Reduction::Smallest,
             "-s" => options.power = leading_number(option.text).map_or(0.0, |(power, _)| power),
-            "-t" => options.input.take_separator(option.text, &arguments)?,
+            "-t" => options.input.take_separator(option.text, arguments)?,
             "-r" => options.running = !options.running,
             "-in" => options.most_input = arguments.integer("most records (-in)")?.max(0) as usize,
             "-on" => options.most_output = arguments.integer("most records (-on)")?.max(0) as usize,
@@ -205,8 +205,8 @@ fn result(options: &Options, tally: Tally, records: usize) -> f64 {
 }
 
 fn put(options: &Options, results: &[f64], text: &mut Text) -> Result<(), Error> {
-    if let Encoding::Binary { double, swapped } = options.output {
-        return results.iter().try_for_each(|value| encode(text, *value, double, swapped));
+    if let Encoding::Binary(number) = options.output {
+        return results.iter().try_for_each(|value| encode(text, *value, number));
     }
     for (index, value) in results.iter().enumerate() {
         if index > 0 {

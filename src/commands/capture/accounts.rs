@@ -21,7 +21,7 @@ impl Accounts {
     }
 }
 
-/// Writes what is asked for; `record` is made only then.
+/// Writes the requested files; `record` is called only if there are some.
 pub(super) fn write(
     arguments: &Capture,
     camera: &CameraFile,

@@ -1,4 +1,4 @@
-//! The checkpoint of a capture: a file beside its picture, from which `--resume` goes on.
+//! The checkpoint of a capture: a file beside its picture, from which `--resume` continues.
 
 use crate::args::Capture;
 use crate::failure::{Failure, Outcome, say};

@@ -20,7 +20,7 @@ use radsight_picture::Header;
 use radsight_render::{RenderOptions, RenderPlan};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Stands for a picture's name in the names of files.
+/// Placeholder for a picture's name in file names.
 const NAME: &str = "{}";
 
 /// Exposes all pictures of a table.

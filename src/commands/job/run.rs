@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &Run, trust: &Trust) -> Outcome {
     let result = result.map_err(failure)?;
     conclude(renderer.plan(), registry.as_ref(), &sources, &reading)?;
     let Some(mut result) = result else {
-        return Err(Failure::fault("interrupted: the part is not written; the same job gives the same values again"));
+        return Err(Failure::fault("interrupted: the part is not written; run the job again to get the same values"));
     };
     result.job.inputs = digest(&arguments.job, sources.texts())?;
     write_file(&output, &result.to_bytes().map_err(failure)?)

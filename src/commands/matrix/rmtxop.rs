@@ -3,7 +3,7 @@
 //! `rmtxop [-v] [-f[adfc]] [-t] [-s F…] [-c coefficients|letters|file] [-C letters] [-rf|-rb]
 //! matrix [.+*/ matrix]…`: options apply to the next matrix, or to the result if after the last
 //! one. `.` is the matrix product, the default; `+ * /` are element-wise. `-t` transposes, `-s`
-//! scales, `-c` transforms components. A BSDF file (`.xml`) stands for its transmission, with `-rf`
+//! scales, `-c` transforms components. A BSDF file (`.xml`) is read as its transmission, with `-rf`
 //! and `-rb` for its front and back reflection.
 
 use super::input::{Change, format, read_factor, result_format, wrong};

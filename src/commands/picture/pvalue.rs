@@ -60,6 +60,20 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     if options.reverse { reading::run(options, &words) } else { print(options, &words) }
 }
 
+/// The sign before the name of an option.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sign {
+    Minus,
+    Plus,
+}
+
+/// An axis of a picture.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Axis {
+    X,
+    Y,
+}
+
 impl Options {
     fn read(words: &mut Words<'_>) -> Result<Options, Failure> {
         let layout = ValueLayout {
@@ -92,7 +106,8 @@ impl Options {
     }
 
     fn take(&mut self, option: &str, words: &mut Words<'_>) -> Outcome {
-        let on = option.starts_with('-');
+        let sign = if option.starts_with('-') { Sign::Minus } else { Sign::Plus };
+        let on = sign == Sign::Minus;
         match &option[1..] {
             "h" => self.header = !on,
             "H" => self.resolution = !on,
@@ -122,17 +137,18 @@ impl Options {
             name if name.starts_with("pg") || name.starts_with("pG") => self.layout.part = Part::Component(1),
             name if name.starts_with("pb") || name.starts_with("pB") => self.layout.part = Part::Component(2),
             name if name.starts_with(['x', 'X', 'y', 'Y']) => {
-                self.take_size(name.starts_with(['x', 'X']), on, words.integer(option)?.max(0) as usize);
+                let axis = if name.starts_with(['x', 'X']) { Axis::X } else { Axis::Y };
+                self.take_size(axis, sign, words.integer(option)?.max(0) as usize);
             }
             name if name.starts_with("px") || name.starts_with("pX") => self.primaries = None,
-            name if name.starts_with('d') => self.take_form(name, on).ok_or_else(|| words.unknown(option))?,
+            name if name.starts_with('d') => self.take_form(name, sign).ok_or_else(|| words.unknown(option))?,
             _ => return Err(words.unknown(option)),
         }
         Ok(())
     }
 
-    fn take_form(&mut self, name: &str, on: bool) -> Option<()> {
-        self.data_only = on;
+    fn take_form(&mut self, name: &str, sign: Sign) -> Option<()> {
+        self.data_only = sign == Sign::Minus;
         self.layout.form = match name {
             "d" | "da" => NumberForm::Text,
             "di" => NumberForm::Integer,
@@ -150,10 +166,11 @@ impl Options {
     }
 
     /// The axis whose size is given first is the one from scanline to scanline.
-    fn take_size(&mut self, is_width: bool, falls: bool, pixels: usize) {
+    fn take_size(&mut self, axis: Axis, sign: Sign, pixels: usize) {
         self.resolution = false;
         let size = &mut self.size;
-        if is_width {
+        let falls = sign == Sign::Minus;
+        if axis == Axis::X {
             size.orientation.x_falls = falls;
             size.orientation.scanlines_are_rows &= size.height > 0;
             size.width = pixels;

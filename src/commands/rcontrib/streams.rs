@@ -82,7 +82,9 @@ impl<'o> Streams<'o> {
         let Layout { planned, of_bin } = Layout::new(options, bins)?;
         let mut streams = Vec::new();
         for planned in &planned {
-            let target = Target::open(&planned.target, options.overwrites || options.recovers)?;
+            let replaces = options.overwrites || options.recovers;
+            let existing = if replaces { Existing::Replaced } else { Existing::Kept };
+            let target = Target::open(&planned.target, existing)?;
             streams.push(Stream { target, held: head(options, planned) });
         }
         let mut streams = Streams { options, streams, of_bin, held: 0 };
@@ -185,10 +187,10 @@ impl Stream {
 }
 
 impl Target {
-    fn open(allowed: &Allowed, overwrites: bool) -> Result<Target, Failure> {
+    fn open(allowed: &Allowed, existing: Existing<'_>) -> Result<Target, Failure> {
         match allowed {
             Allowed::StandardOutput => Ok(Target::StandardOutput),
-            Allowed::File(name) => Target::open_file(name, overwrites),
+            Allowed::File(name) => Target::open_file(name, existing),
             Allowed::Command(command, permit) => {
                 let child = shell(*permit, command).stdin(Stdio::piped()).stdout(standard_output::for_child()).spawn();
                 let child = child.map_err(|error| {
@@ -199,10 +201,10 @@ impl Target {
         }
     }
 
-    fn open_file(name: &OutputName, overwrites: bool) -> Result<Target, Failure> {
+    fn open_file(name: &OutputName, existing: Existing<'_>) -> Result<Target, Failure> {
         let name: &str = name;
         let Some(path) = file_path(name)? else { return Output::create(name).map(Target::Stream) };
-        if path.exists() && !overwrites {
+        if path.exists() && existing == Existing::Kept {
             return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to overwrite it")));
         }
         let file = ClosedFile::create(&path).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;

@@ -219,14 +219,15 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    fn entrant(team: Team, unbiased: bool, points: &[(f64, f64)]) -> Entrant {
+    /// The series of a team, without bias.
+    fn entrant(team: Team, points: &[(f64, f64)]) -> Entrant {
         let runs = points.iter().map(|(error, seconds)| Run {
             label: String::new(),
             taken: Taken { processor: *seconds, wall: *seconds, peak: 1.0 },
             accuracy: Accuracy { error: *error, percentile_95: 0.0, worst_block: 0.0, bias: 0.0 },
             picture: Image::filled(1, 1, 3, 1.0).unwrap(),
         });
-        Entrant { team, program: String::new(), series: "s".to_owned(), unbiased, runs: runs.collect() }
+        Entrant { team, program: String::new(), series: "s".to_owned(), unbiased: true, runs: runs.collect() }
     }
 
     fn result(entrants: Vec<Entrant>) -> SceneResult {
@@ -238,9 +239,9 @@ mod tests {
     #[test]
     fn a_series_without_bias_is_continued_and_one_with_bias_is_not() {
         let result = result(vec![
-            entrant(Team::Radiance, true, &[(0.4, 1.0), (0.2, 4.0)]),
-            entrant(Team::Radiance, false, &[(0.3, 0.5)]),
-            entrant(Team::Radsight, true, &[(0.05, 1.0), (0.005, 100.0)]),
+            entrant(Team::Radiance, &[(0.4, 1.0), (0.2, 4.0)]),
+            Entrant { unbiased: false, ..entrant(Team::Radiance, &[(0.3, 0.5)]) },
+            entrant(Team::Radsight, &[(0.05, 1.0), (0.005, 100.0)]),
         ]);
         let time = result.time_to(Team::Radiance, 0.05, Clock::Processor);
         assert_eq!(time.map(|known| known.mark), Some("~"));

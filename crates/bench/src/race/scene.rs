@@ -94,7 +94,7 @@ impl Scene {
         command.current_dir(&self.folder);
     }
 
-    /// Whether paths continue by way of mirrors and glass until their weight is negligible.
+    /// Whether paths continue through mirrors and glass until their weight is negligible.
     pub(crate) fn has_long_paths(&self) -> bool {
         self.task.iter().any(|word| word == LONGEST)
     }

@@ -1,7 +1,8 @@
 //! A single check, as the child process runs it.
 
+use super::CHECK_BANDS;
 use super::example::{Example, generated};
-use super::{CHECK_BANDS, probe};
+use super::probe::{self, Origin};
 use crate::self_check::{SelfCheck, check_options, self_check};
 use crate::{Band, Label, Library, PluginBrdf, Request as Instantiation};
 use radsight_brdf::check::{self, Check, CheckLevel};
@@ -131,7 +132,10 @@ pub(super) fn perform(request: &Request) -> Response {
     }
     let most = if given { usize::MAX } else { MOST_GENERATED };
     let mut response = match request.stage {
-        Stage::Arguments => probe::arguments(&library, index, &examples, given),
+        Stage::Arguments => {
+            let origin = if given { Origin::User } else { Origin::Generator };
+            probe::arguments(&library, index, &examples, origin)
+        }
         Stage::Lifecycle => probe::lifecycle(&library, &examples),
         Stage::SelfCheck => at_load(&library, &examples, most),
         stage => physics(&library, stage, &examples, most, request.seed),

@@ -10,19 +10,29 @@ use glam::DVec3;
 use radsight_brdf::Brdf;
 use std::sync::Arc;
 
+/// The origin of a model's arguments.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Origin {
+    User,
+    Generator,
+}
+
 /// Wrong indices, counts and numbers; empty batches; other numbers of bands.
-pub(super) fn arguments(library: &Arc<Library>, index: u32, examples: &[Example], given: bool) -> Response {
+pub(super) fn arguments(library: &Arc<Library>, index: u32, examples: &[Example], origin: Origin) -> Response {
     let mut response = Response::default();
     let made: Vec<_> = examples.iter().map(|example| (example, instantiate(library, example, &CHECK_BANDS))).collect();
     for (example, result) in &made {
         if let Err(error) = result {
             // Generated numbers may be an invalid combination; those of the user must be valid.
-            let list = if given { &mut response.findings } else { &mut response.notes };
+            let list = match origin {
+                Origin::User => &mut response.findings,
+                Origin::Generator => &mut response.notes,
+            };
             list.push(format!("{example}: {error}"));
         }
     }
     let Some((_, Ok(brdf))) = made.iter().find(|(_, result)| result.is_ok()) else {
-        if !given {
+        if origin == Origin::Generator {
             response.findings.append(&mut response.notes);
         }
         return Response { unusable: true, ..response };

@@ -1,18 +1,22 @@
 //! Generates random programs of the language, for tests.
 
 /// A small random number generator, which makes failures reproducible.
-pub(crate) struct Dice(u64);
+pub(crate) struct Dice {
+    state: u64,
+    /// Whether programs use real arguments and the initial library.
+    pub(crate) calls_library: bool,
+}
 
 impl Dice {
     pub(crate) fn new(seed: u64) -> Dice {
-        Dice(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+        Dice { state: seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1, calls_library: false }
     }
 
     fn roll(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 20
+        self.state ^= self.state << 13;
+        self.state ^= self.state >> 7;
+        self.state ^= self.state << 17;
+        self.state.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 20
     }
 
     pub(crate) fn below(&mut self, end: u64) -> u64 {
@@ -36,8 +40,6 @@ struct Writer<'d> {
     parameters: u64,
     variables: u64,
     functions: u64,
-    /// Whether there are real arguments and the initial library.
-    scene: bool,
 }
 
 const FUNCTIONS: [&str; 12] =
@@ -62,13 +64,13 @@ impl Writer<'_> {
             16 => format!("select({a},{b},{c},{a})"),
             17 => format!("min({a},{b},{c})"),
             18 => format!("max({a},{b})"),
-            19 if self.scene => format!("if(and({a},or({b},not({c}))),{c},{b})"),
+            19 if self.dice.calls_library => format!("if(and({a},or({b},not({c}))),{c},{b})"),
             20 => format!("-({a})"),
             24 => format!("atan2({a},{b})"),
             25 => format!("rand({a})"),
             21 if self.functions > 0 => format!("f{}({a},{b})", self.dice.below(self.functions)),
-            22 if self.scene => format!("bound(-1,{a},1)+abs({b})+noneg({c})"),
-            23 if self.scene => format!("Acos({a})"),
+            22 if self.dice.calls_library => format!("bound(-1,{a},1)+abs({b})+noneg({c})"),
+            23 if self.dice.calls_library => format!("Acos({a})"),
             _ => format!("{}({a})", FUNCTIONS[self.dice.below(FUNCTIONS.len() as u64) as usize]),
         }
     }
@@ -78,7 +80,7 @@ impl Writer<'_> {
             0..2 => format!("${}", 1 + self.dice.below(4)),
             2..4 if self.variables > 0 => format!("v{}", self.dice.below(self.variables)),
             4 if self.parameters > 0 => ["x", "y"][self.dice.below(2) as usize].to_owned(),
-            5 if self.scene => format!("arg({})", self.dice.below(3)),
+            5 if self.dice.calls_library => format!("arg({})", self.dice.below(3)),
             6 => "select($1+2,1,2,5,9)".to_owned(),
             _ => match self.dice.number() {
                 number if number < 0.0 => format!("({number})"),
@@ -89,9 +91,9 @@ impl Writer<'_> {
 }
 
 /// Definitions, and two expressions of them and of four channels.
-pub(crate) fn program_text(dice: &mut Dice, scene: bool) -> (String, [String; 2]) {
+pub(crate) fn program_text(dice: &mut Dice) -> (String, [String; 2]) {
     let mut text = String::new();
-    let mut writer = Writer { dice, parameters: 0, variables: 0, functions: 0, scene };
+    let mut writer = Writer { dice, parameters: 0, variables: 0, functions: 0 };
     for index in 0..writer.dice.below(4) {
         writer.parameters = 2;
         text += &format!("f{index}(x,y) = {};\n", writer.expression(2));

@@ -12,7 +12,7 @@ const RECORDS: usize = 6;
 
 /// Definitions and expressions of one program, under unique names.
 fn numbered(seed: u64) -> (String, [String; 2]) {
-    let (text, roots) = program_text(&mut Dice::new(seed + 90_000), false);
+    let (text, roots) = program_text(&mut Dice::new(seed + 90_000));
     let rename = |text: &str| {
         let mut renamed = text.to_owned();
         for name in ["f0(", "f1(", "f2("] {

@@ -115,6 +115,13 @@ impl CommandLine {
     }
 }
 
+/// How often a text is likely to be read.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Readings {
+    One,
+    Many,
+}
+
 /// A call of `xform` at the end of a command line.
 struct XformCall {
     words: Vec<Word>,
@@ -134,9 +141,10 @@ impl XformCall {
         Some(XformCall { words: last.words, before, input: last.input })
     }
 
-    /// Whether the files are likely to be read more than once.
-    fn is_array(&self) -> bool {
-        self.words.iter().any(|word| word.text == "-a" || word.text == "-f")
+    /// How often the files are likely to be read.
+    fn readings(&self) -> Readings {
+        let is_array = self.words.iter().any(|word| word.text == "-a" || word.text == "-f");
+        if is_array { Readings::Many } else { Readings::One }
     }
 }
 
@@ -152,7 +160,7 @@ impl Reader<'_> {
         let key = TextKey { directory: here.context.directory.clone(), name: format!("!{}", command.line) };
         if self.run(&key, &command.line, &command) {
             let source = self.source_of(&key, &format!("!{}", command.line.trim()), command.whole());
-            self.include(&key, source, here.context, command.whole(), false);
+            self.include(&key, source, here.context, command.whole(), Readings::One);
         }
     }
 
@@ -192,7 +200,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reports a failed command. Its output is empty and reading goes on; a command that is not
+    /// Reports a failed command. Its output is empty and reading continues; a command that is not
     /// permitted is an error.
     fn report_failure(&mut self, error: &Error, span: Span) {
         let may_not_run = match error {
@@ -218,7 +226,7 @@ impl Reader<'_> {
             *span = Some(command.span(word_range(&call.words, Some(origin))));
         }
         let placement = placement.then(&here.context.placement);
-        let is_array = call.is_array();
+        let expected = call.readings();
         if copy.files.is_empty() {
             let Some(key) = standard_input else {
                 let missing = "xform names no file to read";
@@ -226,7 +234,7 @@ impl Reader<'_> {
                 return Err(already_reported());
             };
             let context = Context::new(placement, here.context.directory.clone());
-            self.include_reading(key, &context, command.whole(), is_array, readings);
+            self.include_reading(key, &context, command.whole(), expected, readings);
             return self.unless_stopped();
         }
         for (name, origin) in &copy.files {
@@ -238,7 +246,7 @@ impl Reader<'_> {
             let path = &self.inclusions.texts[&key].path;
             let directory = if copy.runs_commands { directory_of(path) } else { here.context.directory.clone() };
             let context = Context::new(placement.clone(), directory);
-            self.include_reading(&key, &context, span, is_array, readings);
+            self.include_reading(&key, &context, span, expected, readings);
         }
         self.unless_stopped()
     }
@@ -253,7 +261,7 @@ impl Reader<'_> {
         key: &TextKey,
         context: &Context,
         span: Span,
-        is_array: bool,
+        expected: Readings,
         readings: &mut HashMap<TextKey, SourceId>,
     ) {
         let source = match readings.get(key) {
@@ -265,11 +273,11 @@ impl Reader<'_> {
                 source
             }
         };
-        self.include(key, source, context, span, is_array);
+        self.include(key, source, context, span, expected);
     }
 
     /// Reads a text in place of the line that requested it.
-    fn include(&mut self, key: &TextKey, source: SourceId, context: &Context, span: Span, is_array: bool) {
+    fn include(&mut self, key: &TextKey, source: SourceId, context: &Context, span: Span, expected: Readings) {
         if self.inclusions.active.contains(key) {
             let message = format!("\"{}\" includes itself", key.name);
             self.inclusions.cyclic.extend(self.inclusions.active.iter().skip_while(|other| *other != key).cloned());
@@ -296,7 +304,7 @@ impl Reader<'_> {
         }
         let Some(text) = self.inclusions.texts.get_mut(key) else { return };
         let is_again = text.first != Some(source);
-        if text.document.is_none() && (is_array || is_again) {
+        if text.document.is_none() && (expected == Readings::Many || is_again) {
             text.document = Some(Rc::new(Document::parse(Arc::clone(&text.bytes))));
         }
         let document = text.document.clone();
@@ -338,7 +346,7 @@ impl Reader<'_> {
         }
         let path = self.inclusions.texts[&key].path.clone();
         let source = self.source_of(&key, &path, span);
-        self.include(&key, source, context, span, false);
+        self.include(&key, source, context, span, Readings::One);
     }
 
     /// Counts bytes of included texts. Reading stops when the limit is exceeded.

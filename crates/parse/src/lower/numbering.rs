@@ -29,12 +29,17 @@ pub(super) struct Numberer {
 }
 
 impl Numberer {
-    fn keep(&mut self, object: Object<'static>, is_modifier: bool) {
-        let Some(modifiers) = &mut self.modifiers else { return };
-        if is_modifier {
+    fn keep_modifier(&mut self, object: Object<'static>) {
+        if let Some(modifiers) = &mut self.modifiers {
             modifiers.insert(object.name.to_vec(), self.numbering.primitives.len());
         }
-        self.numbering.primitives.push(object);
+        self.keep(object);
+    }
+
+    fn keep(&mut self, object: Object<'static>) {
+        if self.modifiers.is_some() {
+            self.numbering.primitives.push(object);
+        }
     }
 
     fn modifier(&self, name: &[u8]) -> Option<usize> {
@@ -79,7 +84,12 @@ impl Reader<'_> {
         placement.reals(primitive.kind, primitive.reals, &mut reals);
         let kind = kind.name().as_bytes();
         let strings = strings.into_iter().map(Into::into).collect();
-        self.numberer.keep(Object { kind: kind.into(), modifier, name: name.into(), strings, reals }, is_modifier);
+        let object = Object { kind: kind.into(), modifier, name: name.into(), strings, reals };
+        if is_modifier {
+            self.numberer.keep_modifier(object);
+        } else {
+            self.numberer.keep(object);
+        }
     }
 
     /// Numbers an alias. An alias whose modifier equals its target's has the target as modifier;
@@ -103,6 +113,6 @@ impl Reader<'_> {
         let (modifier, strings) = if is_target { (found, Vec::new()) } else { (own, vec![target.into_owned().into()]) };
         let name = alias.text(alias.name).into_owned().into();
         let kind = b"alias"[..].into();
-        self.numberer.keep(Object { kind, modifier, name, strings, reals: Vec::new() }, true);
+        self.numberer.keep_modifier(Object { kind, modifier, name, strings, reals: Vec::new() });
     }
 }

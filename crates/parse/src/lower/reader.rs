@@ -184,7 +184,9 @@ impl<'a> Reader<'a> {
                 return;
             }
         }
-        self.warn_if_empty(is_empty, here);
+        if is_empty {
+            self.warn_of_empty(here);
+        }
     }
 
     /// Reads a text that was parsed before.
@@ -197,18 +199,18 @@ impl<'a> Reader<'a> {
                 return;
             }
         }
-        self.warn_if_empty(is_empty, here);
+        if is_empty {
+            self.warn_of_empty(here);
+        }
     }
 
-    fn warn_if_empty(&mut self, is_empty: bool, here: Here<'_>) {
-        if is_empty {
-            let name = self.sources.name(here.source).to_owned();
-            let warning = Diagnostic::warning(format!("\"{name}\" is empty"));
-            self.log.push(match self.sources.included_at(here.source) {
-                Some(span) => warning.at(span),
-                None => warning,
-            });
-        }
+    fn warn_of_empty(&mut self, here: Here<'_>) {
+        let name = self.sources.name(here.source).to_owned();
+        let warning = Diagnostic::warning(format!("\"{name}\" is empty"));
+        self.log.push(match self.sources.included_at(here.source) {
+            Some(span) => warning.at(span),
+            None => warning,
+        });
     }
 
     pub(super) fn item(&mut self, item: Result<Item<'_>, SyntaxError>, here: Here<'_>) {

@@ -3,7 +3,7 @@
 use super::PathIntegrator;
 use super::path_state::PathState;
 use crate::mis::Lobe;
-use radsight_compile::{DISTANT, Emitter, EmitterType, FirstHit, Lights, Shader, emission, given};
+use radsight_compile::{DISTANT, Emitter, EmitterType, FirstHit, IllumView, Lights, Shader, emission, given};
 use radsight_ir::SurfaceHandle;
 use radsight_texture::{SurfaceInteraction, product};
 
@@ -13,7 +13,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let path = &self.dimmed(path, self.medium(path.medium), f64::INFINITY);
         let direction = path.ray.direction;
         let plan = self.plan;
-        let Some((surface, shader)) = plan.sky_at(direction, path.mis.is_some()) else { return };
+        let view = if path.mis.is_some() { IllumView::Light } else { IllumView::Substitute };
+        let Some((surface, shader)) = plan.sky_at(direction, view) else { return };
         let Some(emitter) = shader.kind.emitter() else { return };
         let interaction = SurfaceInteraction::distant(direction);
         self.note_surface(path, DISTANT);

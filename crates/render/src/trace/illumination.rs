@@ -88,10 +88,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if let (Some(visible_portals), 2.., None) = (&mut visible_portals, branches.diffuse, self.guide) {
             visible_portals.chance = f64::from(outward) / f64::from(branches.diffuse);
         }
+        let highlight = if is_split { branches.shared_highlight() } else { branches.highlight };
         let direct = DirectSampler {
             point: at,
             primitive,
-            highlight_draws: if shared && !lights_suffice { branches.shared_highlight(is_split) } else { 0 },
+            highlight_draws: if shared && !lights_suffice { highlight } else { 0 },
             shares_diffuse: shared && follow_diffuse && point.diffuse_finds_lights(),
             visible_portals: visible_portals.as_ref(),
             specular_return: images.as_ref(),

@@ -17,10 +17,10 @@ pub(crate) enum Passage {
     Pane { undisturbed: bool },
     /// Straight transmission through a scattering surface.
     Sheet { undisturbed: bool, image: Image },
-    /// Into or out of a dielectric; `flat` if the apparent position is kept.
-    Refraction { flat: bool },
-    /// Redirection by a prism; `flat` as before.
-    Prism { flat: bool },
+    /// Into or out of a dielectric.
+    Refraction { image: Image },
+    /// Redirection by a prism.
+    Prism { image: Image },
     /// Reflection by glass.
     Reflection { image: Image },
     /// Any other.
@@ -28,17 +28,18 @@ pub(crate) enum Passage {
 }
 
 impl Passage {
-    /// The bounce type of the ray after a surface; `flat` or not.
-    fn bounce(self, flat: bool) -> BounceType {
+    /// The bounce type of the ray after a surface; `unperturbed` is the image in an unperturbed
+    /// mirror of its shape.
+    fn bounce(self, unperturbed: Image) -> BounceType {
         match self {
-            Passage::Mirror { straight } => BounceType::Mirrored { image: Image::in_place_if(straight && flat) },
+            Passage::Mirror { straight: true } => BounceType::Mirrored { image: unperturbed },
             Passage::Reflection { image } => BounceType::Mirrored { image },
-            Passage::Other => BounceType::Mirrored { image: Image::AtSurface },
-            Passage::Pane { undisturbed } => BounceType::Transmitted { image: Image::in_place_if(undisturbed) },
-            Passage::Refraction { flat } | Passage::Prism { flat } => {
-                BounceType::Transmitted { image: Image::in_place_if(flat) }
+            Passage::Mirror { straight: false } | Passage::Other => BounceType::Mirrored { image: Image::AtSurface },
+            Passage::Pane { undisturbed: true } => BounceType::Transmitted { image: Image::InPlace },
+            Passage::Pane { undisturbed: false } => BounceType::Transmitted { image: Image::AtSurface },
+            Passage::Refraction { image } | Passage::Prism { image } | Passage::Sheet { image, .. } => {
+                BounceType::Transmitted { image }
             }
-            Passage::Sheet { image, .. } => BounceType::Transmitted { image },
         }
     }
 }
@@ -91,7 +92,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let Some(throughput) = self.roulette(share, path, reflections, None) else { return };
         let hides_what_is_beyond = match passage {
             Passage::Other | Passage::Reflection { .. } | Passage::Sheet { .. } => true,
-            Passage::Refraction { flat } | Passage::Prism { flat } => !flat,
+            Passage::Refraction { image } | Passage::Prism { image } => image != Image::InPlace,
             Passage::Mirror { .. } | Passage::Pane { .. } => false,
         };
         let direct_view = path.direct_view && !hides_what_is_beyond;
@@ -118,6 +119,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             node: path.node,
         };
         let flat = self.tree.is_some() && is_flat(self.plan.scene.surfaces[hit.surface].shape);
-        self.push_on(next, passage.bounce(flat));
+        let unperturbed = if flat { Image::InPlace } else { Image::AtSurface };
+        self.push_on(next, passage.bounce(unperturbed));
     }
 }

@@ -86,5 +86,6 @@ fn image_beyond<const BANDS: usize>(
 ) -> Image {
     let transmission =
         scattering.point.transmission.as_ref().map_or(0.0, |transmission| luminance(&transmission.diffuse));
-    Image::in_place_if(luminance(&straight.weight) > transmission + luminance(&scattering.point.diffuse))
+    let is_stronger = luminance(&straight.weight) > transmission + luminance(&scattering.point.diffuse);
+    if is_stronger { Image::InPlace } else { Image::AtSurface }
 }

@@ -7,7 +7,7 @@ use super::path_state::PathState;
 use crate::ray_tree::Image;
 use glam::DVec3;
 use radsight_accel::{Intersection, is_flat};
-use radsight_bsdf::{Bsdf, colored, pane, through_pane};
+use radsight_bsdf::{Bsdf, HighlightShape, colored, pane, through_pane};
 use radsight_compile::{FirstHit, Kind, Quantity, Shader};
 use radsight_texture::{Appearance, SurfaceInteraction, bands, mirrored, product, reflect, shading_normal};
 use std::f64::consts::PI;
@@ -50,7 +50,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             Kind::Illum { emitter, substitute } => {
                 self.shade_illum([path, unseen], hit, shader, (emitter, *substitute), &interaction);
             }
-            Kind::Mirror { substitute: Some(substitute), .. } if self.is_replaced(path, *substitute, behind) => {
+            Kind::Mirror { substitute: Some(substitute), .. } if behind || self.is_replaced(path, *substitute) => {
                 self.shade_substitute([path, unseen], hit, *substitute);
             }
             Kind::Mirror { reflectance, .. } if !behind => {
@@ -71,9 +71,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             Kind::Prism(prism) => self.shade_prism(path, hit, prism, &interaction),
             Kind::Glossy(glossy) | Kind::Retro(glossy) => {
                 let (appearance, normal) = self.appearance(path, shader, &interaction);
-                let retro = matches!(shader.kind, Kind::Retro(_));
+                let shape = match shader.kind {
+                    Kind::Retro(_) => HighlightShape::Retro,
+                    _ => HighlightShape::Mirror,
+                };
                 let color = colored(glossy, appearance.color);
-                let point = Bsdf::glossy(glossy, retro, color, -interaction.direction, interaction.normal, normal)
+                let point = Bsdf::glossy(glossy, shape, color, -interaction.direction, interaction.normal, normal)
                     .with_threshold(glossy, self.plan.options.highlight_threshold);
                 if point.mirror.iter().any(|band| *band > 0.0) {
                     let direction = point.mirror_direction();
@@ -166,7 +169,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 
     /// The apparent position of a mirror image in a surface.
     pub(crate) fn image_behind(&self, hit: &Intersection, perturbation: DVec3) -> Image {
-        Image::in_place_if(is_flat(self.plan.scene.surfaces[hit.surface].shape) && perturbation == DVec3::ZERO)
+        let is_exact = is_flat(self.plan.scene.surfaces[hit.surface].shape) && perturbation == DVec3::ZERO;
+        if is_exact { Image::InPlace } else { Image::AtSurface }
     }
 
     pub(crate) fn note_normal(&mut self, path: &PathState<BANDS>, normal: DVec3) {

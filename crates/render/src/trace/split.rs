@@ -51,8 +51,8 @@ impl Branches {
     ///
     /// Branches count as one. With many rays the heuristic would give weight to highlight rays for
     /// a small light that they hardly ever hit, which adds noise to light sampling.
-    pub(super) fn shared_highlight(self, is_split: bool) -> u32 {
-        if is_split { self.highlight.min(1) } else { self.highlight }
+    pub(super) fn shared_highlight(self) -> u32 {
+        self.highlight.min(1)
     }
 
     /// Number of diffuse branches towards portals, if any are visible.

@@ -126,9 +126,10 @@ impl Converter<'_> {
             CornerNormals::FlatReversed | CornerNormals::SmoothReversed => !transform.is_mirrored,
         };
         if matches!(normals_kind, CornerNormals::Smooth | CornerNormals::SmoothReversed) {
-            self.smooth_triangle(&material, [corners[0], corners[1], corners[2]], reversed)?;
+            let in_order = |[a, b, c]: [Vertex; 3]| if reversed { [c, b, a] } else { [a, b, c] };
+            self.smooth_triangle(&material, in_order([corners[0], corners[1], corners[2]]))?;
             if let [first, _, third, fourth] = corners {
-                self.smooth_triangle(&material, [*third, *fourth, *first], reversed)?;
+                self.smooth_triangle(&material, in_order([*third, *fourth, *first]))?;
             }
             return Ok(Ok(()));
         }
@@ -143,10 +144,7 @@ impl Converter<'_> {
         Ok(Ok(()))
     }
 
-    fn smooth_triangle(&mut self, material: &str, mut corners: [Vertex; 3], reversed: bool) -> Result<(), Error> {
-        if reversed {
-            corners.reverse();
-        }
+    fn smooth_triangle(&mut self, material: &str, corners: [Vertex; 3]) -> Result<(), Error> {
         let transform = self.transform();
         let points = corners.map(|corner| transform.point(corner.point));
         let normals = corners.map(|corner| transform.direction(corner.normal));

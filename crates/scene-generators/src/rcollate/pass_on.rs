@@ -86,12 +86,21 @@ pub(super) fn pass_bytes(input: &mut Supply<'_>, text: &mut Text, plan: &Plan, s
     }
 }
 
+/// What is checked of each word.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum WordCheck {
+    Nothing,
+    /// It is a number.
+    Number,
+}
+
+/// Copies words, with new line ends.
 pub(super) fn pass_words(
     input: &mut Supply<'_>,
     text: &mut Text,
     plan: &Plan,
     components: usize,
-    checks: bool,
+    check: WordCheck,
 ) -> Result<Found, Mistake> {
     let (mut found, mut number) = (Found::default(), 0);
     while let Some(range) = input.line(text)? {
@@ -108,7 +117,7 @@ pub(super) fn pass_words(
             if !is_wanted {
                 continue;
             }
-            if checks {
+            if check == WordCheck::Number {
                 check_number(word)?;
             }
             text.push_bytes(word)?;

@@ -132,11 +132,11 @@ impl Options {
         }
     }
 
-    /// The pixel of a TIFF's numbers, grey or in colour.
-    fn pixel(&self, pixels: &TiffPixels, start: usize, is_grey: bool, table: &GammaTable) -> [u8; 4] {
-        let at = |component: usize| start + if is_grey { 0 } else { component };
+    /// The pixel of a TIFF whose numbers begin at `start`.
+    fn pixel(&self, picture: &Tiff, start: usize, table: &GammaTable) -> [u8; 4] {
+        let at = |component: usize| start + if picture.components < 3 { 0 } else { component };
         let scale = 2f64.powi(self.stops);
-        match pixels {
+        match &picture.pixels {
             TiffPixels::Bytes(bytes) => shifted(table.pixel(std::array::from_fn(|i| bytes[at(i)])), self.stops),
             TiffPixels::Words(words) => encode_rgbe(std::array::from_fn(|i| {
                 let linear = ((f64::from(words[at(i)]) + 0.5) / 65536.0).powf(self.gamma) as f32;
@@ -156,7 +156,6 @@ fn to_radiance(options: &Options, words: &Words<'_>) -> Outcome {
     read.map_err(|error| Failure::input(format!("{path}: {}", reason(&error))))?;
     let picture = read_tiff_pixels(&bytes).map_err(|error| failed(path, error.into()))?;
     let table = GammaTable::new(options.gamma);
-    let is_grey = picture.components < 3;
     let to_xyz = RgbPrimaries::STANDARD.xyz_to_rgb().filter(|_| options.encoding == Encoding::Xyze);
     let to_xyz = to_xyz.map(|matrix| rows_of(matrix.inverse()));
     let made =
@@ -164,7 +163,7 @@ fn to_radiance(options: &Options, words: &Words<'_>) -> Outcome {
     write_picture(words, target, &made, |row, stored| {
         for column in 0..picture.width {
             let start = (row * picture.width + column) * picture.components;
-            let mut pixel = options.pixel(&picture.pixels, start, is_grey, &table);
+            let mut pixel = options.pixel(&picture, start, &table);
             if let Some(matrix) = &to_xyz {
                 let [red, green, blue] = decode_rgbe(pixel);
                 pixel = encode_rgbe(matrix.map(|row| row[0] * red + row[1] * green + row[2] * blue));
