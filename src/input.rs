@@ -292,7 +292,7 @@ pub(crate) struct Planner<'s> {
 
 impl<'s> Planner<'s> {
     pub(crate) fn new(scene: &Scene, paths: &[String], reading: &Reading, sources: &'s SourceMap) -> Planner<'s> {
-        let is_plugin = |modifier: &Modifier| matches!(&modifier.kind, ModifierKind::Material(Material::Plugin { library, .. }) if library != radsight_retro::LIBRARY);
+        let is_plugin = |modifier: &Modifier| matches!(&modifier.kind, ModifierKind::Material(Material::Plugin { library, .. }) if !radsight_render::is_native_library(library));
         let has_plugins = scene.modifiers.items().iter().any(is_plugin);
         let models = has_plugins.then(|| Models::new(&reading.plugin_options(), paths, sources));
         Planner { models, sources }

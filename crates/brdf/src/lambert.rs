@@ -1,9 +1,22 @@
 //! Ideal diffuse reflection. Lambert, *Photometria*, 1760: `f = ρ/π`.
 
+use crate::native::{NativeModel, REFLECTANCE};
 use crate::{Brdf, BrdfSample, Density, Lobes};
 use glam::DVec3;
 use radsight_sampling::cosine_hemisphere;
 use std::f64::consts::FRAC_1_PI;
+use std::sync::Arc;
+
+/// The entry in the list of built-in models.
+pub(crate) const MODEL: NativeModel = NativeModel {
+    name: "lambert",
+    summary: "matte: the same radiance in all directions",
+    parameters: &REFLECTANCE,
+    make: |numbers, bands| match bands {
+        1 => Arc::new(Lambert { reflectance: [numbers[0]] }),
+        _ => Arc::new(Lambert { reflectance: [numbers[0], numbers[1], numbers[2]] }),
+    },
+};
 
 /// Reflects equal radiance into all directions of the front side.
 #[derive(Clone, Copy, Debug, PartialEq)]

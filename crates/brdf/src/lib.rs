@@ -24,6 +24,8 @@ pub mod check;
 mod gaussian_transmission;
 mod lambert;
 mod lobe;
+mod minnaert;
+pub mod native;
 mod ward;
 mod ward_anisotropic;
 

@@ -1,19 +1,28 @@
-//! Built-in retroreflectors, which a scene names like those of a plugin.
+//! Built-in models, which a scene names like those of a plugin.
 
 use crate::model_source::{ModelRequest, ModelSource};
-use radsight_brdf::Brdf;
+use radsight_brdf::{Brdf, native};
 use radsight_diag::{Diagnostic, hint_nearest};
-use radsight_retro::{LIBRARY, MODELS, ModelError};
+use radsight_retro::ModelError;
 use std::sync::Arc;
 
-/// The model of a `brdfplugin` primitive: built-in if the library is [`LIBRARY`], otherwise from
-/// `models`.
+/// Whether models of a `brdfplugin` primitive's library are built in.
+#[must_use]
+pub fn is_native_library(library: &str) -> bool {
+    [native::LIBRARY, radsight_retro::LIBRARY].contains(&library)
+}
+
+/// The model of a `brdfplugin` primitive: built-in if its library is, otherwise from `models`.
 pub(crate) fn native_or(models: &dyn ModelSource, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
-    if request.library != LIBRARY {
-        return models.model(request);
-    }
-    let made = radsight_retro::model(request.model, request.words, request.numbers);
-    made.map(|sheet| Arc::new(sheet) as Arc<dyn Brdf>).map_err(|error| at_token(&error, request))
+    let ModelRequest { model, words, numbers, bands, .. } = *request;
+    let made = match request.library {
+        native::LIBRARY => native::model(model, words, numbers, bands),
+        radsight_retro::LIBRARY => {
+            radsight_retro::model(model, words, numbers).map(|sheet| Arc::new(sheet) as Arc<dyn Brdf>)
+        }
+        _ => return models.model(request),
+    };
+    made.map_err(|error| at_token(&error, request))
 }
 
 /// The error at its token; at the model's name if a token is missing.
@@ -24,7 +33,10 @@ fn at_token(error: &ModelError, request: &ModelRequest<'_>) -> Diagnostic {
         _ => 1,
     };
     let hint = match error {
-        ModelError::Unknown { name } => hint_nearest(name, MODELS.iter().map(|model| model.name)),
+        ModelError::Unknown { library: native::LIBRARY, name } => {
+            hint_nearest(name, native::MODELS.iter().map(|model| model.name))
+        }
+        ModelError::Unknown { name, .. } => hint_nearest(name, radsight_retro::MODELS.iter().map(|model| model.name)),
         _ => None,
     };
     let diagnostic = Diagnostic::error(error.to_string()).maybe_hint(hint);

@@ -118,7 +118,7 @@ fn filling_an_irradiance_cache_can_be_stopped_and_leaves_no_half_of_it() {
     }
 }
 
-/// Stops when it was asked so often.
+/// Stops after this number of calls.
 struct StopsLater(AtomicU32);
 
 impl Progress for StopsLater {
@@ -157,4 +157,30 @@ fn a_saved_irradiance_cache_gives_the_same_picture() {
     assert!(matches!(other_scene, Err(Error::Cache(CacheError::OtherScene))), "{other_scene:?}");
     let other_options = renderer().ambient_bounces(2).load_irradiance_cache(cache);
     assert!(matches!(other_options, Err(Error::Cache(CacheError::OtherOptions { .. }))), "{other_options:?}");
+}
+
+#[test]
+fn a_built_in_model_reflects_its_analytic_albedo() {
+    // A dome of 1 W/(sr·m²): the radiance at an angle θ is the albedo, ρ cos^(k−1) θ.
+    let text = "void glow sky 0 0 4 1 1 1 0  sky source dome 0 0 4 0 0 1 360
+        void brdfplugin velvet 2 native minnaert 0 4 .5 .4 .3 3  velvet ring disk 0 0 8 0 0 0 0 0 1 0 1";
+    let scene = Scene::from_text(text).unwrap();
+    let direction = DVec3::new(0.6, 0.0, -0.8);
+    let ray = Ray::new(-2.0 * direction, direction).unwrap();
+    let mut renderer = Renderer::new(&scene).unwrap().ambient_bounces(1).ambient_accuracy(0.0).samples(4096);
+    let value = renderer.trace(&[ray]).unwrap()[0].value;
+    for (value, reflectance) in value.iter().zip([0.5, 0.4, 0.3]) {
+        let expected = reflectance * 0.64;
+        assert!((value / expected - 1.0).abs() < 0.01, "{value} instead of {expected}");
+    }
+}
+
+#[test]
+fn a_wrong_number_of_a_built_in_model_is_reported_at_its_position() {
+    let message =
+        Scene::from_text("void brdfplugin velvet 2 native minaert 0 4 .5 .4 .3 3\nvelvet sphere s 0 0 4 0 0 0 1")
+            .and_then(|scene| Renderer::new(&scene).map(|_| ()))
+            .unwrap_err()
+            .to_string();
+    assert!(message.contains("1:32") && message.contains("did you mean \"minnaert\"?"), "{message}");
 }

@@ -47,7 +47,7 @@ pub use radsight_accel::Ray;
 pub use radsight_compile::{
     AmbientSurfaces, BackFaces, BareSurfaces, Caustics, FirstHit, Gathering, GlobalMedium, LightDivision, Lights,
     ModelRequest, ModelSource, NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput, RenderOptions, RenderPlan,
-    Skip, Skipping, SmoothView, TrackedValue, Uncached,
+    Skip, Skipping, SmoothView, TrackedValue, Uncached, is_native_library,
 };
 pub use radsight_spectrum::Sampling;
 pub use radsight_texture::BandValues;

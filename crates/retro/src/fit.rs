@@ -5,8 +5,9 @@
 //! model at the minimum: the covariance is `s² (JᵀJ)⁻¹` with `s² = Σr²/(n − p)`, and 95 % intervals
 //! use Student's t for n − p degrees of freedom.
 
-use crate::native::{ModelError, ModelInfo, model, model_info};
+use crate::native::{ModelInfo, model, model_info};
 use crate::table::Row;
+use radsight_brdf::native::ModelError;
 
 /// Residuals whose squares are minimised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -12,24 +12,10 @@ use crate::prism::{CubeCornerSheeting, Faces};
 use crate::sharp::SharpLobe;
 use crate::sheeting::{Core, Sheeting, Surroundings};
 use crate::table::{RetroTable, Row, TableError};
+use radsight_brdf::native::{ModelError, Parameter, complete_numbers};
 
 /// Library name of the built-in models.
 pub const LIBRARY: &str = "retro";
-
-/// A numeric parameter of a model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameter {
-    /// Name, for messages and manuals.
-    pub name: &'static str,
-    /// Unit, such as "rad".
-    pub unit: &'static str,
-    /// Minimum and maximum.
-    pub range: [f64; 2],
-    /// Default; none if the parameter is required.
-    pub default: Option<f64>,
-    /// Description in one line.
-    pub doc: &'static str,
-}
 
 /// Description of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,61 +32,21 @@ pub struct ModelInfo {
     pub reciprocal: bool,
 }
 
-/// The error of a request, with its token.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum ModelError {
-    /// The model does not exist.
-    Unknown {
-        /// Requested name.
-        name: String,
-    },
-    /// The word with this index after the model's name is wrong.
-    Word {
-        /// Index from 0.
-        index: usize,
-        /// What was expected.
-        message: String,
-    },
-    /// The number with this index is wrong.
-    Number {
-        /// Index from 0.
-        index: usize,
-        /// What was expected.
-        message: String,
-    },
-    /// Numbers are missing, or contradict each other.
-    Numbers(String),
-}
-
-impl std::fmt::Display for ModelError {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            ModelError::Unknown { name } => write!(out, "library \"{LIBRARY}\" has no model \"{name}\""),
-            ModelError::Word { message, .. } | ModelError::Number { message, .. } | ModelError::Numbers(message) => {
-                write!(out, "{message}")
-            }
-        }
-    }
-}
-
-impl std::error::Error for ModelError {}
-
-const fn number(name: &'static str, unit: &'static str, range: [f64; 2], doc: &'static str) -> Parameter {
-    Parameter { name, unit, range, default: None, doc }
-}
-
-const RHO_S: Parameter = number("rho_s", "1", [0.0, 1.0], "fraction of the light returned at normal incidence");
-const ALPHA: Parameter = number("alpha", "rad", [1e-5, 0.2], "width: the lobe falls to 1/e at an angle of 2 alpha");
-const RHO_D: Parameter =
-    Parameter { default: Some(0.0), ..number("rho_d", "1", [0.0, 1.0], "diffuse reflectance of the base") };
+const RHO_S: Parameter =
+    Parameter::required("rho_s", "1", [0.0, 1.0], "fraction of the light returned at normal incidence");
+const ALPHA: Parameter =
+    Parameter::required("alpha", "rad", [1e-5, 0.2], "width: the lobe falls to 1/e at an angle of 2 alpha");
+const RHO_D: Parameter = Parameter {
+    default: Some(0.0),
+    ..Parameter::required("rho_d", "1", [0.0, 1.0], "diffuse reflectance of the base")
+};
 const INDEX: Parameter = Parameter {
     default: Some(1.0),
-    ..number("film_index", "1", [1.0, 2.5], "refractive index of the top film, 1 for none")
+    ..Parameter::required("film_index", "1", [1.0, 2.5], "refractive index of the top film, 1 for none")
 };
 const ROUGHNESS: Parameter = Parameter {
     default: Some(0.1),
-    ..number("film_roughness", "1", [5e-4, 1.0], "roughness of the top film, for its sheen")
+    ..Parameter::required("film_roughness", "1", [5e-4, 1.0], "roughness of the top film, for its sheen")
 };
 
 /// All built-in models.
@@ -125,8 +71,8 @@ pub const MODELS: [ModelInfo; 7] = [
         words: &[],
         parameters: &[
             RHO_S,
-            number("half_width", "rad", [1e-5, 0.5], "observation angle at half the peak"),
-            number("order", "1", [1.0, 64.0], "steepness: 2 is a Gaussian, a large one a disk"),
+            Parameter::required("half_width", "rad", [1e-5, 0.5], "observation angle at half the peak"),
+            Parameter::required("order", "1", [1.0, 64.0], "steepness: 2 is a Gaussian, a large one a disk"),
             RHO_D,
             INDEX,
             ROUGHNESS,
@@ -138,9 +84,9 @@ pub const MODELS: [ModelInfo; 7] = [
         summary: "minimal retroreflective microfacets, as in glTF and OpenPBR",
         words: &[],
         parameters: &[
-            number("f0", "1", [0.0, 1.0], "reflectance of a facet at normal incidence"),
-            number("roughness", "1", [5e-4, 1.0], "roughness of the facets"),
-            number("retro_share", "1", [0.0, 1.0], "fraction of the facets that retroreflect"),
+            Parameter::required("f0", "1", [0.0, 1.0], "reflectance of a facet at normal incidence"),
+            Parameter::required("roughness", "1", [5e-4, 1.0], "roughness of the facets"),
+            Parameter::required("retro_share", "1", [0.0, 1.0], "fraction of the facets that retroreflect"),
             RHO_D,
             INDEX,
             ROUGHNESS,
@@ -152,7 +98,12 @@ pub const MODELS: [ModelInfo; 7] = [
         summary: "Ward's fit to a ray simulation of glass beads (retrorefl.cal)",
         words: &["sheet", "paint"],
         parameters: &[
-            number("r_half", "cd/(lx m2)", [0.0, 5000.0], "R_A at normal incidence and 0.5 degrees of observation"),
+            Parameter::required(
+                "r_half",
+                "cd/(lx m2)",
+                [0.0, 5000.0],
+                "R_A at normal incidence and 0.5 degrees of observation",
+            ),
             RHO_D,
             INDEX,
             ROUGHNESS,
@@ -164,12 +115,17 @@ pub const MODELS: [ModelInfo; 7] = [
         summary: "sheeting of corner prisms, by ray optics",
         words: &["air", "metal"],
         parameters: &[
-            number("index", "1", [1.3, 2.2], "refractive index of the prisms"),
-            number("dihedral_error", "rad", [-0.002, 0.002], "excess of the angles between faces over 90 degrees"),
-            number("spread", "rad", [5e-4, 0.05], "rms width of a spot"),
+            Parameter::required("index", "1", [1.3, 2.2], "refractive index of the prisms"),
+            Parameter::required(
+                "dihedral_error",
+                "rad",
+                [-0.002, 0.002],
+                "excess of the angles between faces over 90 degrees",
+            ),
+            Parameter::required("spread", "rad", [5e-4, 0.05], "rms width of a spot"),
             Parameter {
                 default: Some(0.85),
-                ..number("metal_reflectance", "1", [0.0, 1.0], "reflectance of a coated face")
+                ..Parameter::required("metal_reflectance", "1", [0.0, 1.0], "reflectance of a coated face")
             },
             RHO_D,
             INDEX,
@@ -201,10 +157,10 @@ pub fn model_info(name: &str) -> Option<&'static ModelInfo> {
 /// # Errors
 /// The first word or number that is wrong.
 pub fn model(name: &str, words: &[String], numbers: &[f64]) -> Result<Sheeting, ModelError> {
-    let info = model_info(name).ok_or_else(|| ModelError::Unknown { name: name.to_owned() })?;
+    let info = model_info(name).ok_or_else(|| ModelError::Unknown { library: LIBRARY, name: name.to_owned() })?;
     let word = checked_word(info, words)?;
     let (head, rows) = if info.name == "table" { numbers.split_at(numbers.len().min(3)) } else { (numbers, &[][..]) };
-    let complete = complete_numbers(info, head)?;
+    let complete = complete_numbers(info.name, info.parameters, head)?;
     let (own, last) = complete.split_at(complete.len() - 3);
     let around = Surroundings { matte: last[0], index: last[1], roughness: last[2] };
     let core = match (info.name, own) {
@@ -225,7 +181,7 @@ pub fn model(name: &str, words: &[String], numbers: &[f64]) -> Result<Sheeting, 
             let faces = if word == "metal" { Faces::Coated { reflectance } } else { Faces::Bare };
             Core::CubeCorner(CubeCornerSheeting::new(index, error, spread, faces).with_tail(0.2))
         }
-        _ => Core::Table(table(word == "three_angles", rows, head.len())?),
+        _ => Core::Table(table(if word == "three_angles" { Angles::Three } else { Angles::Two }, rows, head.len())?),
     };
     check_energy(&core, around)?;
     Ok(Sheeting::new(core, around))
@@ -245,37 +201,17 @@ fn checked_word(info: &ModelInfo, words: &[String]) -> Result<&'static str, Mode
     }
 }
 
-fn complete_numbers(info: &ModelInfo, given: &[f64]) -> Result<Vec<f64>, ModelError> {
-    let names: Vec<String> = info
-        .parameters
-        .iter()
-        .map(|row| if row.default.is_some() { format!("[{}]", row.name) } else { row.name.to_owned() })
-        .collect();
-    let takes = format!("model \"{}\" takes {}", info.name, names.join(" "));
-    if let Some(extra) = given.get(info.parameters.len()) {
-        let message = format!("extra number {extra}: {takes}");
-        return Err(ModelError::Number { index: info.parameters.len(), message });
-    }
-    let mut complete = Vec::with_capacity(info.parameters.len());
-    for (index, row) in info.parameters.iter().enumerate() {
-        match given.get(index).copied().or(row.default) {
-            Some(number) if number >= row.range[0] && number <= row.range[1] => complete.push(number),
-            Some(number) => {
-                let [least, most] = row.range;
-                let unit = if row.unit == "1" { String::new() } else { format!(" {}", row.unit) };
-                let message = format!("{} is {number}{unit}, expected at least {least} and at most {most}", row.name);
-                return Err(ModelError::Number { index, message });
-            }
-            None => {
-                let message = format!("number \"{}\" is missing: {takes}, found {}", row.name, given.len());
-                return Err(ModelError::Numbers(message));
-            }
-        }
-    }
-    Ok(complete)
+/// The angles of a table's rows.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Angles {
+    /// Observation and entrance.
+    Two,
+    /// Rotation, too.
+    Three,
 }
 
-fn table(has_rotation: bool, numbers: &[f64], before: usize) -> Result<RetroTable, ModelError> {
+fn table(angles: Angles, numbers: &[f64], before: usize) -> Result<RetroTable, ModelError> {
+    let has_rotation = angles == Angles::Three;
     let columns = if has_rotation { 4 } else { 3 };
     if !numbers.len().is_multiple_of(columns) {
         let message = format!(
