@@ -4,6 +4,12 @@ use glam::DVec3;
 use radsight_render::Ray;
 
 /// A ray of a camera.
+///
+/// ```
+/// use glam::DVec3;
+/// let ray = radsight::CameraRay { origin: DVec3::ZERO, direction: DVec3::Y, weight: 0.5 };
+/// assert_eq!(ray.weight * 2.0, 1.0); // a filter that transmits half of the light
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraRay {
     /// Origin, scene units.

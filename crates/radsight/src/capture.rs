@@ -37,6 +37,16 @@ pub struct Capture {
 }
 
 /// An exposed image.
+///
+/// ```no_run
+/// use radsight::{Capture, Scene};
+/// let capture = Capture::load("fig14.toml")?;
+/// let scene = capture.with_ring(Scene::builder().files(["sheet-retro.rad"])?).build()?;
+/// let image = capture.expose(&scene)?;
+/// println!("{} x {} pixels of {:.3e} J/m² in the mean", image.columns, image.rows, image.mean_exposure());
+/// let greys: Vec<u16> = image.greys(&capture)?;
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CapturedImage {

@@ -4,6 +4,14 @@ use radsight_diag::{Diagnostic, SourceMap};
 use std::fmt;
 
 /// Diagnostics of a text, with the sources needed to print them.
+///
+/// ```
+/// use radsight::{Error, Scene};
+/// let Err(Error::Scene(report)) = Scene::from_text("void plastic grey 0 0 5 .5 .5") else { panic!("no error") };
+/// let (name, line, column) = report.position(&report.diagnostics[0]).unwrap();
+/// println!("{name}:{line}:{column}: {}", report.diagnostics[0].message);
+/// assert_eq!(line, 1);
+/// ```
 #[derive(Clone)]
 pub struct Report {
     /// The diagnostics in text order. Spans refer to the sources.
@@ -40,6 +48,15 @@ impl fmt::Debug for Report {
 }
 
 /// Why an operation failed.
+///
+/// ```
+/// use radsight::{Error, View};
+/// let message = match View::from_args("-vp 0 0") {
+///     Err(Error::View(message)) => message,
+///     _ => panic!("-vp takes three numbers"),
+/// };
+/// assert!(message.contains("-vp"));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

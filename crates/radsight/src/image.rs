@@ -8,6 +8,17 @@ use std::fmt;
 use std::path::Path;
 
 /// An image of radiances.
+///
+/// ```
+/// use radsight::{Image, Renderer, Scene, View};
+/// let scene = Scene::from_text("void glow white 0 0 4 1 2 3 0 white sphere ball 0 0 4 0 9 0 2")?;
+/// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 20 -vv 20")?;
+/// let image = Renderer::new(&scene)?.samples(4).render(&view, 8, 8)?;
+/// assert_eq!((image.columns(), image.rows(), image.pixels().len()), (8, 8, 64));
+/// assert_eq!(image.pixel(4, 4), [1.0, 2.0, 3.0]);
+/// assert!(Image::check_size(Image::MOST_PIXELS, 2).is_err());
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Image {
     columns: usize,
@@ -125,6 +136,17 @@ impl Image {
 }
 
 /// The error estimate of an image.
+///
+/// ```
+/// use radsight::{Renderer, Scene, View};
+/// let scene = Scene::from_text("void glow white 0 0 4 1 2 3 0 white sphere ball 0 0 4 0 9 0 2")?;
+/// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 20 -vv 20")?;
+/// let image = Renderer::new(&scene)?.error(0.1).render(&view, 16, 16)?;
+/// let report = image.report();
+/// assert!(report.error.is_some_and(|error| error <= 0.1) && !report.is_stopped);
+/// println!("{report}");
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct RenderReport {
@@ -183,6 +205,12 @@ impl fmt::Display for RenderReport {
 
 /// Encodes a PNG file with 8 bits per component: red, green and blue of each pixel, top row first.
 /// `None` if their number does not match the columns. For images already mapped to a display.
+///
+/// ```
+/// let png = radsight::png_rgb8(2, vec![0; 2 * 3]).unwrap(); // one row of two black pixels
+/// assert_eq!(&png[1..4], b"PNG");
+/// assert!(radsight::png_rgb8(2, vec![0; 7]).is_none());
+/// ```
 #[must_use]
 pub fn png_rgb8(columns: usize, values: Vec<u8>) -> Option<Vec<u8>> {
     let rows = values.len().checked_div(3 * columns)?;

@@ -43,6 +43,22 @@ pub trait Integrator: Sync {
 
 /// The library's integrator: path tracing with light sampling and cached irradiance, as the options
 /// select.
+///
+/// ```
+/// use glam::DVec3;
+/// use radsight::{Camera, CameraRay, PathIntegrator, Renderer, Scene};
+/// struct Ahead;
+/// impl Camera for Ahead {
+///     fn ray(&self, _film: [f64; 2], _aperture: [f64; 2]) -> Option<CameraRay> {
+///         Some(CameraRay { origin: DVec3::ZERO, direction: DVec3::Y, weight: 1.0 })
+///     }
+/// }
+/// let scene = Scene::from_text("void glow white 0 0 4 1 2 3 0 white sphere ball 0 0 4 0 9 0 2")?;
+/// let mut renderer = Renderer::new(&scene)?.samples(1);
+/// let image = renderer.render_with(&PathIntegrator, &Ahead, 2, 2)?;
+/// assert_eq!(image.pixels(), renderer.render_camera(&Ahead, 2, 2)?.pixels());
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PathIntegrator;
 
@@ -53,6 +69,20 @@ impl Integrator for PathIntegrator {
 }
 
 /// The queries of an integrator during one sample.
+///
+/// ```
+/// use radsight::{Integrator, Ray, RayQueries};
+/// /// The radiance of what a ray sees, or of its mirror image in a flat surface.
+/// struct Mirrored;
+/// impl Integrator for Mirrored {
+///     fn radiance(&self, queries: &mut RayQueries<'_, '_>, ray: &Ray) -> [f64; 3] {
+///         let Some(hit) = queries.first_hit(ray) else { return [0.0; 3] };
+///         let direction = ray.direction - 2.0 * ray.direction.dot(hit.normal) * hit.normal;
+///         let point = ray.origin + hit.distance * ray.direction;
+///         Ray::new(point + 1e-6 * direction, direction).map_or([0.0; 3], |mirrored| queries.trace(&mirrored).value)
+///     }
+/// }
+/// ```
 #[derive(Debug)]
 pub struct RayQueries<'q, 'r> {
     worker: &'q mut RayWorker<'r>,

@@ -84,7 +84,7 @@ impl Renderer {
         Ok(self.save_irradiance_cache())
     }
 
-    /// Gathers irradiance for rays where that is asked for. `None` if it was stopped.
+    /// Gathers irradiance for rays, if requested. `None` if it was stopped.
     pub(crate) fn gather(
         &mut self,
         options: &RenderOptions,

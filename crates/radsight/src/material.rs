@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// are in a local frame with +z along the shading normal and point away from the surface.
 pub use radsight_brdf::Brdf as Material;
 
-/// Stands for the library name of models given as objects.
+/// Library name of models given as objects.
 const IN_PROCESS: &str = "in process";
 
 /// The models that replace materials of a scene, by material name.

@@ -56,6 +56,16 @@ pub struct Renderer {
 }
 
 /// The contribution of one of the requested modifiers to a ray.
+///
+/// ```
+/// use glam::DVec3;
+/// use radsight::{Ray, Renderer, Scene};
+/// let scene = Scene::from_text("void glow white 0 0 4 1 2 3 0 white sphere ball 0 0 4 0 9 0 2")?;
+/// let ahead = Ray::new(DVec3::ZERO, DVec3::Y).unwrap();
+/// let found = Renderer::new(&scene)?.contributions(&[ahead], &["white"])?;
+/// assert_eq!((found[0][0].modifier, found[0][0].value), (0, [1.0, 2.0, 3.0]));
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModifierContribution {
     /// Index of the modifier in the request.

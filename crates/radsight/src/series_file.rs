@@ -15,6 +15,12 @@ const MOST_ERRORS: usize = 20;
 const MOVE: &str = "move ";
 
 /// One row of a series file.
+///
+/// ```
+/// let rows = radsight::read_series("rings.csv", b"rig.ring_diameter_mm\n20\n30\n")?;
+/// assert_eq!((rows[1].line, rows[1].keys[0].1.as_str()), (3, "30"));
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesRow {
     /// Its name; by default its number in the file, from 1, with leading zeros.

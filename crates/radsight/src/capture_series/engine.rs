@@ -20,6 +20,14 @@ const LEAST_BACKGROUND_ERROR: f64 = 0.25;
 /// One picture of a series: a capture and the poses of the scene's parts.
 ///
 /// All captures of a series use the error, samples and options of the first.
+///
+/// ```no_run
+/// use radsight::{Capture, PartMove, SeriesPicture};
+/// let capture = Capture::load("fig14.toml")?;
+/// let moves = vec![PartMove::new("washer_*", "-rz 30").expect("a rotation")];
+/// let picture = SeriesPicture { capture, moves };
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SeriesPicture {
     /// Camera, ring, sensor.
@@ -29,6 +37,9 @@ pub struct SeriesPicture {
 }
 
 /// Reads and compiles the scenes of a series.
+///
+/// [`CaptureSeries`](crate::CaptureSeries) is an implementation for the library's scenes, with an
+/// example.
 pub trait SeriesScenes {
     /// The error type.
     type Failure: From<Error>;
@@ -55,7 +66,7 @@ pub trait SeriesScenes {
     fn invalid(&self, errors: Vec<Diagnostic>) -> Self::Failure;
 }
 
-/// One exposed picture of a series.
+/// One exposed picture of a series: an argument of the visitor of [`expose_series`].
 #[derive(Debug)]
 pub struct SeriesExposure<'r> {
     /// Its index in the list of pictures.

@@ -1,35 +1,44 @@
-//! Parts of a picture, put together.
+//! Merges the parts of a picture.
 
 use super::{JobResult, RenderJob, Tile};
 use crate::error::Error;
 
-/// This share of a band's mean is added in squares to a value where an error is taken relative to
-/// it, as in renderings to an asked error: what is darker need not be more exact.
+/// The square of this fraction of a band's mean is added to the square of a value to which an error
+/// is relative, as in renderings to a requested error: darker pixels need not be more accurate.
 const DARK: f64 = 0.01;
 
-/// A picture from the parts that are there; the others are black.
+/// A picture merged from parts; pixels of missing parts are black.
+///
+/// ```
+/// use radsight::{JobTarget, MergedJob, RenderJob, Renderer, Scene, View};
+/// let scene = Scene::from_text("void glow white 0 0 4 1 1 1 0 white sphere ball 0 0 4 0 9 0 2")?;
+/// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")?;
+/// let parts = RenderJob::new(JobTarget::picture(&view, 8, 8), 2).split(2, [8, 8])?;
+/// let merged = MergedJob::of(&[Renderer::new(&scene)?.run_job(&parts[0])?])?;
+/// assert_eq!((merged.size, merged.missing()[0].rows.clone()), ([8, 8], 4..8));
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MergedJob {
-    /// What was asked for, without a part.
+    /// The job, without a part.
     pub job: RenderJob,
-    /// Pixels in a row and rows; rays are one row.
+    /// Columns and rows; rays are one row.
     pub size: [usize; 2],
-    /// 3 for radiances in red, green and blue, W/(sr·m²), or what a job of rays asks for; 1 for
-    /// exposures, J/m².
+    /// 3 for red, green and blue in W/(sr·m²) or the unit of a job of rays; 1 for exposures, J/m².
     pub components: usize,
     /// The components of each pixel, top row first.
     pub values: Vec<f32>,
-    /// Estimated standard errors of them, in their unit; NaN with one sample.
+    /// Estimated standard errors of the values, in their unit; NaN with one sample.
     pub standard_errors: Vec<f32>,
     has_pixel: Vec<bool>,
 }
 
 impl MergedJob {
-    /// Puts parts together, in any order. A part may be there twice.
+    /// Merges parts in any order. A part may occur twice.
     ///
     /// # Errors
-    /// [`Error::Part`] for no parts, parts of different jobs, and parts that differ where they
-    /// should not.
+    /// [`Error::Part`] for no parts, parts of different jobs, and duplicate parts
+    /// with different values.
     pub fn of(parts: &[JobResult]) -> Result<MergedJob, Error> {
         let bad = |index: usize, reason: &str| Error::Part { name: format!("part {index}"), reason: reason.to_owned() };
         let Some(first) = parts.first() else { return Err(bad(0, "there is none, expected at least one")) };
@@ -57,7 +66,7 @@ impl MergedJob {
         Ok(merged)
     }
 
-    /// Takes in a part; says whether it fits.
+    /// Adds a part; returns whether it belongs to the job.
     fn take(&mut self, part: &JobResult) -> bool {
         let Ok(tile) = part.tile() else { return false };
         let length = tile.columns.len() * self.components;
@@ -82,7 +91,7 @@ impl MergedJob {
         true
     }
 
-    /// The pixels of which there is no part, as rectangles from the top.
+    /// The pixels of missing parts, as rectangles from the top.
     #[must_use]
     pub fn missing(&self) -> Vec<Tile> {
         let columns = self.size[0];
@@ -101,10 +110,10 @@ impl MergedJob {
         missing
     }
 
-    /// Estimated relative error of the pixels that are there: of radiances the root of the mean of
+    /// Estimated relative error of the existing pixels. For radiances: the root of the mean of
     /// `d²/(v² + (0.01·m)²)` over the bands of all pixels, d the standard error of a value v and m
-    /// the mean of its band; of exposures the rms standard error as a share of the mean. `None`
-    /// with one sample, and where nothing is there or all is black.
+    /// the mean of its band. For exposures: the rms standard error relative to the mean. `None`
+    /// with one sample, without pixels, and for black pictures.
     #[must_use]
     pub fn relative_error(&self) -> Option<f64> {
         let is_there = |number: &usize| self.has_pixel[number / self.components];
@@ -120,7 +129,7 @@ impl MergedJob {
             let (value, mean) = (f64::from(self.values[number]), means[number % self.components]);
             let unit = if self.components == 1 { mean } else { value.hypot(DARK * mean) };
             let error = f64::from(self.standard_errors[number]);
-            // Where a band is black everywhere, nothing is to be exact.
+            // A band that is black everywhere has no relative error.
             if error == 0.0 { 0.0 } else { (error / unit).powi(2) }
         };
         let sum: f64 = known.iter().map(|number| squared(*number)).sum();

@@ -1,8 +1,8 @@
 //! Parts of a picture or a capture as plain data, for other processes and other machines.
 //!
-//! A [`RenderJob`] says what is seen, how many samples each pixel has, the seed, and which
-//! rectangle of the pixels, or range of the rays, is asked for. It is split into jobs for smaller
-//! parts; each gives a [`JobResult`]; these are merged to the whole. A pixel depends on scene,
+//! A [`RenderJob`] contains the view, the number of samples of each pixel, the seed, and the
+//! requested rectangle of pixels or range of rays. It is split into jobs for smaller parts; each
+//! gives a [`JobResult`]; these are merged to the whole. A pixel depends on scene,
 //! options, samples, seed and irradiance cache alone, so the merged picture is the one that a
 //! single process renders, to the last bit, however it was split.
 //!
@@ -44,103 +44,131 @@ use std::ops::Range;
 /// The format of jobs.
 const FORMAT: u32 = 1;
 
-/// What is rendered, how exactly, and which part of it. As JSON it is what `radsight job` reads.
+/// A picture, capture or list of rays to compute, and the part of it. `radsight job` reads it as
+/// JSON.
+///
+/// ```
+/// use radsight::{JobTarget, RenderJob};
+/// let whole = RenderJob::new(JobTarget::trace("sensors.txt"), 1);
+/// let parts = whole.split_rays(64, 100)?;
+/// assert_eq!(parts[1].rays, Some(64..100));
+/// assert_eq!(RenderJob::from_json("part.json", parts[1].to_json().as_bytes())?, parts[1]);
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RenderJob {
     /// The format of the job: 1.
     pub format: u32,
-    /// The scene's files and octrees, for who reads the scene; a library user may give the scene
-    /// itself.
+    /// The scene's files and octrees. The program reads them; users of the library may pass a
+    /// scene instead.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scenes: Vec<String>,
-    /// What sees the scene.
+    /// The view, camera or rays.
     #[serde(flatten)]
     pub target: JobTarget,
-    /// Rays through every pixel; a power of two converges fastest. 1 for a job of rays.
+    /// Rays per pixel; a power of two converges fastest. 1 for a job of rays.
     pub samples: u32,
-    /// Chooses the sample sequence.
+    /// Seed of the sample sequence.
     #[serde(default)]
     pub seed: u64,
-    /// Diffuse interreflections that are followed (`-ab`).
+    /// Number of diffuse interreflections (`-ab`).
     #[serde(default)]
     pub ambient_bounces: u32,
-    /// Error at which interpolation of irradiance aims (`-aa`); 0 follows light path by path. With
-    /// more the parts share a cache that is made before.
+    /// Relative interpolation error of cached irradiance (`-aa`); 0 traces single paths. Above 0
+    /// the parts share a cache that is filled before.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub ambient_accuracy: f64,
-    /// Rays of a cache point (`-ad`); as the renderer's default if it is not said.
+    /// Rays of a cache point (`-ad`); the renderer's default if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ambient_divisions: Option<u32>,
-    /// Further rays of it (`-as`); as the renderer's default if it is not said.
+    /// Additional rays of a cache point (`-as`); the renderer's default if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ambient_super_samples: Option<u32>,
-    /// The file of the irradiance cache, for who reads it; a library user may give the cache
-    /// itself.
+    /// The file of the irradiance cache. The program reads it; users of the library may pass a
+    /// cache instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub irradiance_cache: Option<String>,
-    /// Which columns of a picture or capture are asked for; all of them if it is not said.
+    /// The requested columns of a picture or capture; all if none are given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub columns: Option<Range<usize>>,
-    /// Which rows of it are asked for; all of them if it is not said.
+    /// The requested rows; all if none are given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rows: Option<Range<usize>>,
-    /// Which rays of a job of rays are asked for; all of them if it is not said.
+    /// The requested rays of a job of rays; all if none are given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rays: Option<Range<usize>>,
-    /// Says which inputs the values are made from, so that no others are merged with them; the
-    /// program writes a SHA-256 here.
+    /// Identifies the input files, so that only values of the same inputs are merged; the program
+    /// writes their SHA-256.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub inputs: String,
 }
 
-/// What sees the scene.
+/// The view, camera or rays of a job.
+///
+/// ```
+/// use radsight::{JobTarget, View};
+/// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")?;
+/// assert!(matches!(JobTarget::picture(&view, 640, 480), JobTarget::Picture { columns: 640, .. }));
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum JobTarget {
-    /// A view of Radiance's, within a size; the values are radiances, W/(sr·m²).
+    /// A picture of a Radiance view; the values are radiances, W/(sr·m²).
     Picture {
-        /// Radiance's options of it.
+        /// Radiance's view options.
         view: String,
-        /// Most pixels in a row.
+        /// Maximum number of columns.
         columns: usize,
-        /// Most rows.
+        /// Maximum number of rows.
         rows: usize,
     },
     /// A camera file; the values are exposures, J/m².
     Capture {
-        /// Its name, for who reads it; a library user may give the camera itself.
+        /// Its name. Users of the library may pass a camera instead.
         camera: String,
     },
-    /// Rays; the values are what each brings.
+    /// Rays; each has one value.
     Trace {
-        /// The file of the rays, for who reads it: six numbers a ray, origin and direction. A
-        /// library user may give the rays themselves.
+        /// The file of the rays: six numbers each, origin and direction. Users of the library may
+        /// pass rays instead.
         rays: String,
-        /// How the numbers are written.
+        /// The format of the numbers.
         #[serde(default)]
         format: RayFormat,
-        /// What is answered.
+        /// The quantity of the values.
         #[serde(default)]
         quantity: RayQuantity,
     },
 }
 
-/// How a file of rays has its numbers.
+/// The format of the numbers in a file of rays.
+///
+/// ```
+/// use radsight::{JobTarget, RayFormat, RayQuantity, RenderJob};
+/// let (format, quantity) = (RayFormat::Float, RayQuantity::Irradiance);
+/// let job = RenderJob::new(JobTarget::Trace { rays: "sensors.f32".to_owned(), format, quantity }, 1);
+/// assert!(job.to_json().contains("float") && job.to_json().contains("irradiance"));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RayFormat {
     /// As text.
     #[default]
     Ascii,
-    /// In single precision, in the machine's order of bytes.
+    /// In single precision, in the machine's byte order.
     Float,
     /// In double precision.
     Double,
 }
 
-/// What a job of rays answers.
+/// The quantity of a job of rays.
+///
+/// ```
+/// assert_eq!(radsight::RayQuantity::default(), radsight::RayQuantity::Radiance);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RayQuantity {
@@ -164,19 +192,19 @@ impl From<RayQuantity> for Quantity {
 }
 
 impl JobTarget {
-    /// A view, within a size.
+    /// A view of at most this size.
     #[must_use]
     pub fn picture(view: &View, columns: usize, rows: usize) -> JobTarget {
         JobTarget::Picture { view: view.to_args().trim().to_owned(), columns, rows }
     }
 
-    /// A camera file of this name.
+    /// The camera file with this name.
     #[must_use]
     pub fn capture(camera: impl Into<String>) -> JobTarget {
         JobTarget::Capture { camera: camera.into() }
     }
 
-    /// The radiance of rays of a text file of this name.
+    /// The radiance of the rays in the text file with this name.
     #[must_use]
     pub fn trace(rays: impl Into<String>) -> JobTarget {
         JobTarget::Trace { rays: rays.into(), format: RayFormat::default(), quantity: RayQuantity::default() }
@@ -184,7 +212,7 @@ impl JobTarget {
 }
 
 impl RenderJob {
-    /// All pixels or rays, with seed 0 and without interreflections.
+    /// All pixels or rays, with seed 0 and without interreflection.
     #[must_use]
     pub fn new(target: JobTarget, samples: u32) -> RenderJob {
         RenderJob {
@@ -205,10 +233,10 @@ impl RenderJob {
         }
     }
 
-    /// Reads a job, of this name in messages.
+    /// Reads a job; `name` is its name in messages.
     ///
     /// # Errors
-    /// [`Error::Job`] with the place, and [`Error::Option`] for a number that is out of its range.
+    /// [`Error::Job`] with the position, and [`Error::Option`] for a number out of range.
     pub fn from_json(name: &str, text: &[u8]) -> Result<RenderJob, Error> {
         let job: RenderJob = serde_json::from_slice(text).map_err(|error| bad_json(name, text, &error))?;
         if job.format != FORMAT {

@@ -1,4 +1,4 @@
-//! What a job gives.
+//! The result of a job.
 
 use super::{RenderJob, Tile};
 use crate::error::Error;
@@ -10,18 +10,28 @@ const JOB: &str = "RENDERJOB";
 /// The line of a header with the size of the whole picture.
 const SIZE: &str = "WHOLESIZE";
 
-/// The pixels of a rectangle, or the answers of a range of rays, with their errors.
+/// The pixels of a rectangle, or the values of a range of rays, with their errors.
+///
+/// ```
+/// use radsight::{JobResult, JobTarget, RenderJob, Renderer, Scene, View};
+/// let scene = Scene::from_text("void glow white 0 0 4 1 1 1 0 white sphere ball 0 0 4 0 9 0 2")?;
+/// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")?;
+/// let result = Renderer::new(&scene)?.run_job(&RenderJob::new(JobTarget::picture(&view, 8, 8), 2))?;
+/// assert_eq!((result.values.len(), result.tile()?.pixels()), (3 * 64, 64));
+/// assert_eq!(JobResult::from_bytes("part.mtx", &result.to_bytes()?)?, result);
+/// # Ok::<(), radsight::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobResult {
-    /// What was asked for; its part is said.
+    /// The job, with its part.
     pub job: RenderJob,
-    /// Pixels in a row and rows of the whole picture; rays are one row.
+    /// Columns and rows of the whole picture; rays are one row.
     pub size: [usize; 2],
     /// 3 for radiances in red, green and blue, W/(sr·m²); 1 for exposures, J/m².
     pub components: usize,
     /// The components of each pixel, top row first.
     pub values: Vec<f32>,
-    /// Estimated standard errors of them, in their unit; NaN with one sample.
+    /// Estimated standard errors of the values, in their unit; NaN with one sample.
     pub standard_errors: Vec<f32>,
 }
 
@@ -37,10 +47,10 @@ impl JobResult {
         self.standard_errors.extend(half_differences.iter().map(|half| half.abs() as f32));
     }
 
-    /// The pixels that are there.
+    /// The existing pixels.
     ///
     /// # Errors
-    /// [`Error::Option`] where the fields do not fit each other.
+    /// [`Error::Option`] where the fields contradict each other.
     pub fn tile(&self) -> Result<Tile, Error> {
         self.job.tile_of(self.size)
     }
@@ -49,7 +59,7 @@ impl JobResult {
     /// errors, with the job in its header.
     ///
     /// # Errors
-    /// [`Error::Part`] and [`Error::Option`] where the fields do not fit each other.
+    /// [`Error::Part`] and [`Error::Option`] where the fields contradict each other.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
         let bad = |reason: String| Error::Part { name: "<result>".to_owned(), reason };
         let pixels = self.values.chunks(self.components).zip(self.standard_errors.chunks(self.components));
@@ -64,10 +74,10 @@ impl JobResult {
         write_image(FileFormat::Matrix, &header, &image).map_err(|error| bad(error.to_string()))
     }
 
-    /// Reads what [`JobResult::to_bytes`] has made, of this name in messages.
+    /// Reads the bytes of [`JobResult::to_bytes`]; `name` is their name in messages.
     ///
     /// # Errors
-    /// [`Error::Part`] for anything else.
+    /// [`Error::Part`] for other bytes.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<JobResult, Error> {
         let bad = |reason: String| Error::Part { name: name.to_owned(), reason };
         let read = read_image(bytes).map_err(|error| bad(error.to_string()))?;

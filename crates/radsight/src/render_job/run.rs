@@ -1,4 +1,4 @@
-//! How jobs are rendered, and the irradiance cache that the parts of one have in common.
+//! Renders jobs and fills the irradiance cache that the parts of a job share.
 
 use super::{JobResult, JobTarget, RenderJob, wrong};
 use crate::error::Error;
@@ -9,15 +9,14 @@ use radsight_film::{ViewCamera, sampled_tile};
 use radsight_pinhole::Rays;
 use radsight_render::{Ray, RaySpacing, RenderOptions, Uncached};
 
-/// Rows of a picture that are rendered between two reports of progress.
+/// Number of rows between two reports of progress.
 const ROWS_AT_A_TIME: usize = 16;
 
-/// Rays that are traced between two reports of progress.
+/// Number of rays between two reports of progress.
 const RAYS_AT_A_TIME: usize = 1 << 15;
 
 impl RenderJob {
-    /// The size of the whole picture, pixels in a row and rows. Of a capture the camera knows it,
-    /// of rays who has them.
+    /// Columns and rows of the whole picture. The size of a capture is that of its camera.
     ///
     /// # Errors
     /// [`Error::View`] and [`Error::Size`]; [`Error::Option`] for another target.
@@ -26,10 +25,10 @@ impl RenderJob {
         Ok([columns, rows])
     }
 
-    /// The options with which the scene is to be compiled.
+    /// The options for compiling the scene.
     ///
     /// # Errors
-    /// [`Error::Option`] for a number that is out of its range.
+    /// [`Error::Option`] for a number out of range.
     pub fn render_options(&self) -> Result<RenderOptions, Error> {
         self.check()?;
         let mut options = match self.target {
@@ -49,17 +48,17 @@ impl RenderJob {
         Ok(options)
     }
 
-    /// Whether its rays rest on cached irradiance. The cache is made once for the whole job, with
-    /// [`RenderJob::fill_irradiance_cache`], and loaded for each part: caches that parts filled for
-    /// themselves would have other values.
+    /// Whether the job uses cached irradiance. The cache is filled once for the whole job by
+    /// [`RenderJob::fill_irradiance_cache`] and loaded for each part: separate caches of the parts
+    /// would have other values.
     #[must_use]
     pub fn caches_irradiance(&self) -> bool {
         self.ambient_bounces > 0 && self.ambient_accuracy > 0.0
     }
 
-    /// Fills the irradiance cache for the whole job, whichever part it asks for, as a single
-    /// process does before its first pixel; `rays` are all rays of a job of rays, and ignored for
-    /// others. `None` if it was stopped.
+    /// Fills the irradiance cache for the whole job, not only its part, as a single process does
+    /// before its first pixel. `rays` are all rays of a job of rays, and ignored for others. `None`
+    /// if it was stopped.
     ///
     /// # Errors
     /// As [`RenderJob::render`], and [`Error::Option`] for a job without a cache.
@@ -86,8 +85,8 @@ impl RenderJob {
         Ok(renderer.gather_irradiance_until(&rays, spacing, &|| progress.stops()).map(drop))
     }
 
-    /// Renders a part of a picture. `renderer` is made with [`RenderJob::render_options`], and has
-    /// the job's irradiance cache if there is one; `progress` is as for captures.
+    /// Renders a part of a picture. `renderer` must have the options of
+    /// [`RenderJob::render_options`], and the job's irradiance cache if there is one.
     ///
     /// # Errors
     /// [`Error::View`], [`Error::Size`] and [`Error::Option`]. `None` if the work was stopped.
@@ -114,11 +113,11 @@ impl RenderJob {
         Ok(Some(result))
     }
 
-    /// Exposes a part of a camera's pixels. `renderer` is made with [`RenderJob::render_options`]
-    /// and the camera's light ring.
+    /// Exposes a part of a camera's pixels. `renderer` must have the options of
+    /// [`RenderJob::render_options`] and the camera's light ring.
     ///
     /// # Errors
-    /// [`Error::Bands`], and [`Error::Option`] for a camera whose pixels cannot be exposed apart.
+    /// [`Error::Bands`], and [`Error::Option`] for a camera whose pixels cannot be exposed separately.
     /// `None` if the work was stopped.
     pub fn expose(
         &self,
@@ -151,11 +150,11 @@ impl RenderJob {
         Ok(Some(result))
     }
 
-    /// Answers a range of rays; `rays` are all rays of the whole job. `renderer` is as for
+    /// Traces a range of rays; `rays` are all rays of the whole job. `renderer` is as for
     /// [`RenderJob::render`].
     ///
     /// # Errors
-    /// [`Error::Option`] for rays that there are not. `None` if the work was stopped.
+    /// [`Error::Option`] for rays that do not exist. `None` if the work was stopped.
     pub fn trace(
         &self,
         renderer: &radsight_render::Renderer,
@@ -199,7 +198,7 @@ impl RenderJob {
         Ok((view, columns, rows))
     }
 
-    /// Rays without the cache on which the others rest would have other values.
+    /// Without the job's cache the values would differ from those of other parts.
     fn check_cache(&self, renderer: &radsight_render::Renderer) -> Result<(), Error> {
         if renderer.caches_irradiance() && renderer.irradiance_noise().is_none() {
             return Err(wrong(
@@ -213,17 +212,17 @@ impl RenderJob {
 }
 
 impl Renderer {
-    /// Renders a part of a picture that a job asks for, with the job's options.
+    /// Renders the part of a picture that a job requests, with the job's options.
     ///
     /// # Errors
-    /// As [`RenderJob::render`], and [`Error::Material`] where a ray met a material that cannot be
-    /// used.
+    /// As [`RenderJob::render`], and [`Error::Material`] where a ray met a material that is
+    /// not supported.
     pub fn run_job(&mut self, job: &RenderJob) -> Result<JobResult, Error> {
         Ok(self.run_job_with_progress(job, &[], &Silent)?.expect("nobody stopped it"))
     }
 
-    /// The same for a picture or for some of `rays`, which are all rays of a job of rays;
-    /// `progress` hears how far it is, and can stop it: it gives `None` then.
+    /// As [`Renderer::run_job`], also for a job of rays, of which `rays` are all. `progress` receives
+    /// the progress and can stop the work; the result is `None` then.
     ///
     /// # Errors
     /// As [`Renderer::run_job`] and [`RenderJob::trace`].
@@ -242,8 +241,8 @@ impl Renderer {
         Ok(result)
     }
 
-    /// The irradiance cache of a whole job, for [`Renderer::only_irradiance_cache`] of who runs its
-    /// parts; `rays` are all rays of a job of rays. `None` if it was stopped.
+    /// The irradiance cache of a whole job, for [`Renderer::only_irradiance_cache`] before its parts
+    /// are run; `rays` are all rays of a job of rays. `None` if it was stopped.
     ///
     /// # Errors
     /// As [`RenderJob::fill_irradiance_cache`].
@@ -263,8 +262,8 @@ impl Renderer {
 }
 
 impl Capture {
-    /// Exposes a part of the pixels that a job asks for, with the job's options and samples.
-    /// `renderer` is for a scene with the camera's light ring.
+    /// Exposes the pixels that a job requests, with the job's options and samples. The scene of
+    /// `renderer` must have the camera's light ring.
     ///
     /// # Errors
     /// As [`RenderJob::expose`] and [`Capture::expose`]. `None` if the work was stopped.

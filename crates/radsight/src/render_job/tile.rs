@@ -4,17 +4,21 @@ use super::{JobTarget, RenderJob, wrong};
 use crate::error::Error;
 use std::ops::Range;
 
-/// A rectangle of pixels. Rays are one row of them.
+/// A rectangle of pixels. Rays are one row of pixels.
+///
+/// ```
+/// assert_eq!(radsight::Tile { columns: 0..4, rows: 2..4 }.pixels(), 8);
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tile {
-    /// Its columns, the first column of the picture is 0.
+    /// Its columns; the first column of the picture is 0.
     pub columns: Range<usize>,
-    /// Its rows, the top row of the picture is 0.
+    /// Its rows; the top row of the picture is 0.
     pub rows: Range<usize>,
 }
 
 impl Tile {
-    /// How many pixels it has.
+    /// Number of pixels.
     #[must_use]
     pub fn pixels(&self) -> usize {
         self.columns.len() * self.rows.len()
@@ -22,10 +26,10 @@ impl Tile {
 }
 
 impl RenderJob {
-    /// The pixels that are asked for, of a picture of so many columns and rows; rays are one row.
+    /// The requested pixels of a picture of this size; rays are one row.
     ///
     /// # Errors
-    /// [`Error::Option`] where they are none of the picture's.
+    /// [`Error::Option`] if the picture does not have them.
     pub fn tile_of(&self, [columns, rows]: [usize; 2]) -> Result<Tile, Error> {
         if let JobTarget::Trace { .. } = self.target {
             none("columns", self.columns.as_ref(), "none for rays, whose range is \"rays\"")?;
@@ -37,11 +41,11 @@ impl RenderJob {
         Ok(Tile { columns, rows: within("rows", self.rows.as_ref(), rows)? })
     }
 
-    /// Jobs for at most so many parts of about equally many rows, or rays, of a picture of so many
-    /// columns and rows.
+    /// Jobs for at most this number of parts of a picture of this size, with about the same number
+    /// of rows or rays each.
     ///
     /// # Errors
-    /// [`Error::Option`] for no parts, and for rows or rays that there are not.
+    /// [`Error::Option`] for no parts, and for rows or rays that do not exist.
     pub fn split(&self, parts: usize, size: [usize; 2]) -> Result<Vec<RenderJob>, Error> {
         if parts == 0 {
             return Err(wrong("parts", parts, "at least 1"));
@@ -59,7 +63,7 @@ impl RenderJob {
         Ok((0..parts).map(job).collect())
     }
 
-    /// Jobs for rectangles of at most so many columns and rows.
+    /// Jobs for rectangles of at most this size.
     ///
     /// # Errors
     /// [`Error::Option`] for a rectangle without pixels, for a job of rays, and for pixels that the
@@ -83,10 +87,10 @@ impl RenderJob {
             .collect())
     }
 
-    /// Jobs for at most so many rays each, of so many in all.
+    /// Jobs for ranges of at most this number of rays.
     ///
     /// # Errors
-    /// [`Error::Option`] for no rays, for a job of a picture, and for rays that there are not.
+    /// [`Error::Option`] for no rays, for a job of a picture, and for rays that do not exist.
     pub fn split_rays(&self, rays: usize, all: usize) -> Result<Vec<RenderJob>, Error> {
         if rays == 0 {
             return Err(wrong("rays", rays, "at least 1"));
@@ -98,12 +102,12 @@ impl RenderJob {
         Ok(pieces(&tile.columns, rays).map(|rays| RenderJob { rays: Some(rays), ..self.clone() }).collect())
     }
 
-    /// The job without a part: what all parts have in common.
+    /// The job without its part: what all parts share.
     pub(super) fn whole(&self) -> RenderJob {
         RenderJob { columns: None, rows: None, rays: None, ..self.clone() }
     }
 
-    /// The job for a rectangle of a picture of so many columns and rows.
+    /// The job for a rectangle of a picture of this size.
     pub(super) fn for_tile(&self, tile: &Tile, size: [usize; 2]) -> RenderJob {
         let whole = self.whole();
         match self.target {
@@ -116,13 +120,13 @@ impl RenderJob {
     }
 }
 
-/// Ranges of at most so many.
+/// Ranges of at most this length.
 fn pieces(all: &Range<usize>, most: usize) -> impl Iterator<Item = Range<usize>> + use<> {
     let end = all.end;
     all.clone().step_by(most).map(move |start| start..end.min(start.saturating_add(most)))
 }
 
-/// A range of so many, all of them if none is said.
+/// A range below this number; all if none is given.
 fn within(what: &'static str, asked: Option<&Range<usize>>, all: usize) -> Result<Range<usize>, Error> {
     let asked = asked.cloned().unwrap_or(0..all);
     if asked.start >= asked.end || asked.end > all {
