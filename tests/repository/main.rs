@@ -9,5 +9,6 @@ mod dependencies;
 mod gallery;
 mod import_cycles;
 mod option_words;
+mod signatures;
 mod sources;
 mod words;
