@@ -147,12 +147,11 @@ impl Reader<'_> {
         if definitions.is_loaded(&scope) {
             return Some(scope);
         }
-        let loaded = match self.loader.load(&file.text, FileKind::Function) {
-            Ok(loaded) => Ok((loaded.path, loaded.bytes)),
-            Err(LoadError::NotFound { .. }) if let Some(text) = radsight_cal::library::file(&file.text) => {
-                Ok((file.text.clone(), text.as_bytes().to_vec()))
-            }
-            Err(error) => Err(Diagnostic::error(error.to_string()).at(file.span)),
+        let built_in = radsight_cal::library::file(&file.text);
+        let loaded = match (self.loader.load(&file.text, FileKind::Function), built_in) {
+            (Ok(loaded), _) => Ok((loaded.path, loaded.bytes)),
+            (Err(LoadError::NotFound { .. }), Some(text)) => Ok((file.text.clone(), text.as_bytes().to_vec())),
+            (Err(error), _) => Err(Diagnostic::error(error.to_string()).at(file.span)),
         };
         let mistakes = match loaded {
             Ok((path, bytes)) => {
