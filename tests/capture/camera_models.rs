@@ -164,3 +164,72 @@ fn a_capture_says_why_each_ray_draws_the_whole_diffraction_pattern() {
     let (messages, record) = of("slight.toml");
     assert!(!messages.contains("whole diffraction pattern") && !record.contains("whole diffraction pattern"));
 }
+
+/// The lit pixels of a capture and of a picture of the same view type.
+#[test]
+fn projections_are_the_view_types_of_rpict() {
+    let balls = [(0.2, 0.1), (0.6, -0.4), (-0.9, 0.3), (1.1, 0.0), (-0.2, -1.1), (0.1, 0.8)];
+    let ball = |(index, (azimuth, altitude)): (usize, &(f64, f64))| {
+        let [x, y, z] = [azimuth.sin() * altitude.cos(), azimuth.cos() * altitude.cos(), altitude.sin()]
+            .map(|part: f64| 3.0 * part);
+        format!("white sphere ball{index} 0 0 4 {x} {y} {z} .3\n")
+    };
+    let scene: String = balls.iter().enumerate().map(ball).collect();
+    let folder = Folder::new();
+    folder.file("balls.rad", format!("void glow white 0 0 4 1 1 1 0\n{scene}"));
+    let half = 70f64.to_radians();
+    for (projection, letter, extent) in [
+        ("perspective", "v", half.tan()),
+        ("equidistant", "a", half),
+        ("orthographic", "h", half.sin()),
+        ("stereographic", "s", 2.0 * (0.5 * half).tan()),
+        ("cylindrical", "c", half),
+    ] {
+        // 64 pixels of 10 um cover the extent on both sides of the axis.
+        let focal_mm = 0.32 / extent;
+        folder.file(
+            "camera.toml",
+            format!(
+                "[camera]\nposition_m = [0, 0, 0]\ndirection = [0, 1, 0]\nup = [0, 0, 1]\npixels = [64, 64]\n\
+                 pixel_pitch_um = [10, 10]\nfocal_distance_mm = {focal_mm}\npinhole_diameter_mm = 0.01\n\
+                 pinhole_model = \"point\"\nexposure_ms = 10\nwavelength_nm = 650\nprojection = \"{projection}\"\n"
+            ),
+        );
+        let words = ["capture", "camera.toml", "balls.rad", "--samples", "64", "--exposure", "e.mtx"];
+        run(&folder, &words, b"").done();
+        // A cylinder is as high as it is wide.
+        let vertical = if letter == "c" { 2.0 * extent.atan().to_degrees() } else { 140.0 };
+        let view =
+            format!("-vt{letter} -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 140 -vv {vertical} -x 64 -y 64 -pa 1 --samples 64");
+        let words = [&["rpict"][..], &view.split(' ').collect::<Vec<_>>(), &["balls.rad"]].concat();
+        let picture = run(&folder, &words, b"").done();
+        let values = run(&folder, &["pvalue", "-h", "-H", "-df", "-b"], &picture).done();
+        let lit =
+            |bytes: &[u8]| -> Vec<bool> { bytes.as_chunks().0.iter().map(|v| f32::from_le_bytes(*v) > 0.0).collect() };
+        let exposure = folder.read("e.mtx");
+        let [capture, picture] = [&exposure[exposure.len() - 64 * 64 * 4..], &values[..]].map(lit);
+        assert_eq!(picture.len(), 64 * 64);
+        let differing = capture.iter().zip(&picture).filter(|(one, other)| one != other).count();
+        let all = picture.iter().filter(|lit| **lit).count();
+        // Pixels of which a ball covers less than a sample may differ.
+        assert!(all > 100 && 50 * differing < all, "{projection}: {differing} of {all} pixels differ");
+    }
+}
+
+#[test]
+fn an_orthographic_fisheye_exposes_a_uniform_sky_uniformly() {
+    let folder = Folder::new();
+    folder.file("sky.rad", "void glow white 0 0 4 1 1 1 0\nwhite source sky 0 0 4 0 1 0 180\n");
+    folder.file(
+        "camera.toml",
+        "[camera]\nposition_m = [0, 0, 0]\ndirection = [0, 1, 0]\nup = [0, 0, 1]\npixels = [32, 32]\n\
+         pixel_pitch_um = [10, 10]\nfocal_distance_mm = 0.25\npinhole_diameter_mm = 0.01\npinhole_model = \"point\"\n\
+         exposure_ms = 10\nwavelength_nm = 650\nprojection = \"orthographic\"\n",
+    );
+    run(&folder, &["capture", "camera.toml", "sky.rad", "--samples", "16", "--exposure", "e.mtx"], b"").done();
+    let bytes = folder.read("e.mtx");
+    let numbers = bytes[bytes.len() - 32 * 32 * 4..].as_chunks().0.iter().map(|v| f64::from(f32::from_le_bytes(*v)));
+    // τ·A/f² for a radiance of 1.
+    let expected = 0.01 * std::f64::consts::PI * 0.005f64.powi(2) / 0.25f64.powi(2);
+    assert!(numbers.into_iter().all(|value| (value / expected - 1.0).abs() < 1e-5));
+}

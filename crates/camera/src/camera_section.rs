@@ -7,7 +7,9 @@ use crate::matrix_file::{self, MatrixFile};
 use crate::section::{Range, Section, load_beside};
 use radsight_diag::{Diagnostic, SourceMap, hint_nearest};
 use radsight_loader::Loader;
-use radsight_pinhole::{CameraDescription, CameraError, FrontStop, PinholeCamera, PinholeModel, ThinLens};
+use radsight_pinhole::{
+    CameraDescription, CameraError, CameraMatrix, Distortion, FrontStop, PinholeCamera, PinholeModel, ThinLens,
+};
 
 /// The most columns or rows that are accepted one way.
 const MOST_PIXELS_ACROSS: i64 = 1_000_000;
@@ -43,6 +45,7 @@ fn read_keys(
         true => Some([1.0; 2]),
         false => section.numbers::<2>("pixel_pitch_um", Range::Positive, "[13.75, 16.0]", sources, found),
     };
+    let projection = projection(section, sources, found);
     let lens = lens(section, sources, found);
     let (focal_mm, diameter_mm, model) = match section.has("lens_focal_length_mm") {
         true => {
@@ -80,6 +83,7 @@ fn read_keys(
     PinholeCamera::new(&asked)
         .and_then(|camera| lens.map_or(Ok(camera.clone()), |lens| camera.with_lens(lens)))
         .and_then(|camera| matrix.map_or(Ok(camera.clone()), |file| camera.with_matrix(file.matrix)))
+        .and_then(|camera| projection.map_or(Ok(camera.clone()), |model| camera.with_matrix(projected(&asked, model))))
         .and_then(|camera| diffracting.apply(camera))
         .map_err(|error| {
             let key = match error {
@@ -111,6 +115,37 @@ fn matrix(
     let name = section.optional_string("camera_matrix", sources, found)?;
     let source = load_beside(&name, file, sources, loader, found)?;
     matrix_file::read(source, sources).map_err(|error| found.errors.push(error)).ok()
+}
+
+/// The projection of a camera without a calibration; none for a perspective one.
+fn projection(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> Option<Distortion> {
+    const NAMES: [&str; 5] = ["perspective", "equidistant", "orthographic", "stereographic", "cylindrical"];
+    if section.has("camera_matrix") {
+        return None;
+    }
+    let name = section.optional_string("projection", sources, found)?;
+    match name.value {
+        "perspective" => None,
+        "equidistant" => Some(Distortion::Fisheye([0.0; 4])),
+        "orthographic" => Some(Distortion::Orthographic),
+        "stereographic" => Some(Distortion::Stereographic),
+        "cylindrical" => Some(Distortion::Cylindrical),
+        other => {
+            let shown = crate::section::shorten(other);
+            let message = format!("unknown projection \"{shown}\", expected one of {}", NAMES.join(", "));
+            found.errors.push(Diagnostic::error(message).at(name.span).maybe_hint(hint_nearest(other, NAMES)));
+            None
+        }
+    }
+}
+
+/// The camera matrix of a projection: the focal distance in pixels, centred.
+fn projected(camera: &CameraDescription, distortion: Distortion) -> CameraMatrix {
+    CameraMatrix {
+        focal: camera.pixel_pitch_m.map(|pitch| camera.focal_distance_m / pitch),
+        center: camera.pixels.map(|count| 0.5 * (f64::from(count) - 1.0)),
+        distortion,
+    }
 }
 
 /// Columns and rows; those of a calibrated camera where the file gives none.

@@ -3,9 +3,11 @@
 //! The models of OpenCV's calib3d map the undistorted slopes (x, y) = (X/Z, Y/Z) of a chief ray to
 //! a distorted point `((u − cx)/fx, (v − cy)/fy)`: `plumb_bob` and `rational` (Brown and Conrady;
 //! with thin prism terms), and `fisheye` (Kannala and Brandt, PAMI 28(8), 2006). x points right, y
-//! down, Z forwards; the centre of the first pixel is (0, 0).
+//! down, Z forwards; the centre of the first pixel is (0, 0). The view types of Radiance are models
+//! without coefficients.
 
 use crate::CameraError;
+use std::f64::consts::FRAC_PI_2;
 
 /// Number of iterations after which a point is assumed to have no ray.
 const MAX_ITERATIONS: u32 = 40;
@@ -22,8 +24,15 @@ pub enum Distortion {
     /// r⁴`, and y alike, in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4; trailing ones are 0
     /// (`plumb_bob`: five, `rational_polynomial`: eight).
     Rational([f64; 12]),
-    /// `θ_d = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸)`, with θ the angle to the axis.
+    /// `θ_d = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸)`, with θ the angle to the axis. Without
+    /// coefficients it is equidistant: Radiance's view type `-vta`.
     Fisheye([f64; 4]),
+    /// `r_d = sin θ`: a hemispherical fisheye, `-vth`.
+    Orthographic,
+    /// `r_d = 2 tan(θ/2)`: a planisphere, `-vts`.
+    Stereographic,
+    /// `x_d = atan x`, `y_d = y/√(1+x²)`: a cylindrical panorama, `-vtc`.
+    Cylindrical,
 }
 
 impl Distortion {
@@ -47,13 +56,48 @@ impl Distortion {
                 let scale = if r > 1e-9 { distorted / r } else { 1.0 };
                 [x * scale, y * scale]
             }
+            Distortion::Orthographic => {
+                let scale = (1.0 + x * x + y * y).sqrt().recip();
+                [x * scale, y * scale]
+            }
+            Distortion::Stereographic => {
+                let scale = 2.0 / (1.0 + (1.0 + x * x + y * y).sqrt());
+                [x * scale, y * scale]
+            }
+            Distortion::Cylindrical => [x.atan(), y / (1.0 + x * x).sqrt()],
         }
+    }
+
+    /// The inverse of a model that has one in closed form, as [`Distortion::undistort`]; the outer
+    /// `None` stands for other models.
+    fn closed_form(&self, [x, y]: [f64; 2]) -> Option<Option<([f64; 2], f64)>> {
+        let square = x * x + y * y;
+        Some(match self {
+            Distortion::Rational(_) | Distortion::Fisheye(_) => return None,
+            // r = r_d/√(1−r_d²); the ratio of areas is (r/r_d)·dr/dr_d.
+            Distortion::Orthographic => (square < 1.0).then(|| {
+                let scale = (1.0 - square).sqrt().recip();
+                ([x * scale, y * scale], scale.powi(4))
+            }),
+            // r = 4 r_d/(4−r_d²).
+            Distortion::Stereographic => (square < 4.0).then(|| {
+                let scale = 4.0 / (4.0 - square);
+                ([x * scale, y * scale], 0.25 * scale.powi(3) * (4.0 + square))
+            }),
+            Distortion::Cylindrical => (x.abs() < FRAC_PI_2).then(|| {
+                let scale = x.cos().recip();
+                ([x.tan(), y * scale], scale.powi(3))
+            }),
+        })
     }
 
     /// The slopes of a distorted point, and the ratio of undistorted to distorted area there.
     /// `None` outside the region around the picture's centre where the model is invertible.
     #[must_use]
     pub fn undistort(&self, place: [f64; 2]) -> Option<([f64; 2], f64)> {
+        if let Some(inverse) = self.closed_form(place) {
+            return inverse;
+        }
         // Continuation from the centre outwards: each step starts at the previous solution, so no
         // other branch is reached.
         let steps = 1 + (4.0 * place[0].hypot(place[1])) as u32;
@@ -125,6 +169,7 @@ impl CameraMatrix {
         let coefficients: &[f64] = match &self.distortion {
             Distortion::Rational(all) => all,
             Distortion::Fisheye(all) => all,
+            Distortion::Orthographic | Distortion::Stereographic | Distortion::Cylindrical => &[],
         };
         if !self.center.iter().chain(coefficients).all(|value| value.is_finite()) {
             return Err(CameraError::NotFinite { quantity: "the camera matrix" });
@@ -146,11 +191,14 @@ impl CameraMatrix {
 mod tests {
     use super::*;
 
-    const MODELS: [Distortion; 4] = [
+    const MODELS: [Distortion; 7] = [
         Distortion::Rational([0.0; 12]),
         Distortion::Rational([-0.28, 0.09, 1e-3, -7e-4, -0.012, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         Distortion::Rational([0.5, 0.1, 1e-4, 2e-4, 0.01, 0.8, 0.3, 0.05, 1e-3, 2e-4, -1e-3, 1e-4]),
         Distortion::Fisheye([-0.01, 0.02, -0.005, 0.001]),
+        Distortion::Orthographic,
+        Distortion::Stereographic,
+        Distortion::Cylindrical,
     ];
 
     #[test]
@@ -173,6 +221,23 @@ mod tests {
         let (slopes, _) = model.undistort([angle, 0.0]).unwrap();
         assert!((slopes[0] / angle.tan() - 1.0).abs() < 1e-9);
         assert_eq!(model.undistort([1.6, 0.0]), None, "more than 90 degrees");
+    }
+
+    #[test]
+    fn view_types_image_angles_as_in_radiance() {
+        let angle = 80f64.to_radians();
+        for (model, radius) in [
+            (Distortion::Orthographic, angle.sin()),
+            (Distortion::Stereographic, 2.0 * (0.5 * angle).tan()),
+            (Distortion::Cylindrical, angle),
+        ] {
+            let (slopes, _) = model.undistort([radius, 0.0]).unwrap();
+            assert!((slopes[0] / angle.tan() - 1.0).abs() < 1e-9, "{model:?}: {slopes:?}");
+            assert_eq!(model.undistort([2.0, 0.0]), None, "{model:?}: 90 degrees and more");
+        }
+        // A point of a cylinder is as high as above the horizontal distance.
+        let (slopes, _) = Distortion::Cylindrical.undistort([angle, 0.5]).unwrap();
+        assert!((slopes[1] * angle.cos() - 0.5).abs() < 1e-12);
     }
 
     #[test]
