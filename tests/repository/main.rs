@@ -1,5 +1,7 @@
 //! Properties of the repository: its crates, their imports, its documentation.
 
+#[path = "../../xtask/src/function_lengths.rs"]
+mod function_lengths;
 #[path = "../program/mod.rs"]
 mod program;
 

@@ -1,5 +1,7 @@
-//! Signatures of functions: no parameter is a bool, and no tuple hides a list of parameters.
+//! Signatures and lengths of functions: no parameter is a bool, no tuple hides a list of
+//! parameters, and most functions are short.
 
+use crate::function_lengths::function_lengths;
 use crate::sources::{lines_without_comments, rust_files};
 use std::fs;
 use std::path::Path;
@@ -118,6 +120,18 @@ fn no_parameter_is_a_bool_or_a_long_tuple() {
     wrong.extend(unused.map(|((file, function, _), _)| format!("{file}: the exception for {function} is not needed")));
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(count > 5000, "{count} functions were found");
+}
+
+#[test]
+fn functions_are_short() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
+    let sources =
+        rust_files(&crates).into_iter().filter(|path| path.components().any(|part| part.as_os_str() == "src"));
+    let mut lengths: Vec<usize> =
+        sources.flat_map(|path| function_lengths(&fs::read_to_string(path).expect("the file is read"))).collect();
+    lengths.sort_unstable();
+    let [median, most] = [0.5, 0.9].map(|share| lengths[(share * lengths.len() as f64) as usize]);
+    assert!(median <= 8 && most < 25, "the median is {median} lines, 90 % have at most {most}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fs;
 use std::process::Command;
 
 /// Fields that a registry requires in addition to cargo.
-const WANTED: [&str; 5] = ["description", "license", "keywords", "categories", "readme"];
+const WANTED: [&str; 6] = ["description", "license", "keywords", "categories", "readme", "documentation"];
 
 /// Lists the content of each package, and checks the fields that a registry shows.
 pub(crate) fn check() -> Result<(), String> {
