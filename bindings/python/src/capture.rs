@@ -1,11 +1,12 @@
 //! Captures.
 
+use crate::array_view::array_view;
 use crate::errors::{exception, wrong};
 use crate::png;
 use crate::scene::{Files, Materials, Scene, Text, files_first, texts_of};
 use crate::sensor::Sensor;
 use crate::supervise::{Watch, supervised};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 use radsight::{FileKind, FileLoader, Loader, MemoryLoader, RecordingLoader, Stage};
@@ -106,12 +107,31 @@ impl Capture {
     /// Parameters
     /// ----------
     /// text : str
+    ///     In TOML.
     /// name : str
     ///     For messages; files that the text names are looked for beside it.
     /// files : dict of str to bytes, optional
     ///     Files that it names, instead of those of the disk.
-    /// error, samples, seed, ambient_bounces, threads
-    ///     As for `Capture`.
+    /// error : float
+    ///     Relative error of the exposure: rms over the pixels, as a share of the mean.
+    /// samples : int, optional
+    ///     Rays through every pixel instead.
+    /// seed : int
+    ///     Chooses the sample sequence and the sensor's noise.
+    /// ambient_bounces : int
+    ///     Diffuse interreflections that are followed.
+    /// threads : int, optional
+    ///     All cores if not given.
+    ///
+    /// Returns
+    /// -------
+    /// Capture
+    ///     A camera as from a file.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     With every mistake in the text: line, caret and hint.
     #[staticmethod]
     #[pyo3(signature = (text, *, name="<text>", files=None, error=0.005, samples=None, seed=0, ambient_bounces=0, threads=None))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
@@ -149,6 +169,12 @@ impl Capture {
     /// Returns
     /// -------
     /// CapturedImage
+    ///     Exposures, their errors and grey values.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     With every mistake in the files.
     #[pyo3(signature = (*scenes, progress=None))]
     fn expose(
         &self,
@@ -170,10 +196,12 @@ impl Capture {
     /// Parameters
     /// ----------
     /// scene : Scene
+    ///     Stays as it is.
     ///
     /// Returns
     /// -------
     /// Scene
+    ///     For `Renderer.run_job` with this camera.
     fn with_ring(&self, py: Python<'_>, scene: &Bound<'_, Scene>) -> PyResult<Scene> {
         let scene = scene.get();
         let mut texts = scene.texts.clone();
@@ -192,6 +220,12 @@ impl Capture {
     /// Returns
     /// -------
     /// Capture
+    ///     Another camera.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     If a key or value is wrong.
     pub(crate) fn with_keys(&self, keys: BTreeMap<String, String>) -> PyResult<Capture> {
         let mut text = String::from_utf8_lossy(&self.text.1).into_owned();
         for (key, value) in &keys {
@@ -202,6 +236,16 @@ impl Capture {
     }
 
     /// The same on so many threads.
+    ///
+    /// Parameters
+    /// ----------
+    /// threads : int or None
+    ///     All cores if ``None``.
+    ///
+    /// Returns
+    /// -------
+    /// Capture
+    ///     It gives the same bits.
     fn with_threads(&self, threads: Option<usize>) -> Capture {
         let Capture { capture, text, files, asked, .. } = self;
         Capture { capture: capture.clone(), threads, text: text.clone(), files: files.clone(), asked: *asked }
@@ -253,6 +297,11 @@ impl CapturedImage {
         let greys = image.greys(&capture).ok();
         CapturedImage { image, greys, capture, seconds }
     }
+
+    /// Rows and columns.
+    fn shape(&self) -> [usize; 2] {
+        [self.image.rows, self.image.columns]
+    }
 }
 
 /// An exposed picture.
@@ -268,17 +317,24 @@ pub(crate) struct CapturedImage {
 
 #[pymethods]
 impl CapturedImage {
-    /// Exposure of each pixel, J/m²: (rows, columns).
+    /// Exposure of each pixel, J/m²: (rows, columns), a read-only view.
     #[getter]
-    fn exposure_j_per_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        PyArray1::from_slice(py, &self.image.exposure_j_per_m2).reshape([self.image.rows, self.image.columns])
+    fn exposure_j_per_m2<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        array_view(slf, slf.get().shape(), |captured| &captured.image.exposure_j_per_m2)
     }
 
-    /// The sensor's grey values: (rows, columns).
+    /// The sensor's grey values: (rows, columns), a read-only view.
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If the camera file has no sensor.
     #[getter]
-    fn grey<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u16>>> {
-        let greys = self.greys.as_ref().ok_or_else(|| exception(radsight::Error::NoSensor))?;
-        PyArray1::from_slice(py, greys).reshape([self.image.rows, self.image.columns])
+    fn grey<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u16>>> {
+        if slf.get().greys.is_none() {
+            return Err(exception(radsight::Error::NoSensor));
+        }
+        array_view(slf, slf.get().shape(), |captured| captured.greys.as_deref().unwrap_or_default())
     }
 
     /// Whether the camera has a sensor, so that there are grey values.
@@ -299,12 +355,16 @@ impl CapturedImage {
         self.image.rays
     }
 
-    /// Standard error of each pixel, J/m²: (rows, columns); ``None`` where it was not estimated.
+    /// Standard error of each pixel, J/m²: (rows, columns), a read-only view; ``None`` where it was not estimated.
     #[getter]
-    fn standard_error_j_per_m2<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let shape = [self.image.rows, self.image.columns];
-        let pixels = self.image.pixels.as_ref();
-        pixels.map(|pixels| PyArray1::from_slice(py, &pixels.standard_errors).reshape(shape)).transpose()
+    fn standard_error_j_per_m2<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        if slf.get().image.pixels.is_none() {
+            return Ok(None);
+        }
+        let errors = array_view(slf, slf.get().shape(), |captured| {
+            captured.image.pixels.as_ref().map_or(&[], |pixels| &pixels.standard_errors)
+        });
+        errors.map(Some)
     }
 
     /// One HTML page that loads nothing: exposure, false colour, error, grey values, time, what was skipped, settings.
@@ -312,10 +372,12 @@ impl CapturedImage {
     /// Parameters
     /// ----------
     /// title : str
+    ///     Heading of the page.
     ///
     /// Returns
     /// -------
     /// str
+    ///     The page.
     #[pyo3(signature = (title="radsight"))]
     fn report_html(&self, py: Python<'_>, title: &str) -> PyResult<String> {
         py.detach(|| {

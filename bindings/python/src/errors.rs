@@ -4,12 +4,12 @@ use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-create_exception!(_radsight, RadsightError, PyValueError, "Something that radsight was given is wrong.");
+create_exception!(radsight, RadsightError, PyValueError, "Something that radsight was given is wrong.");
 create_exception!(
-    _radsight,
+    radsight,
     SceneError,
     RadsightError,
-    "A scene, camera file, table of a series or job is wrong: file, line, caret and hint of each mistake. `mistakes` is a list of (file, line, column, message);\nfile, line and column are None for a mistake at no place."
+    "A scene, camera file, table of a series or job is wrong.\n\nThe text has file, line, caret and hint of each mistake. `mistakes` is a list of (file, line, column, message);\nfile, line and column are None for a mistake at no place."
 );
 
 type Mistake = (Option<String>, Option<u32>, Option<u32>, String);

@@ -1,8 +1,9 @@
 //! Pictures.
 
+use crate::array_view::array_view;
 use crate::errors::exception;
 use crate::png;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use radsight::Stage;
 use std::path::PathBuf;
@@ -15,13 +16,20 @@ pub(crate) struct Image {
     pub(crate) seconds: f64,
 }
 
+impl Image {
+    /// Rows and columns.
+    fn shape(&self) -> [usize; 2] {
+        [self.image.rows(), self.image.columns()]
+    }
+}
+
 #[pymethods]
 impl Image {
-    /// Radiance, W/(sr·m²): (rows, columns, 3), top row first.
+    /// Radiance, W/(sr·m²): (rows, columns, 3), top row first, a read-only view.
     #[getter]
-    fn radiance_w_per_sr_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        let values = self.image.pixels().iter().flatten().copied().collect();
-        PyArray1::from_vec(py, values).reshape([self.image.rows(), self.image.columns(), 3])
+    fn radiance_w_per_sr_m2<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        let [rows, columns] = slf.get().shape();
+        array_view(slf, [rows, columns, 3], |image| image.image.pixels().as_flattened())
     }
 
     /// Estimated relative noise of the pixels; ``None`` where it was not estimated.
@@ -37,22 +45,36 @@ impl Image {
     }
 
     /// Write a file: ``.hdr .exr .tif .pfm .npy .mtx .png``.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path-like
+    ///     Its ending says the format.
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If it cannot be written, or the ending is none of these.
     fn save(&self, path: PathBuf) -> PyResult<()> {
         self.image.save(path).map_err(exception)
     }
 
-    /// Standard error of each pixel as a share of its value: (rows, columns); ``None`` where no error was asked for.
+    /// Standard error of each pixel as a share of its value: (rows, columns), a read-only view; ``None`` where no error was asked for.
     #[getter]
-    fn relative_error<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
-        let shape = [self.image.rows(), self.image.columns()];
-        self.image.relative_errors().map(|errors| PyArray1::from_slice(py, errors).reshape(shape)).transpose()
+    fn relative_error<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        if slf.get().image.relative_errors().is_none() {
+            return Ok(None);
+        }
+        array_view(slf, slf.get().shape(), |image| image.image.relative_errors().unwrap_or_default()).map(Some)
     }
 
-    /// Rays through each pixel: (rows, columns); ``None`` where pixels are interpolated.
+    /// Rays through each pixel: (rows, columns), a read-only view; ``None`` where pixels are interpolated.
     #[getter]
-    fn samples<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u32>>>> {
-        let shape = [self.image.rows(), self.image.columns()];
-        self.image.samples().map(|samples| PyArray1::from_slice(py, samples).reshape(shape)).transpose()
+    fn samples<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray2<u32>>>> {
+        if slf.get().image.samples().is_none() {
+            return Ok(None);
+        }
+        array_view(slf, slf.get().shape(), |image| image.image.samples().unwrap_or_default()).map(Some)
     }
 
     /// One HTML page that loads nothing: values, false colour, error, time, what was skipped, settings.
@@ -60,10 +82,12 @@ impl Image {
     /// Parameters
     /// ----------
     /// title : str
+    ///     Heading of the page.
     ///
     /// Returns
     /// -------
     /// str
+    ///     The page.
     #[pyo3(signature = (title="radsight"))]
     fn report_html(&self, py: Python<'_>, title: &str) -> String {
         py.detach(|| {
@@ -73,7 +97,12 @@ impl Image {
         })
     }
 
-    /// False colour of the luminance, 179 lm/W, with its scale: the bytes of a PNG.
+    /// Show the luminance in false colour, at 179 lm/W, with its scale in cd/m².
+    ///
+    /// Returns
+    /// -------
+    /// bytes
+    ///     A PNG.
     fn false_color_png(&self) -> Option<Vec<u8>> {
         let [red, green, blue] = [47.4, 119.9, 11.6];
         let luminance = |pixel: &[f32; 3]| red * pixel[0] + green * pixel[1] + blue * pixel[2];

@@ -1,7 +1,8 @@
 //! Parts of pictures and captures for other processes.
 
+use crate::array_view::array_view;
 use crate::errors::{RadsightError, exception, wrong};
-use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use numpy::PyArray3;
 use pyo3::prelude::*;
 use radsight::{JobTarget, RayFormat, RayQuantity};
 use std::ops::Range;
@@ -17,6 +18,7 @@ use crate::scene::View;
 /// view : View, optional
 ///     For a picture within ``columns`` and ``rows``.
 /// columns, rows : int
+///     The picture is within this size, in the view's own proportions.
 /// camera : str, optional
 ///     For a capture instead: the name of the camera file.
 /// rays : str, optional
@@ -26,6 +28,7 @@ use crate::scene::View;
 /// scenes : sequence of str
 ///     The scene's files, for ``radsight job run``.
 /// seed : int
+///     Chooses the sample sequence.
 /// ambient_bounces : int
 ///     Diffuse interreflections that are followed.
 /// ambient_accuracy : float
@@ -85,6 +88,18 @@ impl RenderJob {
 
     /// Read what `to_json` wrote.
     ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    ///     JSON.
+    /// name : str
+    ///     For messages.
+    ///
+    /// Returns
+    /// -------
+    /// RenderJob
+    ///     The job.
+    ///
     /// Raises
     /// ------
     /// SceneError
@@ -95,7 +110,12 @@ impl RenderJob {
         radsight::RenderJob::from_json(name, text.as_bytes()).map(RenderJob).map_err(exception)
     }
 
-    /// The job as JSON, as ``radsight job`` reads it.
+    /// Write the job as ``radsight job`` reads it.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     JSON.
     fn to_json(&self) -> String {
         self.0.to_json()
     }
@@ -135,12 +155,14 @@ impl RenderJob {
     /// Parameters
     /// ----------
     /// parts : int
+    ///     How many at most.
     /// size : (int, int), optional
     ///     Columns and rows of the whole picture, where the job does not know them: `Capture.size`, or (n, 1) for n rays.
     ///
     /// Returns
     /// -------
     /// list of RenderJob
+    ///     Which have no pixel in common, and all pixels together.
     #[pyo3(signature = (parts, size=None))]
     fn split(&self, parts: usize, size: Option<(usize, usize)>) -> PyResult<Vec<RenderJob>> {
         jobs(self.0.split(parts, self.size(size)?))
@@ -151,23 +173,47 @@ impl RenderJob {
     /// Parameters
     /// ----------
     /// columns, rows : int
+    ///     Of a rectangle.
     /// size : (int, int), optional
     ///     As for `split`.
     ///
     /// Returns
     /// -------
     /// list of RenderJob
+    ///     Which have no pixel in common, and all pixels together.
     #[pyo3(signature = (columns, rows, size=None))]
     fn split_tiles(&self, columns: usize, rows: usize, size: Option<(usize, usize)>) -> PyResult<Vec<RenderJob>> {
         jobs(self.0.split_tiles([columns, rows], self.size(size)?))
     }
 
-    /// Jobs for at most so many rays each, of ``all``.
+    /// Jobs for at most so many rays each.
+    ///
+    /// Parameters
+    /// ----------
+    /// rays : int
+    ///     Of a job.
+    /// all : int
+    ///     Of all jobs.
+    ///
+    /// Returns
+    /// -------
+    /// list of RenderJob
+    ///     In the order of the rays.
     fn split_rays(&self, rays: usize, all: usize) -> PyResult<Vec<RenderJob>> {
         jobs(self.0.split_rays(rays, all))
     }
 
-    /// The same with other numbers of samples.
+    /// The same job with another number of samples.
+    ///
+    /// Parameters
+    /// ----------
+    /// samples : int
+    ///     Rays through every pixel.
+    ///
+    /// Returns
+    /// -------
+    /// RenderJob
+    ///     Another job.
     fn with_samples(&self, samples: u32) -> PyResult<RenderJob> {
         RenderJob::from_json(&radsight::RenderJob { samples, ..self.0.clone() }.to_json(), "<job>")
     }
@@ -217,14 +263,36 @@ pub(crate) struct JobResult(pub(crate) radsight::JobResult);
 
 #[pymethods]
 impl JobResult {
-    /// Read the bytes of a file that ``radsight job run`` or `to_bytes` wrote.
+    /// Read what ``radsight job run`` or `to_bytes` wrote.
+    ///
+    /// Parameters
+    /// ----------
+    /// data : bytes
+    ///     Content of the file.
+    /// name : str
+    ///     For messages.
+    ///
+    /// Returns
+    /// -------
+    /// JobResult
+    ///     The part.
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If it is no part of a picture.
     #[staticmethod]
     #[pyo3(signature = (data, name="<part>"))]
     fn from_bytes(data: &[u8], name: &str) -> PyResult<JobResult> {
         radsight::JobResult::from_bytes(name, data).map(JobResult).map_err(exception)
     }
 
-    /// The bytes of a file that ``radsight job merge`` reads.
+    /// Write what ``radsight job merge`` reads.
+    ///
+    /// Returns
+    /// -------
+    /// bytes
+    ///     A float matrix in Radiance's format.
     fn to_bytes(&self) -> PyResult<Vec<u8>> {
         self.0.to_bytes().map_err(exception)
     }
@@ -262,16 +330,16 @@ impl MergedJob {
         radsight::MergedJob::of(&parts).map(MergedJob).map_err(exception)
     }
 
-    /// Radiance, W/(sr·m²), (rows, columns, 3); or exposure, J/m², (rows, columns, 1).
+    /// Radiance, W/(sr·m²), (rows, columns, 3); or exposure, J/m², (rows, columns, 1). A read-only view.
     #[getter]
-    fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        self.array(py, &self.0.values)
+    fn values<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        array_view(slf, slf.get().shape(), |merged| &merged.0.values)
     }
 
-    /// Estimated standard errors of the values; NaN where a part is missing, and with one sample.
+    /// Estimated standard errors of the values, a read-only view; NaN where a part is missing, and with one sample.
     #[getter]
-    fn standard_errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        self.array(py, &self.0.standard_errors)
+    fn standard_errors<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        array_view(slf, slf.get().shape(), |merged| &merged.0.standard_errors)
     }
 
     /// Estimated relative error of the pixels that are there; ``None`` with one sample.
@@ -304,7 +372,8 @@ impl MergedJob {
 }
 
 impl MergedJob {
-    fn array<'py>(&self, py: Python<'py>, values: &[f32]) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        PyArray1::from_slice(py, values).reshape([self.0.size[1], self.0.size[0], self.0.components])
+    /// Rows, columns, components.
+    fn shape(&self) -> [usize; 3] {
+        [self.0.size[1], self.0.size[0], self.0.components]
     }
 }

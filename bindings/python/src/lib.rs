@@ -1,6 +1,10 @@
 //! Python bindings: the library's types with NumPy arrays in and out, errors as exceptions, and the interpreter lock released while
 //! rays are traced.
 
+#![deny(unsafe_code)]
+
+mod array_argument;
+mod array_view;
 mod batcher;
 mod camera;
 mod capture;

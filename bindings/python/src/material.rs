@@ -1,5 +1,6 @@
 //! Materials written in Python.
 
+use crate::array_argument::{as_doubles, shape_text};
 use crate::batcher::Batcher;
 use crate::supervise::Raised;
 use glam::DVec3;
@@ -128,7 +129,7 @@ impl PythonMaterial {
         }
         let u = PyArray1::from_vec(py, u.concat()).reshape([outgoing.len(), 3])?;
         let given = self.object.bind(py).call_method1("sample", (rows(py, &outgoing)?, u))?;
-        let given = self.array(py, "sample", &given, &[&[outgoing.len(), 3]])?;
+        let given = self.array("sample", &given, &[&[outgoing.len(), 3]])?;
         let given: PyReadonlyArray2<'_, f64> = given.extract()?;
         let direction = |row: ArrayView1<'_, f64>| DVec3::new(row[0], row[1], row[2]).try_normalize();
         Ok(given.as_array().rows().into_iter().map(direction).collect())
@@ -140,7 +141,7 @@ impl PythonMaterial {
             return Ok(Values { bands: 1, all: Vec::new() });
         }
         let given = self.call(py, "evaluate", pairs)?;
-        let given = self.array(py, "evaluate", &given, &[&[count], &[count, 3]])?;
+        let given = self.array("evaluate", &given, &[&[count], &[count, 3]])?;
         let (bands, all) = if let Ok(one_band) = given.extract::<PyReadonlyArray1<'_, f64>>() {
             (1, one_band.as_array().to_vec())
         } else {
@@ -163,7 +164,7 @@ impl PythonMaterial {
             return Ok(pdfs);
         }
         let given = self.call(py, "pdf", pairs)?;
-        let given = self.array(py, "pdf", &given, &[&[count]])?;
+        let given = self.array("pdf", &given, &[&[count]])?;
         let pdfs = given.extract::<PyReadonlyArray1<'_, f64>>()?.as_array().to_vec();
         self.check("pdf", &pdfs, 1, pairs)?;
         Ok(pdfs)
@@ -176,12 +177,12 @@ impl PythonMaterial {
     /// What a method gave as an array of doubles, of one of these shapes.
     fn array<'py>(
         &self,
-        py: Python<'py>,
         method: &str,
         given: &Bound<'py, PyAny>,
         shapes: &[&[usize]],
     ) -> PyResult<Bound<'py, PyUntypedArray>> {
-        let array = as_array(py, given)?.cast_into::<PyUntypedArray>()?;
+        let array = as_doubles(given);
+        let array = array.map_err(|found| self.wrong(&format!("{method} gave {found}, expected an array")))?;
         if shapes.contains(&array.shape()) {
             return Ok(array);
         }
@@ -257,17 +258,4 @@ impl Material for PythonMaterial {
 fn rows<'py>(py: Python<'py>, vectors: &[DVec3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let values = vectors.iter().flat_map(|vector| vector.to_array()).collect();
     PyArray1::from_vec(py, values).reshape([vectors.len(), 3])
-}
-
-/// As Python writes a tuple.
-fn shape_text(shape: &[usize]) -> String {
-    match shape {
-        [one] => format!("({one},)"),
-        _ => format!("({})", shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
-    }
-}
-
-/// As an array of doubles, whatever it was.
-pub(crate) fn as_array<'py>(py: Python<'py>, given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    py.import("numpy")?.call_method1("asarray", (given, "float64"))
 }

@@ -8,7 +8,7 @@ use crate::job::{JobResult, RenderJob};
 use crate::scene::{Scene, View};
 use crate::supervise::{Raised, Watch, stopped, supervised};
 use crate::traced::{TracedRays, kept, rays_of};
-use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use radsight::{ErrorBudget, TracedQuantity};
@@ -19,6 +19,7 @@ use std::time::Instant;
 /// Parameters
 /// ----------
 /// scene : Scene
+///     It is compiled once.
 /// ambient_bounces : int
 ///     Diffuse interreflections that are followed (``-ab``).
 /// ambient_accuracy : float
@@ -36,6 +37,13 @@ use std::time::Instant;
 ///     irradiance of the first surface (``-i``).
 /// threads : int, optional
 ///     All cores if not given. Results do not depend on it.
+/// irradiance_cache : bytes, optional
+///     From `fill_irradiance_cache`, which is then used as it is.
+///
+/// Raises
+/// ------
+/// RadsightError
+///     If an option is out of its range, or both ``error`` and ``samples`` are given.
 #[pyclass(module = "radsight")]
 pub(crate) struct Renderer {
     renderer: radsight::Renderer,
@@ -97,13 +105,16 @@ impl Renderer {
     /// Parameters
     /// ----------
     /// view : View
+    ///     What is seen.
     /// columns, rows : int
+    ///     The picture's size at most.
     /// progress : callable, optional
     ///     Called with the share that is done, 0 to 1, about twenty times a second and at the end. An exception in it stops the work.
     ///
     /// Returns
     /// -------
     /// Image
+    ///     Radiances, W/(sr·m²).
     #[pyo3(signature = (view, columns, rows, progress=None))]
     fn render(
         &mut self,
@@ -129,12 +140,19 @@ impl Renderer {
     /// camera : Camera
     ///     Its ``rays(film, aperture)`` is called with many points at once.
     /// columns, rows : int
+    ///     The picture's size.
     /// progress : callable, optional
     ///     Called with the share that is done.
     ///
     /// Returns
     /// -------
     /// Image
+    ///     Radiances, W/(sr·m²).
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the camera gives rays of a wrong shape or without a direction; with its class, and what it gave.
     #[pyo3(signature = (camera, columns, rows, progress=None))]
     fn render_camera(
         &mut self,
@@ -159,7 +177,7 @@ impl Renderer {
     /// Parameters
     /// ----------
     /// rays : (n, 6) array of float
-    ///     Origin (scene units) and direction of each.
+    ///     Origin (scene units) and direction of each. An array of doubles is read in place.
     /// first : int
     ///     The place of the first ray in a longer list of which these are a part: it chooses the rays' random numbers.
     /// progress : callable, optional
@@ -168,15 +186,21 @@ impl Renderer {
     /// Returns
     /// -------
     /// TracedRays
+    ///     What each ray found.
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If the rays have a wrong shape, or one has no direction or is not finite.
     #[pyo3(signature = (rays, *, first=0, progress=None))]
     fn trace(
         &mut self,
         py: Python<'_>,
-        rays: PyReadonlyArray2<'_, f64>,
+        rays: &Bound<'_, PyAny>,
         first: u64,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<TracedRays> {
-        let rays = rays_of(&rays)?;
+        let rays = rays_of(rays)?;
         let renderer = &mut self.renderer;
         let traced = supervised(py, self.threads, progress, &self.raised, |watch: &Watch| {
             renderer.trace_part(first, &rays, kept, watch)
@@ -203,14 +227,14 @@ impl Renderer {
     fn fill_irradiance_cache<'py>(
         &mut self,
         py: Python<'py>,
-        rays: Option<PyReadonlyArray2<'py, f64>>,
+        rays: Option<&Bound<'py, PyAny>>,
         job: Option<&RenderJob>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Option<Bound<'py, PyBytes>>> {
         if rays.is_none() && job.is_none() {
             return Err(RadsightError::new_err("expected rays, or a job"));
         }
-        let rays = rays.as_ref().map(rays_of).transpose()?.unwrap_or_default();
+        let rays = rays.map(rays_of).transpose()?.unwrap_or_default();
         let renderer = &mut self.renderer;
         let filled = supervised(py, self.threads, progress, &self.raised, |watch: &Watch| match job {
             Some(job) => renderer.irradiance_cache_for(&job.0, &rays, watch),
@@ -224,8 +248,9 @@ impl Renderer {
     /// Parameters
     /// ----------
     /// rays : (n, 6) array of float
-    ///     Origin (scene units) and direction of each.
+    ///     Origin (scene units) and direction of each. An array of doubles is read in place.
     /// modifiers : sequence of str
+    ///     Names of materials and lights.
     /// first : int
     ///     As in `trace`.
     /// progress : callable, optional
@@ -239,12 +264,12 @@ impl Renderer {
     fn contributions<'py>(
         &mut self,
         py: Python<'py>,
-        rays: PyReadonlyArray2<'py, f64>,
+        rays: &Bound<'py, PyAny>,
         modifiers: Vec<String>,
         first: u64,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let rays = rays_of(&rays)?;
+        let rays = rays_of(rays)?;
         let names: Vec<&str> = modifiers.iter().map(String::as_str).collect();
         let renderer = &mut self.renderer;
         let owed = supervised(py, self.threads, progress, &self.raised, |watch: &Watch| {
@@ -260,6 +285,7 @@ impl Renderer {
     /// Parameters
     /// ----------
     /// job : RenderJob
+    ///     With its part.
     /// camera : Capture, optional
     ///     For the job of a capture; the scene has its light ring (`Capture.with_ring`).
     /// rays : (n, 6) array of float, optional
@@ -268,15 +294,16 @@ impl Renderer {
     /// Returns
     /// -------
     /// JobResult
+    ///     The part, for `MergedJob`.
     #[pyo3(signature = (job, *, camera=None, rays=None))]
     fn run_job<'py>(
         &mut self,
         py: Python<'py>,
         job: &RenderJob,
         camera: Option<&Capture>,
-        rays: Option<PyReadonlyArray2<'py, f64>>,
+        rays: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<JobResult> {
-        let rays = rays.as_ref().map(rays_of).transpose()?.unwrap_or_default();
+        let rays = rays.map(rays_of).transpose()?.unwrap_or_default();
         let renderer = &mut self.renderer;
         let result = supervised(py, self.threads, None, &self.raised, |watch: &Watch| match camera {
             Some(camera) => camera.capture.run_job(renderer, &job.0, watch),

@@ -165,6 +165,7 @@ impl Scene {
     /// Returns
     /// -------
     /// Scene
+    ///     Read and checked.
     ///
     /// Raises
     /// ------
@@ -183,12 +184,19 @@ impl Scene {
     /// Parameters
     /// ----------
     /// text : str
+    ///     In Radiance's scene language.
     /// materials : dict of str to Material, optional
     ///     Objects in the place of materials of these names.
     ///
     /// Returns
     /// -------
     /// Scene
+    ///     Read and checked.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     With every mistake in it: line, caret and hint.
     #[staticmethod]
     #[pyo3(signature = (text, *, materials=None))]
     fn from_text(py: Python<'_>, text: &str, materials: Option<Materials>) -> PyResult<Scene> {

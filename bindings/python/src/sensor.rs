@@ -1,7 +1,9 @@
 //! Sensors and their calibration.
 
+use crate::array_argument::{array_argument, wrong_shape};
 use crate::errors::{RadsightError, exception, wrong};
-use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn};
+use numpy::ndarray::{Ix1, IxDyn};
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use radsight_sensor::{Estimate, ExposureUnit, calibrate as fitted};
 
@@ -28,11 +30,13 @@ impl Sensor {
     fn grey<'py>(
         &self,
         py: Python<'py>,
-        exposure_j_per_m2: PyReadonlyArrayDyn<'py, f64>,
+        exposure_j_per_m2: &Bound<'py, PyAny>,
         seed: u64,
     ) -> PyResult<Bound<'py, PyArrayDyn<u16>>> {
-        let exposures = exposure_j_per_m2.as_array();
+        let exposures = array_argument::<IxDyn>("exposure_j_per_m2", exposure_j_per_m2, "any")?;
+        let exposures = exposures.as_array();
         let shape = exposures.shape().to_vec();
+        // Of one's own: another thread may change the array meanwhile.
         let exposures: Vec<f64> = exposures.iter().copied().collect();
         let greys = py.detach(|| self.0.greys(&exposures, seed));
         PyArray1::from_vec(py, greys).reshape(shape)
@@ -63,7 +67,9 @@ impl Sensor {
 pub(crate) struct Calibration {
     /// Grey levels at 1 unit of exposure.
     k: f64,
+    /// Exponent of the response.
     gamma: f64,
+    /// Grey levels without light.
     grey_background: f64,
     /// ``None`` where the data do not reach saturation.
     grey_max: Option<f64>,
@@ -73,9 +79,11 @@ pub(crate) struct Calibration {
     saturated: usize,
     /// The unit of exposure to which ``k`` belongs.
     unit: String,
-    /// Intervals of 99 % confidence: (low, high) of k, gamma and grey_background.
+    /// Interval of 99 % confidence of ``k``: (low, high).
     k_interval: (f64, f64),
+    /// Interval of 99 % confidence of ``gamma``: (low, high).
     gamma_interval: (f64, f64),
+    /// Interval of 99 % confidence of ``grey_background``: (low, high).
     grey_background_interval: (f64, f64),
 }
 
@@ -93,6 +101,12 @@ pub(crate) struct Calibration {
 /// Returns
 /// -------
 /// Calibration
+///     The fitted numbers with their intervals.
+///
+/// Raises
+/// ------
+/// RadsightError
+///     If the unit is unknown, lengths differ, or the pairs do not determine the numbers.
 ///
 /// Examples
 /// --------
@@ -103,15 +117,14 @@ pub(crate) struct Calibration {
 /// (0.85, 3000)
 #[pyfunction]
 #[pyo3(signature = (exposure, grey, *, unit="uJ/cm2"))]
-pub(crate) fn calibrate(
-    exposure: PyReadonlyArray1<'_, f64>,
-    grey: PyReadonlyArray1<'_, f64>,
-    unit: &str,
-) -> PyResult<Calibration> {
+pub(crate) fn calibrate(exposure: &Bound<'_, PyAny>, grey: &Bound<'_, PyAny>, unit: &str) -> PyResult<Calibration> {
     let of_unit = ExposureUnit::from_name(unit).ok_or_else(|| wrong("unit", unit, "uJ/cm2, J/m2, …"))?;
+    let exposure = array_argument::<Ix1>("exposure", exposure, "(n,)")?;
+    let shape = format!("({},), that of exposure", exposure.len()?);
+    let grey = array_argument::<Ix1>("grey", grey, &shape)?;
     let (exposure, grey) = (exposure.as_array(), grey.as_array());
     if exposure.len() != grey.len() {
-        return Err(wrong("the number of grey values", grey.len(), &exposure.len().to_string()));
+        return Err(wrong_shape("grey", grey.shape(), &shape));
     }
     let pair = |(exposure, grey): (&f64, &f64)| fitted::Measurement { exposure: *exposure, grey: *grey };
     let pairs: Vec<fitted::Measurement> = exposure.iter().zip(grey).map(pair).collect();

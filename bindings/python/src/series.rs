@@ -15,9 +15,16 @@ use std::time::Instant;
 /// Parameters
 /// ----------
 /// capture : Capture
+///     The camera.
 /// moves : dict of str to str, optional
 ///     Parts that are elsewhere: the name of their surfaces (``*`` at its end: how names begin), and ``xform``'s words for a turn and a shift.
 /// name : str
+///     Stands for the picture in tables.
+///
+/// Raises
+/// ------
+/// RadsightError
+///     If a move is no turn or shift.
 ///
 /// Examples
 /// --------
@@ -78,12 +85,19 @@ impl SeriesPicture {
 ///     Comma-separated: the first line names columns, each other line is a picture. A column is ``name``, a key of the camera file such as
 ///     ``rig.ring_diameter_mm``, or ``move NAME`` with the transform of the surfaces of that name.
 /// camera : Capture
+///     Its keys are those that the table may replace.
 /// name : str
 ///     For messages.
 ///
 /// Returns
 /// -------
 /// list of SeriesPicture
+///     In the order of the lines.
+///
+/// Raises
+/// ------
+/// SceneError
+///     With line and caret of each mistake.
 #[pyfunction]
 #[pyo3(signature = (text, camera, *, name="<series>"))]
 pub(crate) fn series_pictures(
@@ -127,6 +141,7 @@ impl CaptureSeries {
     /// Parameters
     /// ----------
     /// pictures : sequence of SeriesPicture
+    ///     They may differ in camera and moves.
     /// progress : callable, optional
     ///     Called with the share that is done.
     ///

@@ -1,6 +1,7 @@
 //! Long work: without the interpreter lock, with progress, and stopped by Ctrl-C or by an exception of what it calls.
 
 use crate::errors::RadsightError;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
@@ -63,6 +64,12 @@ pub(crate) fn supervised<T: Send>(
     raised: &Raised,
     work: impl FnOnce(&Watch) -> T + Send,
 ) -> PyResult<T> {
+    if let Some(progress) =
+        progress.as_ref().map(|progress| progress.bind(py)).filter(|progress| !progress.is_callable())
+    {
+        let kind = progress.get_type().name()?;
+        return Err(PyTypeError::new_err(format!("progress is {kind}, expected a callable of one number, 0 to 1")));
+    }
     let pool = threads.map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build()).transpose();
     let pool = pool.map_err(|error| RadsightError::new_err(error.to_string()))?;
     let watch = Watch::default();

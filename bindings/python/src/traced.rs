@@ -1,8 +1,10 @@
 //! What rays found, and rays in arrays.
 
+use crate::array_argument::{array_argument, wrong_shape};
 use crate::errors::RadsightError;
 use glam::DVec3;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::ndarray::{ArrayView1, Ix2};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
 use radsight::Ray;
@@ -68,15 +70,15 @@ impl TracedRays {
     }
 }
 
-pub(crate) fn rays_of(rays: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Ray>> {
+/// The rays of an argument: checked, and of unit direction.
+pub(crate) fn rays_of(given: &Bound<'_, PyAny>) -> PyResult<Vec<Ray>> {
+    const SHAPE: &str = "(n, 6): origin and direction of each";
+    let rays = array_argument::<Ix2>("rays", given, SHAPE)?;
     let rays = rays.as_array();
     if rays.ncols() != 6 {
-        return Err(RadsightError::new_err(format!(
-            "rays have {} columns, expected 6: origin and direction",
-            rays.ncols()
-        )));
+        return Err(wrong_shape("rays", rays.shape(), SHAPE));
     }
-    let ray = |(index, row): (usize, numpy::ndarray::ArrayView1<'_, f64>)| {
+    let ray = |(index, row): (usize, ArrayView1<'_, f64>)| {
         let vector = |first: usize| DVec3::new(row[first], row[first + 1], row[first + 2]);
         Ray::new(vector(0), vector(3))
             .ok_or_else(|| RadsightError::new_err(format!("ray {index} has no direction, or is not finite")))

@@ -179,12 +179,92 @@ def test_exceptions_of_python_code_end_the_work():
     with pytest.raises(ValueError, match="evaluate"):
         radsight.Scene.from_text(TABLE, materials={"grey": object()})
 
+    class Nothing:
+        def evaluate(self, outgoing, incident):
+            return None
+
+    with pytest.raises(ValueError, match="\"grey\": evaluate gave NoneType, expected an array"):
+        radsight.Renderer(radsight.Scene.from_text(TABLE, materials={"grey": Nothing()})).trace(rays)
+
+
+def with_row(*numbers):
+    """Rays of which all are these numbers."""
+    return lambda film: np.tile(np.array(numbers, float), (len(film), 1))
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (lambda film: np.zeros((len(film), 5)), r"gave an array of shape \(64, 5\), expected \(64, 6\), .* or \(64, 7\)"),
+        (lambda film: np.zeros((len(film) + 1, 6)), r"gave an array of shape \(65, 6\), expected \(64, 6\)"),
+        (lambda film: np.zeros(6), r"gave an array of shape \(6,\)"),
+        (lambda film: None, "gave NoneType, expected an array"),
+        (lambda film: "rays", "gave str, expected an array"),
+        (lambda film: np.zeros((len(film), 6), complex), "gave an array of complex128"),
+        (with_row(0, 0, 1, 0, 0, 0), r"gave \(0, 0, 1, 0, 0, 0\) for the film point \(0\.\d+, 0\.\d+\), expected finite numbers"),
+        (with_row(0, 0, np.inf, 0, 0, -1), r"gave \(0, 0, inf, 0, 0, -1\) for the film point"),
+        (with_row(0, 0, 1, 0, 0, -1, np.nan), r"gave \(0, 0, 1, 0, 0, -1, NaN\) for the film point"),
+    ],
+    ids=["columns", "rows", "one ray", "None", "text", "complex", "no direction", "infinite", "weight"],
+)
+def test_wrong_rays_of_a_camera_name_it_and_the_shape(given, said):
     class Blind:
         def rays(self, film, aperture):
-            return np.zeros((len(film), 5))
+            return given(film)
 
-    with pytest.raises(ValueError, match="5 columns"):
-        radsight.Renderer(radsight.Scene.from_text(TABLE)).render_camera(Blind(), 8, 8)
+    renderer = radsight.Renderer(radsight.Scene.from_text(TABLE), samples=1)
+    with pytest.raises(ValueError, match="camera Blind: rays " + said):
+        renderer.render_camera(Blind(), 8, 8)
+
+
+def test_a_camera_may_see_nothing_raise_or_give_single_precision():
+    renderer = radsight.Renderer(radsight.Scene.from_text(TABLE), samples=1)
+
+    class Pinhole32(Pinhole):
+        def rays(self, film, aperture):
+            return super().rays(film, aperture).astype(np.float32)
+
+    class HalfBlind(Pinhole):
+        def rays(self, film, aperture):
+            return np.where(film[:, :1] < 0.5, super().rays(film, aperture), np.nan)
+
+    class Broken:
+        def rays(self, film, aperture):
+            raise ZeroDivisionError("a mistake")
+
+    seen = renderer.render_camera(Pinhole(), 16, 12).radiance_w_per_sr_m2
+    single = renderer.render_camera(Pinhole32(), 16, 12).radiance_w_per_sr_m2
+    np.testing.assert_allclose(single, seen, rtol=1e-3)
+    half = renderer.render_camera(HalfBlind(), 16, 12).radiance_w_per_sr_m2
+    np.testing.assert_array_equal(half[:, :8], seen[:, :8])
+    assert (half[:, 8:] == 0).all() and half[:, :8].any()
+    with pytest.raises(ZeroDivisionError, match="a mistake"):
+        renderer.render_camera(Broken(), 16, 12)
+    with pytest.raises(ValueError, match=r"camera int has no method rays\(film, aperture\)"):
+        renderer.render_camera(5, 16, 12)
+    # What was raised is not raised again.
+    assert renderer.render_camera(Pinhole(), 4, 3).radiance_w_per_sr_m2.any()
+
+
+@pytest.mark.parametrize("work", ["render", "trace", "contributions", "render_camera", "fill_irradiance_cache"])
+def test_progress_that_cannot_be_called_or_raises_is_told(work):
+    renderer = radsight.Renderer(radsight.Scene.from_text(TABLE), samples=1)
+    rays = np.array([[0, 0, 1, 0, 0, -1.0]])
+    arguments = {
+        "render": (VIEW, 8, 6),
+        "trace": (rays,),
+        "contributions": (rays, ["lamp"]),
+        "render_camera": (Pinhole(), 8, 6),
+        "fill_irradiance_cache": (rays,),
+    }[work]
+
+    def stop(done):
+        raise ZeroDivisionError(f"at {done}")
+
+    with pytest.raises(TypeError, match="progress is int, expected a callable"):
+        getattr(renderer, work)(*arguments, progress=5)
+    with pytest.raises(ZeroDivisionError, match="at "):
+        getattr(renderer, work)(*arguments, progress=stop)
 
 
 def test_scenes_with_materials_and_files_can_be_pickled(tmp_path):

@@ -42,7 +42,7 @@ def test_retroreflectors_are_fitted_to_their_own_values():
     np.testing.assert_allclose([found["rho_s"], found["alpha"]], [0.4, 0.005], rtol=1e-3)
     with pytest.raises(radsight.RadsightError, match="no such model"):
         retro.coefficient("no such model", [], observation, entrance)
-    with pytest.raises(radsight.RadsightError, match="entrance angles"):
+    with pytest.raises(radsight.RadsightError, match="entrance_deg has shape"):
         retro.coefficient("glass_bead", [100.0], observation, entrance[:3])
 
 

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import pickle
 import subprocess
 
 import numpy as np
@@ -43,7 +44,7 @@ def test_mistakes_have_line_and_caret():
     assert (file, line, column) == ("<text>", 1, 1) and "chrome" in message
     with pytest.raises(radsight.RadsightError):
         radsight.View("-vp 1 2")
-    with pytest.raises(radsight.RadsightError, match="expected 6"):
+    with pytest.raises(radsight.RadsightError, match=r"rays has shape \(2, 5\), expected \(n, 6\)"):
         radsight.Renderer(radsight.Scene.from_text(TABLE)).trace(np.zeros((2, 5)))
     with pytest.raises(radsight.RadsightError, match="ray 1"):
         radsight.Renderer(radsight.Scene.from_text(TABLE)).trace(np.array([[0, 0, 1, 0, 0, -1.0], [0] * 6]))
@@ -130,3 +131,11 @@ def test_no_memory_is_lost_over_many_calls():
     for _ in range(1000):
         work()
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 8 * 1024
+
+
+def test_mistakes_can_be_pickled():
+    with pytest.raises(radsight.SceneError) as raised:
+        radsight.Scene.from_text("chrome sphere ball 0 0 4 0 0 0 1")
+    again = pickle.loads(pickle.dumps(raised.value))
+    assert type(again) is radsight.SceneError and str(again) == str(raised.value)
+    assert again.mistakes == raised.value.mistakes

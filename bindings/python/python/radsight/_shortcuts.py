@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ._radsight import Capture, CapturedImage, Image, Renderer, Scene, SeriesPicture, View, series_pictures
+from ._radsight import Capture, CapturedImage, Image, RadsightError, Renderer, Scene, SeriesPicture, View, series_pictures
 
 if TYPE_CHECKING:
     import pandas
@@ -32,17 +32,20 @@ def render(
     Parameters
     ----------
     scene : Scene
+        What is rendered.
     view : View or str
+        A view, or Radiance's options of one.
     columns, rows : int
         The picture is within this size, in the view's own proportions.
     progress : callable, optional
         Called with the share that is done.
     **options
-        As for `Renderer`: ``error``, ``samples``, ``ambient_bounces``, …
+        As for `Renderer`, such as ``error``, ``samples`` and ``ambient_bounces``.
 
     Returns
     -------
     Image
+        Radiances, W/(sr·m²).
 
     Examples
     --------
@@ -68,8 +71,9 @@ def trace(
     Parameters
     ----------
     scene : Scene
+        In which they are traced.
     rays : (n, 6) array of float
-        Origin (scene units) and direction of each.
+        Origin (scene units) and direction of each. An array of doubles is read in place.
     ask : sequence of str
         Any of ``radiance_w_per_sr_m2``, ``distance``, ``point``, ``normal``.
     progress : callable, optional
@@ -80,10 +84,34 @@ def trace(
     Returns
     -------
     dict of str to array
-        What was asked, an entry each.
+        What was asked, an entry each, as `TracedRays` has it: radiance (n, 3) in W/(sr·m²), distance (n,) and point (n, 3) in scene
+        units, normal (n, 3). With ``quantity="irradiance"`` the radiance is an irradiance, W/m².
+
+    Raises
+    ------
+    RadsightError
+        If the rays have a wrong shape, or there is no such answer.
+
+    Examples
+    --------
+    >>> import radsight
+    >>> scene = radsight.Scene.from_text("void glow white 0 0 4 1 1 1 0 white sphere ball 0 0 4 0 9 0 2")
+    >>> radsight.trace(scene, [[0, 0, 0, 0, 1, 0]], ["distance"])
+    {'distance': array([7.])}
     """
+    check_ask(ask)
     traced = Renderer(scene, **options).trace(rays, progress=progress)
     return {name: getattr(traced, name) for name in ask}
+
+
+_ANSWERS = ("radiance_w_per_sr_m2", "distance", "point", "normal")
+
+
+def check_ask(ask: Sequence[str]) -> None:
+    """Refuse what `TracedRays` does not have."""
+    for name in ask:
+        if name not in _ANSWERS:
+            raise RadsightError(f"ask has {name!r}, expected {', '.join(_ANSWERS[:-1])} or {_ANSWERS[-1]}")
 
 
 def contributions(
@@ -99,16 +127,25 @@ def contributions(
     Parameters
     ----------
     scene : Scene
+        In which they are traced.
     rays : (n, 6) array of float
+        Origin (scene units) and direction of each. An array of doubles is read in place.
     modifiers : sequence of str
+        Names of materials and lights.
     progress : callable, optional
+        Called with the share that is done.
     **options
         As for `Renderer`.
 
     Returns
     -------
     (n, m, 3) array of float
-        W/(sr·m²) by ray, modifier and band.
+        W/(sr·m²) by ray, modifier and band; W/m² with ``quantity="irradiance"``.
+
+    Raises
+    ------
+    RadsightError
+        If the rays have a wrong shape.
     """
     return Renderer(scene, **options).contributions(rays, modifiers, progress=progress)
 
@@ -126,13 +163,23 @@ def capture(
     camera : path-like or Capture
         A camera file.
     *scenes : path-like, or one Scene
+        What it is exposed to.
     progress : callable, optional
+        Called with the share that is done.
     **options
-        As for `Capture`, where a file is given: ``error``, ``samples``, ``seed``, …
+        As for `Capture`, where a file is given, such as ``error``, ``samples`` and ``seed``.
 
     Returns
     -------
     CapturedImage
+        Exposures, their errors and grey values.
+
+    Raises
+    ------
+    SceneError
+        With every mistake in the files.
+    TypeError
+        If options are given with a `Capture`.
     """
     if not isinstance(camera, Capture):
         camera = Capture(camera, **options)
@@ -157,10 +204,11 @@ def read_series(table: Path | pandas.DataFrame, camera: Path | Capture, **option
     Returns
     -------
     list of SeriesPicture
+        A picture for each row.
 
     Raises
     ------
-    RadsightError
+    SceneError
         With file, line and caret of each mistake.
     """
     if not isinstance(camera, Capture):
@@ -183,6 +231,7 @@ def progress_bar(bar: Any) -> Callable[[float], None]:
     Returns
     -------
     callable
+        Of the share that is done.
 
     Examples
     --------
