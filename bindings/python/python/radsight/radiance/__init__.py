@@ -1,12 +1,14 @@
-"""Radiance's programs as functions on bytes, with the signatures of `pyradiance`: change the import and keep the code.
+"""Radiance's programs as functions on bytes, with the signatures of `pyradiance`.
+
+Change the import and keep the code: ``from radsight import radiance as pr`` in the place of ``import pyradiance as pr``.
 
 >>> from radsight import radiance
 >>> scene = b"void glow white 0 0 4 1 1 1 0 white sphere ball 0 0 4 0 9 0 2"
 >>> radiance.getbbox(scene)
 [-2.0, 2.0, 7.0, 11.0, -2.0, 2.0]
 
-A program that fails raises `RuntimeError` with its messages, as there. `run` runs any program of ``radsight``, those without a function as
-well.
+A program that fails raises `RuntimeError` with its messages, as there. `run` runs any program of ``radsight``, those
+without a function as well. ``docs/python.md`` lists what of `pyradiance` is left out, and why.
 """
 
 from ._command import run
@@ -27,11 +29,13 @@ from ._pictures import (
     pextrem,
     pfilt,
     pvalue,
+    pvaluer,
     ra_ppm,
     ra_rgbe,
     ra_tiff,
     ra_xyze,
 )
+from ._primitives import Primitive, Scene, parse_primitive, render
 from ._rays import (
     Rcontrib,
     getbbox,
@@ -65,14 +69,30 @@ from ._scenes import (
     obj2rad,
     pkgbsdf,
 )
+from ._views import (
+    RayParams,
+    View,
+    create_default_view,
+    get_default_ray_params,
+    get_ray_params_args,
+    get_view_args,
+    parse_view,
+    viewfile,
+    write,
+)
 
 __all__ = [
     "Pcomb",
+    "Primitive",
+    "RayParams",
     "Rcomb",
     "Rcontrib",
     "Rmtxop",
+    "Scene",
+    "View",
     "Xform",
     "cnt",
+    "create_default_view",
     "dctimestep",
     "falsecolor",
     "genblinds",
@@ -83,8 +103,11 @@ __all__ = [
     "genrev",
     "gensky",
     "gensurf",
+    "get_default_ray_params",
     "get_header",
     "get_image_dimensions",
+    "get_ray_params_args",
+    "get_view_args",
     "getbbox",
     "getinfo",
     "ies2rad",
@@ -93,18 +116,22 @@ __all__ = [
     "obj2mesh",
     "obj2rad",
     "oconv",
+    "parse_primitive",
+    "parse_view",
     "pcompos",
     "pcond",
     "pextrem",
     "pfilt",
     "pkgbsdf",
     "pvalue",
+    "pvaluer",
     "ra_ppm",
     "ra_rgbe",
     "ra_tiff",
     "ra_xyze",
     "rcalc",
     "rcollate",
+    "render",
     "rfluxmtx",
     "rlam",
     "rmtxop",
@@ -112,5 +139,7 @@ __all__ = [
     "rtrace",
     "run",
     "total",
+    "viewfile",
     "vwrays",
+    "write",
 ]

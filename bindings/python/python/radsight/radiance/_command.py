@@ -18,7 +18,7 @@ Format = Literal["a", "f", "d", "c"]
 
 
 def run(program: str, *words: Any, stdin: bytes | None = None) -> bytes:
-    """What a program writes to standard output.
+    """Run a program.
 
     Parameters
     ----------
@@ -27,10 +27,12 @@ def run(program: str, *words: Any, stdin: bytes | None = None) -> bytes:
     *words
         Its command line.
     stdin : bytes, optional
+        What it reads from standard input.
 
     Returns
     -------
     bytes
+        Its standard output.
 
     Raises
     ------

@@ -28,17 +28,27 @@ def rfluxmtx(
     octree: None | PathLike = None,
     scene: None | Sequence[PathLike] = None,
 ) -> bytes:
-    """Flux transfer matrices: ``rfluxmtx``.
+    """Compute flux transfer matrices: ``rfluxmtx``.
 
     Parameters
     ----------
     receiver : path-like
+        Scene file of the receivers.
     surface : path-like, optional
-        The sender; without it ``rays``.
+        Scene file of the sender; without it ``rays``.
     rays : bytes, optional
+        Origins and directions.
     params : sequence of str, optional
+        Further options, word by word.
     octree : path-like, optional
+        An octree of the scene.
     scene : sequence of path-like, optional
+        Scene files.
+
+    Returns
+    -------
+    bytes
+        The matrix, or nothing where the receivers name files.
     """
     sender = "-" if surface is None else str(surface)
     words = [*(params or []), sender, receiver, *option("-i", octree), *(scene or [])]
@@ -53,7 +63,28 @@ def rmtxop(
     transform: None | str | Sequence[float] = None,
     reflectance: None | str = None,
 ) -> bytes:
-    """Change a matrix: ``rmtxop``."""
+    """Change a matrix: ``rmtxop``.
+
+    Parameters
+    ----------
+    inp : path-like or bytes
+        The matrix, in Radiance's format.
+    outform : {"a", "f", "d", "c"}
+        ``a`` text, ``f`` floats, ``d`` doubles, ``c`` a picture.
+    transpose : bool
+        Whether rows become columns.
+    scale : float, optional
+        A factor.
+    transform : str or sequence of float, optional
+        Factors of the components (``-c``), a row after the other, or a name such as ``XYZ``.
+    reflectance : str, optional
+        Side of a BSDF file: ``front`` or ``back``.
+
+    Returns
+    -------
+    bytes
+        The matrix.
+    """
     word, stdin = source_of(inp, "-")
     words = [*switches({"-t": transpose}), f"-f{outform}", *option("-s", scale), *vector("-c", transform)]
     words += attached("-r", (reflectance or "")[:1])
@@ -70,7 +101,37 @@ def dctimestep(
     outform: None | str = None,
     ospec: None | str = None,
 ) -> None | bytes:
-    """Products of daylight matrices: ``dctimestep``. The last may be bytes. ``None`` where ``ospec`` names files."""
+    """Multiply daylight matrices: ``dctimestep``.
+
+    Parameters
+    ----------
+    *mtx : path-like or bytes
+        Files of 1 to 4 matrices; the last may be bytes.
+    nstep : int, optional
+        Number of time steps.
+    header : bool
+        Whether the output has an information header.
+    xres : int, optional
+        Columns.
+    yres : int, optional
+        Rows.
+    inform : str, optional
+        Format of a sky without a header: ``a``, ``f`` or ``d``.
+    outform : str, optional
+        ``a``, ``f``, ``d`` or ``c``.
+    ospec : str, optional
+        Files of the results, with a place for a number.
+
+    Returns
+    -------
+    bytes or None
+        The product; ``None`` where ``ospec`` names files.
+
+    Raises
+    ------
+    ValueError
+        With no matrix or more than four, or if another than the last is bytes.
+    """
     if not 1 <= len(mtx) <= 4:
         raise ValueError(f"{len(mtx)} matrices, expected 1 to 4")
     if any(isinstance(matrix, bytes) for matrix in mtx[:-1]):
@@ -83,14 +144,16 @@ def dctimestep(
 
 
 class Rmtxop:
-    """Combine matrices: ``rmtxop``. Add them with `add_input`, then call it.
+    """Combine matrices: ``rmtxop``.
+
+        Add them with `add_input`, then call it for the bytes of the result.
 
     Parameters
     ----------
-    outform : str
+    outform : {"a", "f", "d", "c"}
         ``a`` text, ``f`` floats, ``d`` doubles, ``c`` a picture.
-    color : None
-        ``rmtxop`` has no such option: see ``transform`` of `add_input`.
+    color : str, optional
+        Must be ``None``, as ``rmtxop`` has no such option: see ``transform`` of `add_input`.
     """
 
     def __init__(self, outform: Format = "a", color: None | str = None) -> None:
@@ -108,7 +171,35 @@ class Rmtxop:
         refl_side: None | str = None,
         color: None | str = None,
     ) -> Rmtxop:
-        """Add a matrix, and by which operation it joins those before."""
+        """Add a matrix, and say by which operation it joins those before.
+
+        Parameters
+        ----------
+        input_data : path-like or bytes
+            The matrix, in Radiance's format.
+        op : {"*", "/", "+", "."}
+            Of the first matrix it does not count.
+        scale : float or sequence of float, optional
+            A factor, or one for each component.
+        transform : str or sequence of float, optional
+            Factors of the components (``-c``), a row after the other, or a name such as ``XYZ``.
+        transpose : bool
+            Whether rows become columns.
+        refl_side : str, optional
+            Side of a BSDF file: ``front`` or ``back``.
+        color : str, optional
+            Must be ``None``.
+
+        Returns
+        -------
+        Rmtxop
+            This object, for the next call.
+
+        Raises
+        ------
+        ValueError
+            If a second matrix is bytes.
+        """
         _check_no_color(color)
         self._words += [op] if self._inputs else []
         self._words += [*vector("-s", scale), *attached("-r", (refl_side or "")[:1])]
@@ -127,19 +218,26 @@ def _check_no_color(color: None | str) -> None:
 
 
 class Rcomb:
-    """Combine matrices row by row: ``rcomb``. Add them with `add_input`, then call it.
+    """Combine matrices row by row: ``rcomb``.
+
+        Add them with `add_input`, then call it for the bytes of the result.
 
     Parameters
     ----------
     transform : str, optional
-        Of the first input's components (``-c``); ``transform_all`` of all inputs' (``-C``).
+        Of the first input's components (``-c``).
+    transform_all : str, optional
+        Of all inputs' components (``-C``).
     source : str, optional
-        A file of functions.
+        A file of functions (``-f``).
     expression : str, optional
+        Definitions of the result ``co`` (``-e``).
     concat : sequence of str, optional
         Matrices that the result is multiplied with (``-m``).
-    outform : str, optional
+    outform : {"a", "f", "d", "c"}, optional
+        ``a``, ``f``, ``d`` or ``c``.
     header : bool
+        Whether the output has an information header.
     silent : bool
         Whether warnings are left out.
     """
@@ -163,7 +261,27 @@ class Rcomb:
     def add_input(
         self, input: Source, transform: None | str = None, scale: None | Sequence[float] = None
     ) -> Rcomb:
-        """Add a matrix."""
+        """Add a matrix.
+
+        Parameters
+        ----------
+        input : path-like or bytes
+            The matrix, in Radiance's format.
+        transform : str, optional
+            Of its components (``-c``).
+        scale : sequence of float, optional
+            Factors of its components.
+
+        Returns
+        -------
+        Rcomb
+            This object, for the next call.
+
+        Raises
+        ------
+        ValueError
+            If a second matrix is bytes.
+        """
         self._words += [*option("-c", transform), *vector("-s", scale)]
         self._stdin = one_source(self._words, self._stdin, input)
         return self
@@ -184,7 +302,36 @@ def rcollate(
     ocols: None | int = None,
     transpose: bool = False,
 ) -> bytes:
-    """Reorder a matrix: ``rcollate``."""
+    """Reorder a matrix: ``rcollate``.
+
+    Parameters
+    ----------
+    inp : path-like or bytes
+        The matrix, in Radiance's format.
+    header : bool
+        Whether input and output have headers.
+    warn : bool
+        Whether warnings are printed.
+    inform : {"a", "f", "d", "c"}
+        Format of the elements: ``a``, ``f`` or ``d``.
+    ncomp : int
+        Components of an element.
+    nrows : int, optional
+        Rows of the input.
+    ncols : int, optional
+        Columns of it.
+    orows : int, optional
+        Rows of the output.
+    ocols : int, optional
+        Columns of it.
+    transpose : bool
+        Whether rows become columns.
+
+    Returns
+    -------
+    bytes
+        The matrix.
+    """
     words = switches({"-h": not header, "-w": not warn})
     words += [] if (inform, ncomp) == ("a", 3) else [f"-f{inform}{'' if ncomp == 1 else ncomp}"]
     words += [*switches({"-t": transpose}), *option("-ir", nrows), *option("-ic", ncols)]

@@ -17,11 +17,12 @@ def oconv(
     frozen: bool = False,
     octree: None | PathLike = None,
 ) -> bytes:
-    """Compile scenes to an octree.
+    """Compile scenes to an octree: ``oconv``.
 
     Parameters
     ----------
     *paths : path-like
+        Scene files.
     warning : bool
         Whether warnings are printed.
     stdin : bytes, optional
@@ -30,6 +31,11 @@ def oconv(
         Whether the octree holds the scene, so that its files are not needed any more.
     octree : path-like, optional
         An octree to which the scenes are added.
+
+    Returns
+    -------
+    bytes
+        The octree.
     """
     words = [*option("-i", octree), *switches({"-w": not warning, "-f": frozen})]
     words += ["-"] if stdin is not None else []
@@ -37,7 +43,27 @@ def oconv(
 
 
 def getbbox(*inputs: Source, header: bool = False, warning: bool = True) -> list[float]:
-    """The box around scenes, files or text: [xmin, xmax, ymin, ymax, zmin, zmax]."""
+    """Find the box around scenes: ``getbbox``.
+
+    Parameters
+    ----------
+    *inputs : path-like or bytes
+        Scene files, or scene text.
+    header : bool
+        Whether the program prints a header; the result is the same.
+    warning : bool
+        Whether warnings are printed.
+
+    Returns
+    -------
+    list of float
+        Limits xmin, xmax, ymin, ymax, zmin, zmax, in scene units.
+
+    Raises
+    ------
+    ValueError
+        If there is no input.
+    """
     if not inputs:
         raise ValueError("expected at least one input")
     texts = [source for source in inputs if isinstance(source, bytes)]
@@ -76,25 +102,51 @@ def rtrace(
     rays : bytes
         Origins and directions in the format ``inform``.
     octree : path-like
+        File of the octree.
     header : bool
         Whether the answers have a header.
-    inform, outform : str
-        ``a`` text, ``f`` floats, ``d`` doubles.
-    irradiance, irradiance_lambertian : bool
-        ``-I`` and ``-i``.
+    inform : str
+        Format of the rays: ``a`` text, ``f`` floats, ``d`` doubles.
+    outform : str
+        Format of the answers: the same, or ``c`` for a picture.
+    irradiance : bool
+        Whether rays ask for irradiance at their origin (``-I``).
+    irradiance_lambertian : bool
+        Whether rays ask for irradiance of the first surface (``-i``).
     outspec : str, optional
-        ``-o``.
-    trace_exclude, trace_include : str
-        A material (``-te``, ``-ti``); or a file of materials (``trace_exclude_file``, ``trace_include_file``).
+        What is answered (``-o``), such as ``v`` for radiance; W/(sr·m²), W/m² for irradiance.
+    trace_exclude : str
+        A modifier that is not traced (``-te``).
+    trace_include : str
+        A modifier that alone is traced (``-ti``).
+    trace_exclude_file : path-like, optional
+        A file of such modifiers (``-tE``).
+    trace_include_file : path-like, optional
+        A file of such modifiers (``-tI``).
     uncorrelated : bool
-        ``-u+``.
-    xres, yres, nproc : int, optional
+        Whether samples are independent (``-u+``).
+    xres : int, optional
+        Columns of the picture that the rays are.
+    yres : int, optional
+        Rows of it.
+    nproc : int, optional
+        Number of processes.
     params : sequence of str, optional
-        Further options.
+        Further options, word by word.
     report : bool
         Whether messages go to standard error as they come.
     version : bool
-        Only tell the version.
+        Whether only the version is told.
+
+    Returns
+    -------
+    bytes
+        A record for each ray.
+
+    Raises
+    ------
+    TypeError
+        If the rays are not bytes.
     """
     if version:
         return run("rtrace", "-version")
@@ -139,13 +191,22 @@ def rpict(
     view : sequence of str
         Options of the view.
     octree : path-like
-    xres, yres : int, optional
+        File of the octree.
+    xres : int, optional
+        Columns at most.
+    yres : int, optional
+        Rows at most.
     report : float
         Seconds between reports of progress.
     report_file : path-like, optional
-        Where these go.
+        File of these reports.
     params : sequence of str, optional
         Further options; ``--error`` and its number ask for an error.
+
+    Returns
+    -------
+    bytes
+        The picture; its values are W/(sr·m²).
     """
     words = [*view, *option("-t", report or None), *option("-e", report_file)]
     words += [*option("-x", xres), *option("-y", yres), *(params or [])]
@@ -153,18 +214,28 @@ def rpict(
 
 
 class Rcontrib:
-    """Contributions of modifiers to rays: ``rcontrib``. `add_modifier`, then call it.
+    """Ask for contributions of modifiers to rays: ``rcontrib``.
+
+        Add modifiers with `add_modifier`, then call it for the bytes that the program writes.
 
     Parameters
     ----------
     inp : bytes
-        Rays.
+        Rays in the format ``inform``.
     octree : path-like
+        File of the octree.
     nproc : int
+        Number of processes.
     yres : int, optional
-    inform, outform : str, optional
+        Rows of the answers.
+    inform : str, optional
+        Format of the rays: ``a``, ``f`` or ``d``.
+    outform : str, optional
+        Format of the answers: the same, or ``c``.
     report : int
+        Seconds between reports of progress.
     params : sequence of str, optional
+        Further options, word by word.
     """
 
     def __init__(
@@ -197,7 +268,36 @@ class Rcontrib:
         yres: None | int = None,
         output: None | str = None,
     ) -> Rcontrib:
-        """Track a modifier, or all of a file."""
+        """Track a modifier, or all modifiers of a file.
+
+        Parameters
+        ----------
+        modifier : str, optional
+            Name of the modifier.
+        modifier_path : str, optional
+            File of names, one a line.
+        calfile : str, optional
+            File of functions for the bins (``-f``).
+        expression : str, optional
+            Definitions for them (``-e``).
+        nbins : int or str, optional
+            Number of bins, or an expression of it (``-bn``).
+        binv : int or str, optional
+            Expression of a contribution's bin (``-b``).
+        param : str, optional
+            Variables of the bins (``-p``).
+        xres : int, optional
+            Columns of the answers.
+        yres : int, optional
+            Rows of them.
+        output : str, optional
+            File of the answers instead of standard output (``-o``).
+
+        Returns
+        -------
+        Rcontrib
+            This object, for the next call.
+        """
         self._words += [*option("-f", calfile), *option("-e", expression), *option("-b", binv)]
         self._words += [*option("-bn", nbins), *option("-p", param), *option("-o", output)]
         self._words += [*option("-x", xres), *option("-y", yres)]
@@ -223,7 +323,47 @@ def vwrays(
     pic: None | Path = None,
     zbuf: None | Path = None,
 ) -> bytes:
-    """Rays of a view or a picture: ``vwrays``."""
+    """Make the rays of a view or a picture: ``vwrays``.
+
+    Parameters
+    ----------
+    pixpos : bytes, optional
+        Positions of pixels, for rays through these alone.
+    unbuf : bool
+        Whether each ray is written at once.
+    outform : {"a", "f", "d", "c"}
+        Format of the rays: ``a``, ``f`` or ``d``.
+    ray_count : int
+        Rays for each pixel.
+    pixel_jitter : float
+        Random shift within a pixel, 0 to 1.
+    pixel_diameter : float
+        Diameter of the lens, scene units.
+    pixel_aspect : float
+        Height of a pixel as a multiple of its width.
+    xres : int
+        Columns at most.
+    yres : int
+        Rows at most.
+    dimensions : bool
+        Whether only the size is told, as options of ``rtrace``.
+    view : sequence of str, optional
+        Options of the view.
+    pic : path-like, optional
+        A picture that has a view, instead.
+    zbuf : path-like, optional
+        Distances of its surfaces, from which the rays start.
+
+    Returns
+    -------
+    bytes
+        Origin and direction of each ray, or the size.
+
+    Raises
+    ------
+    ValueError
+        Without a view and a picture.
+    """
     if view is None and pic is None:
         raise ValueError("expected a view or a picture")
     words = switches({"-i": pixpos is not None, "-u": unbuf})
@@ -235,5 +375,22 @@ def vwrays(
 
 
 def mkillum(inp: bytes, octree: PathLike, nproc: int = 1, params: None | Sequence[str] = None) -> bytes:
-    """Windows and other surfaces as light sources: ``mkillum``."""
+    """Turn windows and other surfaces into light sources: ``mkillum``.
+
+    Parameters
+    ----------
+    inp : bytes
+        Scene text with the surfaces.
+    octree : path-like
+        File of the octree in which they shine.
+    nproc : int
+        Number of processes.
+    params : sequence of str, optional
+        Further options, word by word.
+
+    Returns
+    -------
+    bytes
+        Scene text with ``illum`` surfaces.
+    """
     return run("mkillum", *option("-n", nproc or None), *(params or []), octree, stdin=inp)

@@ -16,7 +16,35 @@ def getinfo(
     append: str = "",
     command: str = "",
 ) -> bytes:
-    """Headers of files: ``getinfo``."""
+    """Read or change headers: ``getinfo``.
+
+    Parameters
+    ----------
+    *inputs : path-like or bytes
+        Files, or the bytes of one.
+    dimension_only : bool
+        Whether only sizes of pictures are told.
+    dimension : bool
+        Whether sizes follow the headers.
+    strip_header : bool
+        Whether the header is left out and the rest kept.
+    replace : str
+        Lines to put in the place of those with the same variable.
+    append : str
+        Lines to add.
+    command : str
+        A command that changes the header.
+
+    Returns
+    -------
+    bytes
+        Headers, or the file with its new header.
+
+    Raises
+    ------
+    ValueError
+        If several inputs are to lose their headers.
+    """
     words = next(
         (
             words
@@ -43,13 +71,39 @@ def getinfo(
 
 
 def get_header(inp: Source, dimension: bool = False) -> bytes:
-    """The header of a picture, matrix or octree."""
+    """Read the header of a picture, matrix or octree.
+
+    Parameters
+    ----------
+    inp : path-like or bytes
+        The file.
+    dimension : bool
+        Whether only the size is told.
+
+    Returns
+    -------
+    bytes
+        The header.
+    """
     word, stdin = source_of(inp)
     return run("getinfo", *switches({"-d": dimension}), *word, stdin=stdin)
 
 
 def cnt(*dims: int, shuffled: bool = False) -> bytes:
-    """Count: ``cnt``."""
+    """Count: ``cnt``.
+
+    Parameters
+    ----------
+    *dims : int
+        How far each column counts.
+    shuffled : bool
+        Whether the order is random.
+
+    Returns
+    -------
+    bytes
+        A line for each combination.
+    """
     return run("cnt", *switches({"-s": shuffled}), *dims)
 
 
@@ -69,7 +123,44 @@ def total(
     outlimit: None | int = None,
     sep: None | str = None,
 ) -> bytes:
-    """Sums of columns: ``total``."""
+    """Sum columns: ``total``.
+
+    Parameters
+    ----------
+    inp : path-like or bytes, optional
+        Numbers in columns.
+    mean : bool
+        Whether means are taken instead of sums.
+    sumpower : int
+        Exponent of a power sum.
+    multiply : bool
+        Whether products are taken.
+    find_max : bool
+        Whether largest values are taken.
+    find_min : bool
+        Whether smallest values are taken.
+    inform : str, optional
+        Format of the input: ``f`` or ``d``; text if not given.
+    incount : int
+        Columns of a binary record.
+    outform : str, optional
+        Format of the output.
+    substep : int, optional
+        Records for each subtotal.
+    substep_reset : bool
+        Whether a subtotal starts anew.
+    inlimit : int, optional
+        Number of records read at most.
+    outlimit : int, optional
+        Number of results written at most.
+    sep : str, optional
+        The character between columns.
+
+    Returns
+    -------
+    bytes
+        A number for each column.
+    """
     word, stdin = source_of(inp if inp is not None else b"")
     words = switches({"-m": mean, "-p": multiply, "-u": find_max, "-l": find_min})
     words += [*attached("-s", sumpower), *_formats(inform, incount, outform)]
@@ -96,7 +187,46 @@ def rcalc(
     ignore_newlines: bool = False,
     silent: bool = False,
 ) -> bytes:
-    """Calculate with columns: ``rcalc``."""
+    """Calculate with columns: ``rcalc``.
+
+    Parameters
+    ----------
+    inp : path-like or bytes
+        Records.
+    sep : str, optional
+        The character between columns.
+    inform : str, optional
+        Format of the input: ``f`` or ``d``; text if not given.
+    incount : int
+        Columns of a binary record.
+    outform : str, optional
+        Format of the output.
+    passive : bool
+        Whether records pass unchanged where a condition holds (``-p``).
+    pass_negative : bool
+        Whether they pass where it does not (``-P``).
+    inlimit : int, optional
+        Number of records read at most.
+    outlimit : int, optional
+        Number of records written at most.
+    source : str, optional
+        File of definitions (``-f``).
+    expr : str, optional
+        Definitions such as ``$1=$1+$2`` (``-e``).
+    assign : str, optional
+        Strings assigned (``-s``).
+    exact_only : bool
+        Whether blanks in formats must match (``-b``).
+    ignore_newlines : bool
+        Whether line ends count as blanks (``-l``).
+    silent : bool
+        Whether warnings are left out (``-w``).
+
+    Returns
+    -------
+    bytes
+        Records.
+    """
     word, stdin = source_of(inp)
     words = [*attached("-t", sep), *_formats(inform, incount, outform)]
     words += switches({"-p": passive, "-P": pass_negative and not passive})
@@ -107,7 +237,18 @@ def rcalc(
 
 
 def rlam(*inputs: Source) -> bytes:
-    """Records of several inputs side by side: ``rlam``. One of them may be bytes."""
+    """Join records of several inputs side by side: ``rlam``.
+
+    Parameters
+    ----------
+    *inputs : path-like or bytes
+        Files, of which one may be bytes.
+
+    Returns
+    -------
+    bytes
+        Records.
+    """
     words: list[str] = []
     stdin = None
     for source in inputs:

@@ -51,7 +51,59 @@ def gensky(
     horizontal_direct_irradiance: None | float = None,
     turbidity: None | float = None,
 ) -> bytes:
-    """A CIE sky: ``gensky``."""
+    """Make a CIE sky: ``gensky``.
+
+    Parameters
+    ----------
+    dt : datetime.datetime, optional
+        Date and standard time.
+    latitude : float, optional
+        Degrees north.
+    longitude : float, optional
+        Degrees west, as for the program.
+    timezone : int, optional
+        Meridian of the standard time, degrees west.
+    altitude : float, optional
+        Altitude of the sun, degrees, instead of a date.
+    azimuth : float, optional
+        Azimuth of the sun, degrees west of south.
+    year : int, optional
+        Year for the sun's position.
+    sunny_with_sun : bool
+        ``+s``.
+    sunny_without_sun : bool
+        ``-s``.
+    cloudy : bool
+        ``-c``.
+    intermediate_with_sun : bool
+        ``+i``.
+    intermediate_without_sun : bool
+        ``-i``.
+    uniform : bool
+        ``-u``.
+    ground_reflectance : float, optional
+        Share, 0 to 1.
+    zenith_brightness : float, optional
+        W/(sr·m²).
+    horizontal_brightness : float, optional
+        Diffuse irradiance of the horizontal, W/m².
+    solar_radiance : float, optional
+        W/(sr·m²).
+    horizontal_direct_irradiance : float, optional
+        W/m².
+    turbidity : float, optional
+        Turbidity of the air.
+
+    Returns
+    -------
+    bytes
+        Scene text.
+
+    Raises
+    ------
+    ValueError
+        Without a date, and without altitude and azimuth.
+    """
     sun = _when(dt, latitude, longitude, timezone, year, altitude, azimuth, seconds=False)
     kinds = {
         "+s": sunny_with_sun,
@@ -87,7 +139,55 @@ def gendaylit(
     grefl: None | float = None,
     interval: None | int = None,
 ) -> bytes:
-    """A Perez sky: ``gendaylit``."""
+    """Make a Perez sky: ``gendaylit``.
+
+    Parameters
+    ----------
+    dt : datetime.datetime, optional
+        Date and standard time.
+    latitude : float, optional
+        Degrees north.
+    longitude : float, optional
+        Degrees west, as for the program.
+    timezone : int, optional
+        Meridian of the standard time, degrees west.
+    altitude : float, optional
+        Altitude of the sun, degrees, instead of a date.
+    azimuth : float, optional
+        Azimuth of the sun, degrees west of south.
+    year : int, optional
+        Year for the sun's position.
+    dirnorm : float, optional
+        Direct normal irradiance, W/m².
+    diffhor : float, optional
+        Diffuse horizontal irradiance, W/m².
+    dirhor : float, optional
+        Direct horizontal irradiance, W/m².
+    dirnorm_illum : float, optional
+        Direct normal illuminance, lx.
+    diffhor_illum : float, optional
+        Diffuse horizontal illuminance, lx.
+    solar : bool
+        Whether radiances are of the whole solar spectrum (``-O 1``).
+    sky_only : bool
+        Whether the sun is left out.
+    silent : bool
+        Whether warnings are left out.
+    grefl : float, optional
+        Reflectance of the ground, 0 to 1.
+    interval : int, optional
+        Minutes for which the irradiances are means.
+
+    Returns
+    -------
+    bytes
+        Scene text.
+
+    Raises
+    ------
+    ValueError
+        Without a date, and without altitude and azimuth.
+    """
     words = _when(dt, latitude, longitude, timezone, year, altitude, azimuth, seconds=True)
     words += (
         option("-W", dirnorm, diffhor)
@@ -111,25 +211,59 @@ def genbox(
     smoothing: bool = False,
     waveout: bool = False,
 ) -> bytes:
-    """A box: ``genbox``."""
+    """Make a box: ``genbox``.
+
+    Parameters
+    ----------
+    mat : str
+        Modifier of the surfaces.
+    name : str
+        Name of the surfaces.
+    xsiz : float
+        Size in x, scene units.
+    ysiz : float
+        Size in y.
+    zsiz : float
+        Size in z.
+    inward : bool
+        Whether normals point inward.
+    beveled : float, optional
+        Width of bevels.
+    rounded : float, optional
+        Radius of round edges.
+    nsegs : int, optional
+        Segments of a round edge.
+    smoothing : bool
+        Whether these are smooth.
+    waveout : bool
+        Whether a Wavefront file is made.
+
+    Returns
+    -------
+    bytes
+        Scene text.
+    """
     words = [*switches({"-i": inward}), *option("-b", beveled), *option("-r", rounded), *option("-n", nsegs)]
     return run("genbox", mat, name, xsiz, ysiz, zsiz, *words, *switches({"-s": smoothing, "-o": waveout}))
 
 
 class Xform:
-    """Move scene text: ``xform``. Transformations are added in their order; then call it.
+    """Move scene text: ``xform``.
+
+        Add transformations in their order, then call it for the bytes of the moved scene.
 
     Parameters
     ----------
     inp : path-like or bytes
+        Scene file or text.
     expand_cmd : bool
         Whether commands are expanded.
     invert : bool
         Whether surfaces are turned around.
     iprefix : str, optional
-        Before all names.
+        Text before all names.
     modifier : str, optional
-        Of all surfaces.
+        Modifier of all surfaces.
     """
 
     def __init__(
@@ -149,43 +283,138 @@ class Xform:
         return self
 
     def translate(self, x: float, y: float, z: float) -> Xform:
-        """Move."""
+        """Move.
+
+        Parameters
+        ----------
+        x, y, z : float
+            Scene units.
+
+        Returns
+        -------
+        Xform
+            This object, for the next call.
+        """
         return self._add("-t", x, y, z)
 
     def rotatex(self, deg: float) -> Xform:
-        """Turn about the x axis."""
+        """Turn about the x axis.
+
+        Parameters
+        ----------
+        deg : float
+            Degrees.
+
+        Returns
+        -------
+        Xform
+            This object, for the next call.
+        """
         return self._add("-rx", deg)
 
     def rotatey(self, deg: float) -> Xform:
-        """Turn about the y axis."""
+        """Turn about the y axis.
+
+        Parameters
+        ----------
+        deg : float
+            Degrees.
+
+        Returns
+        -------
+        Xform
+            This object, for the next call.
+        """
         return self._add("-ry", deg)
 
     def rotatez(self, deg: float) -> Xform:
-        """Turn about the z axis."""
+        """Turn about the z axis.
+
+        Parameters
+        ----------
+        deg : float
+            Degrees.
+
+        Returns
+        -------
+        Xform
+            This object, for the next call.
+        """
         return self._add("-rz", deg)
 
     def scale(self, ratio: float) -> Xform:
-        """Scale about the origin."""
+        """Scale about the origin.
+
+        Parameters
+        ----------
+        ratio : float
+            The factor.
+
+        Returns
+        -------
+        Xform
+            This object, for the next call.
+        """
         return self._add("-s", ratio)
 
     def mirrorx(self) -> Xform:
-        """Mirror at the yz plane."""
+        """Mirror at the yz plane.
+
+        Returns
+        -------
+        Xform
+            This object, for the next call.
+        """
         return self._add("-mx")
 
     def mirrory(self) -> Xform:
-        """Mirror at the xz plane."""
+        """Mirror at the xz plane.
+
+        Returns
+        -------
+        Xform
+            This object, for the next call.
+        """
         return self._add("-my")
 
     def mirrorz(self) -> Xform:
-        """Mirror at the xy plane."""
+        """Mirror at the xy plane.
+
+        Returns
+        -------
+        Xform
+            This object, for the next call.
+        """
         return self._add("-mz")
 
     def array(self, number: int) -> Xform:
-        """Repeat what follows, each time once more."""
+        """Repeat what follows, each time once more.
+
+        Parameters
+        ----------
+        number : int
+            How often.
+
+        Returns
+        -------
+        Xform
+            This object, for the next call.
+        """
         return self._add("-a", number)
 
     def iterate(self, number: int) -> Xform:
-        """Do what follows so often."""
+        """Apply what follows so often.
+
+        Parameters
+        ----------
+        number : int
+            How often.
+
+        Returns
+        -------
+        Xform
+            This object, for the next call.
+        """
         return self._add("-i", number)
 
     def __call__(self) -> bytes:
@@ -203,7 +432,32 @@ def genblinds(
     angle: float,
     rcurv: None | float = None,
 ) -> bytes:
-    """Venetian blinds: ``genblinds``."""
+    """Make Venetian blinds: ``genblinds``.
+
+    Parameters
+    ----------
+    mat : str
+        Modifier of the surfaces.
+    name : str
+        Name of the surfaces.
+    depth : float
+        Depth of a slat, scene units.
+    width : float
+        Width of the blinds.
+    height : float
+        Height of the blinds.
+    nslats : int
+        Number of slats.
+    angle : float
+        Tilt of the slats, degrees.
+    rcurv : float, optional
+        Radius of their curvature; its sign tells the side.
+
+    Returns
+    -------
+    bytes
+        Scene text.
+    """
     curved = ["+r" if rcurv > 0 else "-r", str(abs(rcurv))] if rcurv else []
     return run("genblinds", mat, name, depth, width, height, nslats, angle, *curved)
 
@@ -219,7 +473,39 @@ def genprism(
     no_ends: bool = False,
     stdin: None | bytes = None,
 ) -> bytes:
-    """A prism over a polygon: ``genprism``. ``vertices`` are x and y of each corner in turn."""
+    """Make a prism over a polygon: ``genprism``.
+
+    Parameters
+    ----------
+    mat : str
+        Modifier of the surfaces.
+    name : str
+        Name of the surfaces.
+    vertices : sequence of float, optional
+        Corners: x and y of each in turn, scene units.
+    vfile : str, optional
+        File of the corners instead.
+    lvect : sequence of float, optional
+        Vector from base to top.
+    radius : float, optional
+        Radius of round edges.
+    no_connect : bool
+        Whether the last corner is not joined to the first.
+    no_ends : bool
+        Whether base and top are left out.
+    stdin : bytes, optional
+        The corners, where ``vfile`` is ``-``.
+
+    Returns
+    -------
+    bytes
+        Scene text.
+
+    Raises
+    ------
+    ValueError
+        Without corners, or with fewer than three.
+    """
     if (vertices is None) == (vfile is None):
         raise ValueError("expected either vertices or vfile")
     if vertices is not None and (len(vertices) % 2 or len(vertices) < 6):
@@ -241,7 +527,32 @@ def genrev(
     file: None | str = None,
     smooth: bool = False,
 ) -> bytes:
-    """A surface of revolution: ``genrev``."""
+    """Make a surface of revolution: ``genrev``.
+
+    Parameters
+    ----------
+    mat : str
+        Modifier of the surfaces.
+    name : str
+        Name of the surfaces.
+    z_t : str
+        Height as an expression of t, 0 to 1.
+    r_t : str
+        Radius as an expression of t.
+    nseg : int
+        Number of segments.
+    expr : str, optional
+        Definitions (``-e``).
+    file : str, optional
+        File of definitions (``-f``).
+    smooth : bool
+        Whether normals are smooth.
+
+    Returns
+    -------
+    bytes
+        Scene text.
+    """
     words = [*option("-e", expr), *option("-f", file), *switches({"-s": smooth})]
     return run("genrev", mat, name, z_t, r_t, nseg, *words)
 
@@ -261,7 +572,40 @@ def gensurf(
     waveout: bool = False,
     stdin: None | bytes = None,
 ) -> bytes:
-    """A surface over two parameters: ``gensurf``."""
+    """Make a surface over two parameters: ``gensurf``.
+
+    Parameters
+    ----------
+    mat : str
+        Modifier of the surfaces.
+    name : str
+        Name of the surfaces.
+    x : str
+        Expression of s and t, 0 to 1.
+    y, z : str
+        Expression of s and t.
+    m : int
+        Divisions of s.
+    n : int
+        Divisions of t.
+    expr : str, optional
+        Definitions (``-e``).
+    file : str, optional
+        File of definitions (``-f``).
+    invert : bool
+        Whether normals are turned around.
+    smooth : bool
+        Whether normals are smooth.
+    waveout : bool
+        Whether a Wavefront file is made.
+    stdin : bytes, optional
+        Numbers, where a name is ``-``.
+
+    Returns
+    -------
+    bytes
+        Scene text.
+    """
     words = [*option("-e", expr), *option("-f", file), *switches({"-i": invert, "-s": smooth, "-o": waveout})]
     return run("gensurf", mat, name, x, y, z, m, n, *words, stdin=stdin)
 
@@ -285,7 +629,50 @@ def gendaymtx(
     solar_radiance: bool = False,
     mfactor: int = 1,
 ) -> bytes:
-    """The skies of a weather file as a matrix: ``gendaymtx``."""
+    """Make the skies of a weather file: ``gendaymtx``.
+
+    Parameters
+    ----------
+    weather_data : path-like or bytes
+        Weather in ``.wea`` or ``.epw`` form.
+    verbose : bool
+        Whether progress is printed.
+    header : bool
+        Whether the output has an information header.
+    average : bool
+        Whether all time steps are averaged.
+    sun_only : bool
+        Whether the sky is left out (``-d``).
+    sky_only : bool
+        Whether the sun is left out (``-s``).
+    sun_file : str, optional
+        File for the suns (``-D``).
+    sun_mods : str, optional
+        File for their modifiers (``-M``).
+    daylight_hours_only : bool
+        Whether nights are left out.
+    dryrun : bool
+        Whether only suns and modifiers are written.
+    sky_color : list of float, optional
+        Red, green and blue of the sky.
+    ground_color : list of float, optional
+        Red, green and blue of the ground.
+    rotate : float, optional
+        Rotation of the sky, degrees.
+    outform : str, optional
+        ``a``, ``f`` or ``d``.
+    onesun : bool
+        Whether a sun is one patch of its own size (``-5``).
+    solar_radiance : bool
+        Whether radiances are of the whole solar spectrum (``-O1``).
+    mfactor : int
+        Factor of the Reinhart division of the sky.
+
+    Returns
+    -------
+    bytes
+        A row for each patch, a column for each time step, W/(sr·m²).
+    """
     kind = {"-d": sun_only, "-s": sky_only and not sun_only}
     words = ["-m", str(mfactor), *switches({"-v": verbose, "-h": not header, "-A": average, **kind})]
     words += ["-5", ".533"] if onesun else []
@@ -312,7 +699,47 @@ def ies2rad(
     set_default_lamp_color: None | str = None,
     multiply_factor: None | float = None,
 ) -> bytes:
-    """Luminaires from IES files: ``ies2rad``. Writes files, and with ``stdout`` the scene as bytes."""
+    """Convert luminaires from IES files: ``ies2rad``.
+
+    Parameters
+    ----------
+    *inp : path-like
+        IES files.
+    libdir : str, optional
+        Folder of the library.
+    prefdir : str, optional
+        Subfolder of it.
+    outname : str, optional
+        Name of the files that are written.
+    stdout : bool
+        Whether the scene is returned instead of written.
+    units : str, optional
+        Unit of the scene, such as ``m``.
+    radius : float, optional
+        Radius of an ``illum`` sphere, scene units.
+    instancing_geometry : bool
+        Whether geometry is an instance.
+    lampdat : str, optional
+        File of lamp types.
+    lamp_type : str, optional
+        Lamp type.
+    lamp_color : (float, float, float), optional
+        Red, green and blue.
+    set_default_lamp_color : str, optional
+        Default lamp type.
+    multiply_factor : float, optional
+        Factor of all values.
+
+    Returns
+    -------
+    bytes
+        Scene text with ``stdout``, otherwise nothing.
+
+    Raises
+    ------
+    ValueError
+        If the colour is not three numbers.
+    """
     if lamp_color is not None and len(lamp_color) != 3:
         raise ValueError(f"lamp_color has {len(lamp_color)} numbers, expected 3")
     words = [*option("-l", libdir), *option("-p", prefdir), *option("-o", outname), *switches({"-s": stdout})]
@@ -325,7 +752,24 @@ def ies2rad(
 def mgf2rad(
     *inp: str, matfile: None | str = None, mult: None | float = None, dist: None | float = None
 ) -> bytes:
-    """Scenes in the Materials and Geometry Format: ``mgf2rad``."""
+    """Convert scenes of the Materials and Geometry Format: ``mgf2rad``.
+
+    Parameters
+    ----------
+    *inp : str
+        Files.
+    matfile : str, optional
+        File for the materials.
+    mult : float, optional
+        Factor of emission.
+    dist : float, optional
+        Radius of influence of glow, scene units.
+
+    Returns
+    -------
+    bytes
+        Scene text.
+    """
     return run("mgf2rad", *option("-m", matfile), *option("-e", mult), *option("-g", dist), *inp)
 
 
@@ -338,7 +782,30 @@ def obj2mesh(
     silent: bool = False,
     stats: bool = False,
 ) -> bytes:
-    """A Wavefront file as a compiled mesh: ``obj2mesh``."""
+    """Compile a Wavefront file to a mesh: ``obj2mesh``.
+
+    Parameters
+    ----------
+    inp : path-like or bytes
+        A Wavefront file.
+    matfiles : sequence of str, optional
+        Scene files of materials.
+    matlib : str, optional
+        An octree of materials.
+    objlim : int
+        Triangles in a cell.
+    maxres : int
+        Largest number of cells along an axis.
+    silent : bool
+        Whether warnings are left out.
+    stats : bool
+        Whether statistics are printed.
+
+    Returns
+    -------
+    bytes
+        The mesh.
+    """
     words = [*switches({"-w": silent, "-v": stats}), *option("-l", matlib), "-n", str(objlim), "-r", str(maxres)]
     words += repeated("-a", matfiles)
     word, stdin = source_of(inp)
@@ -352,14 +819,53 @@ def obj2rad(
     mapfile: None | str = None,
     objname: None | str = None,
 ) -> bytes:
-    """A Wavefront file as scene text: ``obj2rad``."""
+    """Convert a Wavefront file to scene text: ``obj2rad``.
+
+    Parameters
+    ----------
+    inp : path-like or bytes
+        A Wavefront file.
+    quallist : bool
+        Whether only qualifiers are listed.
+    flatten : bool
+        Whether smoothing is left out.
+    mapfile : str, optional
+        File that maps qualifiers to modifiers.
+    objname : str, optional
+        Name of the surfaces.
+
+    Returns
+    -------
+    bytes
+        Scene text.
+    """
     word, stdin = source_of(inp)
     words = [*switches({"-n": quallist, "-f": flatten}), *option("-o", objname), *option("-m", mapfile)]
     return run("obj2rad", *words, *word, stdin=stdin)
 
 
 def pkgbsdf(*xml: PathLike, frozen: bool = False, stdout: bool = False) -> None | bytes:
-    """A measured BSDF as a material: ``pkgBSDF``. Writes files, or with ``stdout`` gives the scene of one."""
+    """Make a material of measured BSDFs: ``pkgBSDF``.
+
+    Parameters
+    ----------
+    *xml : path-like
+        BSDF files.
+    frozen : bool
+        Whether geometry is a mesh.
+    stdout : bool
+        Whether the scene of one file is returned instead of written.
+
+    Returns
+    -------
+    bytes or None
+        Scene text with ``stdout``, otherwise ``None``.
+
+    Raises
+    ------
+    ValueError
+        If ``stdout`` is asked for several files.
+    """
     if stdout and len(xml) > 1:
         raise ValueError(f"{len(xml)} files, expected one with stdout")
     said = run("pkgBSDF", *switches({"-i": frozen, "-s": stdout}), *xml)
