@@ -24,6 +24,7 @@ def to_dataset(picture: Image | CapturedImage | MergedJob) -> xarray.Dataset:
     Parameters
     ----------
     picture : Image, CapturedImage or MergedJob
+        Its arrays are not copied.
 
     Returns
     -------
@@ -63,6 +64,7 @@ def to_frame(traced: TracedRays) -> pandas.DataFrame:
     Parameters
     ----------
     traced : TracedRays
+        What `Renderer.trace` gives.
 
     Returns
     -------
@@ -85,6 +87,7 @@ def series_to_dataset(pictures: Sequence[SeriesPicture], images: Sequence[Captur
     Parameters
     ----------
     pictures : sequence of SeriesPicture
+        What was asked of `CaptureSeries.expose`.
     images : sequence of CapturedImage
         Of one size, as `CaptureSeries.expose` gives them.
 
@@ -107,7 +110,9 @@ def series_to_frame(pictures: Sequence[SeriesPicture], images: Sequence[Captured
     Parameters
     ----------
     pictures : sequence of SeriesPicture
+        What was asked of `CaptureSeries.expose`.
     images : sequence of CapturedImage
+        What it gave.
 
     Returns
     -------

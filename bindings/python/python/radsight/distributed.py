@@ -27,6 +27,7 @@ import numpy.typing as npt
 from dask.distributed import Client, Future, as_completed
 
 from ._radsight import Capture, JobResult, MergedJob, RadsightError, RenderJob, Renderer, Scene, View
+from ._shortcuts import check_ask
 
 __all__ = ["Sampling", "capture", "capture_series", "contributions", "render", "trace"]
 
@@ -57,7 +58,10 @@ class Sampling:
     error : float, optional
         Relative error instead, such as 0.02: all pixels get as many rays as this needs, at most 65536. Of a capture it is the rms over the
         pixels as a share of the mean exposure. The bias of cached irradiance does not count.
-    seed, ambient_bounces : int
+    seed : int
+        Chooses the sample sequence.
+    ambient_bounces : int
+        Diffuse interreflections that are followed.
     ambient_accuracy : float
         As for `RenderJob`: 0 follows light path by path, with more an irradiance cache is made first.
     ambient_divisions, ambient_super_samples : int, optional
@@ -78,7 +82,7 @@ class Sampling:
     jobs: int | None = None
     partial: Partial | None = None
 
-    def job(self, **target: Any) -> RenderJob:
+    def _job(self, **target: Any) -> RenderJob:
         """The whole job for a view or a camera."""
         if (self.samples is None) == (self.error is None):
             raise RadsightError("expected either samples or error")
@@ -94,7 +98,7 @@ class Sampling:
             **target,
         )
 
-    def run(self, client: Client, shared: Future, job: RenderJob, size: tuple[int, int]) -> MergedJob:
+    def _run(self, client: Client, shared: Future, job: RenderJob, size: tuple[int, int]) -> MergedJob:
         """Run the parts of a job, with ever more samples until its error is the asked one. How many is decided by pixels alone."""
         caches = self.ambient_bounces > 0 and self.ambient_accuracy > 0
         cache = client.submit(_fill_for_job, shared, job, pure=False) if caches else None
@@ -116,8 +120,11 @@ def render(client: Client, scene: Scene, view: View | str, columns: int, rows: i
     Parameters
     ----------
     client : dask.distributed.Client
+        Connected to the scheduler.
     scene : Scene
+        What is rendered; it goes to the cluster once.
     view : View or str
+        A view, or Radiance's options of one.
     columns, rows : int
         The picture is within this size, in the view's own proportions.
     **sampling
@@ -129,9 +136,9 @@ def render(client: Client, scene: Scene, view: View | str, columns: int, rows: i
         To the bit what one process gives for as many samples.
     """
     how = Sampling(**sampling)
-    job = how.job(view=View(view) if isinstance(view, str) else view, columns=columns, rows=rows)
+    job = how._job(view=View(view) if isinstance(view, str) else view, columns=columns, rows=rows)
     with _Shared(client, scene) as shared:
-        return how.run(client, shared, job, job.picture_size)
+        return how._run(client, shared, job, job.picture_size)
 
 
 def capture(client: Client, camera: Capture, scene: Scene, **sampling: Any) -> MergedJob:
@@ -140,9 +147,11 @@ def capture(client: Client, camera: Capture, scene: Scene, **sampling: Any) -> M
     Parameters
     ----------
     client : dask.distributed.Client
+        Connected to the scheduler.
     camera : Capture
         Its camera file counts, not its ``error`` or ``samples``.
     scene : Scene
+        Without the camera's light ring.
     **sampling
         As for `Sampling`; light is followed path by path.
 
@@ -152,9 +161,9 @@ def capture(client: Client, camera: Capture, scene: Scene, **sampling: Any) -> M
         ``values`` are exposures, J/m²: (rows, columns, 1).
     """
     how = Sampling(**sampling)
-    job = how.job(camera="camera")
+    job = how._job(camera="camera")
     with _Shared(client, (camera, camera.with_ring(scene))) as shared:
-        return how.run(client, shared, job, camera.size)
+        return how._run(client, shared, job, camera.size)
 
 
 def capture_series(
@@ -166,6 +175,7 @@ def capture_series(
     Parameters
     ----------
     client : dask.distributed.Client
+        Connected to the scheduler.
     captures : sequence of (Capture, Scene)
         Of cameras of one size; each with its own error or samples.
 
@@ -203,12 +213,15 @@ def trace(
     Parameters
     ----------
     client : dask.distributed.Client
+        Connected to the scheduler.
     scene : Scene
+        In which they are traced; it goes to the cluster once.
     rays : (n, 6) array of float
         Origin (scene units) and direction of each.
     ask : sequence of str
         As for `radsight.trace`.
     rays_a_job : int
+        Number of rays in a job; the result does not depend on it.
     **options
         As for `Renderer`, with the same defaults. Where they ask for an irradiance cache, one worker makes it for all rays.
 
@@ -217,7 +230,9 @@ def trace(
     dict of str to array
         To the bit what `radsight.trace` gives.
     """
+    check_ask(ask)
     _check_threads(options)
+    rays = _checked(rays)
     with _Shared(client, scene) as shared:
         caches = options.get("ambient_bounces", 0) > 0 and options.get("ambient_accuracy", 1) > 0
         cache = client.submit(_fill_for_rays, shared, options, rays, pure=False) if caches else None
@@ -225,7 +240,7 @@ def trace(
             client.submit(
                 _trace_job, shared, cache, options, rays[first : first + rays_a_job], first, tuple(ask), pure=False
             )
-            for first in range(0, len(rays), rays_a_job)
+            for first in _starts(rays, rays_a_job)
         ]
         parts = _gathered(client, futures)
     return {name: np.concatenate([part[name] for part in parts]) for name in ask}
@@ -245,19 +260,25 @@ def contributions(
     Parameters
     ----------
     client : dask.distributed.Client
+        Connected to the scheduler.
     scene : Scene
+        In which they are traced; it goes to the cluster once.
     rays : (n, 6) array of float
+        Origin (scene units) and direction of each.
     modifiers : sequence of str
+        Names of materials and lights.
     rays_a_job : int
+        Number of rays in a job; the result does not depend on it.
     **options
         As for `Renderer`.
 
     Returns
     -------
     (n, m, 3) array of float
-        To the bit what `radsight.contributions` gives.
+        W/(sr·m²) by ray, modifier and band: to the bit what `radsight.contributions` gives.
     """
     _check_threads(options)
+    rays = _checked(rays)
     with _Shared(client, scene) as shared:
         futures = [
             client.submit(
@@ -269,7 +290,7 @@ def contributions(
                 list(modifiers),
                 pure=False,
             )
-            for first in range(0, len(rays), rays_a_job)
+            for first in _starts(rays, rays_a_job)
         ]
         return np.concatenate(_gathered(client, futures))
 
@@ -439,6 +460,21 @@ def _jobs(client: Client, asked: int | None) -> int:
         return max(1, asked)
     threads = cast("dict[str, int]", client.nthreads())
     return max(1, _JOBS_A_THREAD * sum(threads.values()))
+
+
+def _checked(rays: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Rays as an array, before they are sent."""
+    array = np.asarray(rays, np.float64)
+    if array.ndim != 2 or array.shape[1] != 6:
+        raise RadsightError(f"rays has shape {array.shape}, expected (n, 6): origin and direction of each")
+    return array
+
+
+def _starts(rays: npt.NDArray[np.float64], rays_a_job: int) -> range:
+    """The first ray of each job. Without rays there is one job, for the shape of its answer."""
+    if rays_a_job < 1:
+        raise RadsightError(f"rays_a_job is {rays_a_job}, expected 1 or more")
+    return range(0, max(1, len(rays)), rays_a_job)
 
 
 def _check_threads(options: dict[str, Any]) -> None:

@@ -1,0 +1,92 @@
+"""Docstrings of all public objects: numpydoc's form, and examples that run."""
+
+import doctest
+import importlib
+import inspect
+import pkgutil
+
+import pytest
+import radsight
+
+validate = pytest.importorskip("numpydoc.validate")
+
+# Not every object needs an example, a reference to another one, or more than a line, in which quotes may end; a summary may be a
+# noun, as that of a property.
+NOT_NEEDED = {"EX01", "SA01", "ES01", "GL02", "GL03", "SS05"}
+MODULES = ["radsight", "radsight.retro", "radsight.arrays", "radsight.distributed", "radsight.radiance"]
+DOCTESTS = ["radsight._radsight", *(module.name for module in pkgutil.walk_packages(radsight.__path__, "radsight."))]
+
+
+def members(of):
+    """Methods and properties of a class that are its own."""
+    for name in dir(of):
+        owners = [base for base in of.__mro__ if base.__module__.split(".")[0] == "radsight" and name in vars(base)]
+        # Fields of data classes are parameters.
+        is_field = owners and (name in getattr(of, "__dataclass_fields__", {}))
+        if not name.startswith("_") and owners and not is_field:
+            yield name
+
+
+def public_objects():
+    for module_name in MODULES:
+        if module_name == "radsight.distributed":
+            pytest.importorskip("dask.distributed")
+        module = importlib.import_module(module_name)
+        for name in module.__all__:
+            thing = getattr(module, name)
+            if not callable(thing):
+                continue
+            yield f"{module_name}.{name}", thing
+            if inspect.isclass(thing):
+                yield from ((f"{module_name}.{name}.{member}", None) for member in members(thing))
+
+
+def test_docstrings_have_numpydocs_form():
+    found, checked = [], 0
+    for name, thing in public_objects():
+        not_needed = set(NOT_NEEDED)
+        if inspect.isclass(thing) and getattr(thing, "_is_protocol", False):
+            # Nobody makes one.
+            not_needed |= {"PR01"}
+        errors = validate.validate(name)["errors"]
+        found += [f"{name}: {code} {text}" for code, text in errors if code not in not_needed]
+        checked += 1
+    assert found == [], "\n".join(found)
+    assert checked > 200, checked
+
+
+def test_the_check_finds_what_is_missing():
+    errors = {code for code, _ in validate.validate("bindings_example.nothing_said")["errors"]}
+    assert {"PR01", "RT01"} <= errors
+
+
+@pytest.fixture(autouse=True)
+def example_module(monkeypatch):
+    """A module with a function that says neither its parameter nor what it returns."""
+    import sys
+    import types
+
+    module = types.ModuleType("bindings_example")
+
+    def nothing_said(length):
+        """Do something."""
+        return 2 * length
+
+    nothing_said.__module__ = "bindings_example"
+    module.nothing_said = nothing_said
+    monkeypatch.setitem(sys.modules, "bindings_example", module)
+
+
+@pytest.mark.parametrize("name", [name for name in DOCTESTS if not name.endswith("__main__")])
+def test_examples_run(name):
+    if name == "radsight.distributed":
+        pytest.importorskip("dask.distributed")
+    failed, _ = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE)
+    assert failed == 0
+
+
+def test_there_are_examples():
+    finder = doctest.DocTestFinder(exclude_empty=True)
+    modules = [importlib.import_module(name) for name in DOCTESTS if name.split(".")[-1] not in ("__main__", "distributed")]
+    tests = [test for module in modules for test in finder.find(module) if test.examples]
+    assert len(tests) > 14, len(tests)
