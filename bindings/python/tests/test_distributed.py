@@ -136,3 +136,19 @@ def test_what_cannot_be_shared_out_is_refused(scene):
     camera = radsight.Capture.from_text(CAMERA)
     with pytest.raises(radsight.RadsightError, match="ambient_accuracy"):
         distributed.capture(None, camera, scene, samples=2, ambient_bounces=1, ambient_accuracy=0.1)
+
+
+def test_no_rays_have_no_answers_and_wrong_ones_are_refused_before_they_are_sent(cluster, scene):
+    with pytest.raises(radsight.RadsightError, match=r"rays has shape \(6,\), expected \(n, 6\)"):
+        distributed.trace(None, scene, np.zeros(6))
+    with pytest.raises(radsight.RadsightError, match="rays_a_job is 0"):
+        distributed.contributions(None, scene, np.zeros((1, 6)), ["lamp"], rays_a_job=0)
+    with pytest.raises(radsight.RadsightError, match="ask has 'colour'"):
+        distributed.trace(None, scene, np.zeros((1, 6)), ["colour"])
+    client = cluster(1)
+    none = np.empty((0, 6))
+    assert distributed.trace(client, scene, none, ["point"])["point"].shape == (0, 3)
+    assert distributed.contributions(client, scene, none, ["lamp"]).shape == (0, 1, 3)
+    # What a worker raises is the exception that one process raises.
+    with pytest.raises(radsight.RadsightError, match="ray 0 has no direction"):
+        distributed.trace(client, scene, np.zeros((1, 6)))

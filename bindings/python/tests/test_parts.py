@@ -120,9 +120,14 @@ def test_the_package_itself_has_types():
     assert done.returncode == 0, done.stdout
 
 
-def test_the_stubs_have_what_the_module_has():
+def test_the_types_tell_what_the_package_has(tmp_path):
     pytest.importorskip("mypy")
-    run = [sys.executable, "-m", "mypy.stubtest", "radsight._radsight", "--ignore-disjoint-bases"]
+    allowed = tmp_path / "allowed"
+    # Imported for types alone; and a type of letters, which is not one at run time.
+    allowed.write_text("radsight\\.(_shortcuts|arrays)\\.(pandas|xarray)\nradsight\\.radiance\\.\\w+\\.Format\n")
+    configuration = pathlib.Path(__file__).parents[1] / "pyproject.toml"
+    run = [sys.executable, "-m", "mypy.stubtest", "radsight", "--ignore-disjoint-bases", "--ignore-unused-allowlist"]
+    run += ["--allowlist", str(allowed), "--mypy-config-file", str(configuration)]
     done = subprocess.run(run, capture_output=True, text=True, cwd=PACKAGE.parent.parent)
     assert done.returncode == 0, done.stdout + done.stderr
 
@@ -142,3 +147,23 @@ def test_public_objects_are_documented_with_examples_that_run():
         assert failed == 0, name
         tried += of_module
     assert tried > 12, tried
+
+
+@pytest.mark.parametrize("checker", ["mypy", "pyright"])
+def test_types_of_the_examples_are_right(checker):
+    pytest.importorskip(checker)
+    for package in ("matplotlib", "cv2", "skimage"):
+        if importlib.util.find_spec(package) is None:
+            pytest.skip(f"{package} is not installed")
+    if subprocess.run([sys.executable, "-m", checker, "--version"], capture_output=True).returncode != 0:
+        pytest.skip(f"{checker} cannot run here: pyright fetches a program at its first run")
+    folder = pathlib.Path(__file__).parents[3] / "examples"
+    words = {
+        # Not all packages of others have types, and a notebook's cells may repeat imports.
+        "mypy": ["--strict", "--ignore-missing-imports", "--allow-untyped-calls"],
+        "pyright": ["--pythonpath", sys.executable],
+    }[checker]
+    examples = sorted([*folder.glob("notebooks/*.py"), *folder.glob("python/*.py")])
+    assert len(examples) >= 6
+    done = subprocess.run([sys.executable, "-m", checker, *words, *examples], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr

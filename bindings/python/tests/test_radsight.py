@@ -97,7 +97,7 @@ def test_pages_hold_values_error_and_time():
     np.testing.assert_allclose(np.sqrt(np.mean(relative.astype(float) ** 2)), image.error, rtol=1e-4)
     page = image.report_html(title="<script>")
     assert page.startswith("<!DOCTYPE html>") and "<h1>&lt;script&gt;</h1>" in page
-    for said in ("luminance", "relative standard error", "rays a pixel", "rendering", "Skipped"):
+    for said in ("luminance", "relative standard error", "rays per pixel", "rendering", "Skipped"):
         assert said in page
     preview = radsight.Renderer(scene).render(view, 48, 36)
     assert preview.relative_error is None and preview.samples is None

@@ -88,15 +88,15 @@ class Renderer:
     def render_camera(
         self, camera: Camera, columns: int, rows: int, progress: _Progress | None = None
     ) -> Image: ...
-    def trace(self, rays: _Doubles, *, first: int = 0, progress: _Progress | None = None) -> TracedRays: ...
+    def trace(self, rays: npt.ArrayLike, *, first: int = 0, progress: _Progress | None = None) -> TracedRays: ...
     def contributions(
-        self, rays: _Doubles, modifiers: Sequence[str], *, first: int = 0, progress: _Progress | None = None
+        self, rays: npt.ArrayLike, modifiers: Sequence[str], *, first: int = 0, progress: _Progress | None = None
     ) -> _Doubles: ...
     def fill_irradiance_cache(
-        self, rays: _Doubles | None = None, *, job: RenderJob | None = None, progress: _Progress | None = None
+        self, rays: npt.ArrayLike | None = None, *, job: RenderJob | None = None, progress: _Progress | None = None
     ) -> bytes | None: ...
     def run_job(
-        self, job: RenderJob, *, camera: Capture | None = None, rays: _Doubles | None = None
+        self, job: RenderJob, *, camera: Capture | None = None, rays: npt.ArrayLike | None = None
     ) -> JobResult: ...
 
 @final
@@ -200,7 +200,7 @@ class CaptureSeries:
 def series_pictures(text: str, camera: Capture, *, name: str = "<series>") -> list[SeriesPicture]: ...
 @final
 class Sensor:
-    def grey(self, exposure_j_per_m2: _Doubles, *, seed: int = 0) -> npt.NDArray[np.uint16]: ...
+    def grey(self, exposure_j_per_m2: npt.ArrayLike, *, seed: int = 0) -> npt.NDArray[np.uint16]: ...
     @property
     def bits(self) -> int: ...
     @property
@@ -229,7 +229,7 @@ class Calibration:
     @property
     def grey_background_interval(self) -> tuple[float, float]: ...
 
-def calibrate(exposure: _Doubles, grey: _Doubles, *, unit: str = "uJ/cm2") -> Calibration: ...
+def calibrate(exposure: npt.ArrayLike, grey: npt.ArrayLike, *, unit: str = "uJ/cm2") -> Calibration: ...
 
 @final
 class RenderJob:
@@ -296,17 +296,17 @@ def models() -> dict[str, list[str]]: ...
 def coefficient(
     model: str,
     numbers: Sequence[float],
-    observation_deg: _Doubles,
-    entrance_deg: _Doubles,
+    observation_deg: npt.ArrayLike,
+    entrance_deg: npt.ArrayLike,
     *,
     rotation_deg: float = 0.0,
     word: str | None = None,
 ) -> _Doubles: ...
 def fit(
     model: str,
-    observation_deg: _Doubles,
-    entrance_deg: _Doubles,
-    coefficient_cd_per_lx_m2: _Doubles,
+    observation_deg: npt.ArrayLike,
+    entrance_deg: npt.ArrayLike,
+    coefficient_cd_per_lx_m2: npt.ArrayLike,
     *,
     word: str | None = None,
 ) -> dict[str, float]: ...

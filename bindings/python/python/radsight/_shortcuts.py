@@ -60,7 +60,7 @@ def render(
 
 def trace(
     scene: Scene,
-    rays: npt.NDArray[np.float64],
+    rays: npt.ArrayLike,
     ask: Sequence[str] = ("radiance_w_per_sr_m2",),
     *,
     progress: Callable[[float], object] | None = None,
@@ -116,7 +116,7 @@ def check_ask(ask: Sequence[str]) -> None:
 
 def contributions(
     scene: Scene,
-    rays: npt.NDArray[np.float64],
+    rays: npt.ArrayLike,
     modifiers: Sequence[str],
     *,
     progress: Callable[[float], object] | None = None,

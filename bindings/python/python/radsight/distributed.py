@@ -202,7 +202,7 @@ def capture_series(
 def trace(
     client: Client,
     scene: Scene,
-    rays: npt.NDArray[np.float64],
+    rays: npt.ArrayLike,
     ask: Sequence[str] = ("radiance_w_per_sr_m2",),
     *,
     rays_a_job: int = 1 << 16,
@@ -232,15 +232,15 @@ def trace(
     """
     check_ask(ask)
     _check_threads(options)
-    rays = _checked(rays)
+    checked = _checked(rays, rays_a_job)
     with _Shared(client, scene) as shared:
         caches = options.get("ambient_bounces", 0) > 0 and options.get("ambient_accuracy", 1) > 0
-        cache = client.submit(_fill_for_rays, shared, options, rays, pure=False) if caches else None
+        cache = client.submit(_fill_for_rays, shared, options, checked, pure=False) if caches else None
         futures = [
             client.submit(
-                _trace_job, shared, cache, options, rays[first : first + rays_a_job], first, tuple(ask), pure=False
+                _trace_job, shared, cache, options, checked[first : first + rays_a_job], first, tuple(ask), pure=False
             )
-            for first in _starts(rays, rays_a_job)
+            for first in _starts(checked, rays_a_job)
         ]
         parts = _gathered(client, futures)
     return {name: np.concatenate([part[name] for part in parts]) for name in ask}
@@ -249,7 +249,7 @@ def trace(
 def contributions(
     client: Client,
     scene: Scene,
-    rays: npt.NDArray[np.float64],
+    rays: npt.ArrayLike,
     modifiers: Sequence[str],
     *,
     rays_a_job: int = 1 << 12,
@@ -278,19 +278,19 @@ def contributions(
         W/(sr·m²) by ray, modifier and band: to the bit what `radsight.contributions` gives.
     """
     _check_threads(options)
-    rays = _checked(rays)
+    checked = _checked(rays, rays_a_job)
     with _Shared(client, scene) as shared:
         futures = [
             client.submit(
                 _contributions_job,
                 shared,
                 options,
-                rays[first : first + rays_a_job],
+                checked[first : first + rays_a_job],
                 first,
                 list(modifiers),
                 pure=False,
             )
-            for first in _starts(rays, rays_a_job)
+            for first in _starts(checked, rays_a_job)
         ]
         return np.concatenate(_gathered(client, futures))
 
@@ -462,8 +462,10 @@ def _jobs(client: Client, asked: int | None) -> int:
     return max(1, _JOBS_A_THREAD * sum(threads.values()))
 
 
-def _checked(rays: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Rays as an array, before they are sent."""
+def _checked(rays: npt.ArrayLike, rays_a_job: int) -> npt.NDArray[np.float64]:
+    """Rays as an array, before they are sent in jobs."""
+    if rays_a_job < 1:
+        raise RadsightError(f"rays_a_job is {rays_a_job}, expected 1 or more")
     array = np.asarray(rays, np.float64)
     if array.ndim != 2 or array.shape[1] != 6:
         raise RadsightError(f"rays has shape {array.shape}, expected (n, 6): origin and direction of each")
@@ -472,8 +474,6 @@ def _checked(rays: npt.ArrayLike) -> npt.NDArray[np.float64]:
 
 def _starts(rays: npt.NDArray[np.float64], rays_a_job: int) -> range:
     """The first ray of each job. Without rays there is one job, for the shape of its answer."""
-    if rays_a_job < 1:
-        raise RadsightError(f"rays_a_job is {rays_a_job}, expected 1 or more")
     return range(0, max(1, len(rays)), rays_a_job)
 
 
