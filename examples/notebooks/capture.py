@@ -23,6 +23,7 @@ import radsight
 folder = next(path for path in Path.cwd().resolve().parents if (path / "radiance-scenes").is_dir()) / "radiance-scenes/gripps"
 image = radsight.capture(folder / "fig14.toml", folder / "sheet-retro.rad", folder / "washer.rad", error=0.05)
 print(image.grey.shape, image.grey.dtype, f"mean exposure {image.exposure_j_per_m2.mean():.3e} J/m²")
+assert image.estimated_error is not None
 print(f"estimated error {100 * image.estimated_error:.1f} % of the mean exposure")
 
 # %% [markdown]

@@ -43,14 +43,14 @@ otsu = threshold_otsu(ratio)
 mm_per_pixel = np.array([13.75e-3, 16.0e-3]) * 478.0 / 6.75
 
 
-def diameter_mm(threshold):
+def diameter_mm(threshold: float) -> float:
     """Mean axis of the ellipse through the outline of what is darker."""
     dark = (ratio < threshold).astype(np.uint8)
     outlines, _ = cv2.findContours(dark, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     outline = max(outlines, key=cv2.contourArea).reshape(-1, 2)
     _, axes, _ = cv2.fitEllipse((outline * mm_per_pixel).astype(np.float32))
     # The outline joins the centres of the outermost dark pixels, half a pixel inside of the edge.
-    return np.mean(axes) + mm_per_pixel.mean()
+    return float(np.mean(axes) + mm_per_pixel.mean())
 
 
 # %% [markdown]

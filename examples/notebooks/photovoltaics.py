@@ -21,6 +21,7 @@
 import time
 
 import numpy as np
+import numpy.typing as npt
 import radsight
 from radsight import radiance
 
@@ -67,9 +68,10 @@ print(f"{seconds:.2f} s")
 import importlib
 import tempfile
 from pathlib import Path
+from typing import Any
 
 
-def by_program(module):
+def by_program(module: Any) -> tuple[npt.NDArray[np.float64], float]:
     """Irradiance at the points, and how long it took."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "scene.rad").write_text(text)
@@ -92,6 +94,18 @@ for name, module in modules.items():
     print(f"{name}: front {values[:9].mean():.1f}, back {values[9:].mean():.1f} W/m², {seconds:.2f} s; ", end="")
     print(f"no point differs by more than {100 * difference:.1f} %")
     assert difference < 0.1
+
+# %% [markdown]
+# `examples/python/bifacial_nine_points.py` runs `bifacial_radiance` itself (0.5.4, `AnalysisObj` with real Radiance) on three rows of five
+# modules, and traces the same points of the same scene files by `radsight.trace`. Means of the nine points in W/m², and processor time with
+# reading the scene (November 2026, medians of three runs on two cores):
+#
+# | accuracy | front | back | time | largest difference of a point |
+# |---|---|---|---|---|
+# | low: `bifacial_radiance` | 825.2 | 72.2 | 1.52 s | |
+# | low: `radsight` | 825.6 | 72.4 | 0.90 s | 1.4 to 2.6 % |
+# | high: `bifacial_radiance` | 825.4 | 72.3 | 14.1 s | |
+# | high: `radsight` | 825.6 | 72.5 | 1.0 s | 1.2 to 1.6 % |
 
 # %% [markdown]
 # By the way: front and back as a table.
