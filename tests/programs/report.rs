@@ -160,7 +160,7 @@ fn whole_numbers_are_no_radiance() {
 }
 
 /// A headless browser: `RADSIGHT_CHROMIUM`, or one on the path. Without one, a test prints a note
-/// and passes.
+/// and passes, or with `RADSIGHT_REQUIRE_CHROMIUM=1` fails.
 struct Browser(String);
 
 impl Browser {
@@ -171,6 +171,8 @@ impl Browser {
         let runs = |name: &String| Command::new(name).arg("--version").output().is_ok_and(|run| run.status.success());
         let found = all.find(runs).map(Browser);
         if found.is_none() {
+            let is_required = std::env::var_os("RADSIGHT_REQUIRE_CHROMIUM").is_some_and(|value| value == "1");
+            assert!(!is_required, "no Chromium found, and RADSIGHT_REQUIRE_CHROMIUM=1");
             println!("skipped: no Chromium found");
         }
         found

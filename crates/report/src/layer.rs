@@ -97,7 +97,7 @@ impl Layers {
     pub(crate) fn add_rays(&mut self, map: &Image<f32>, side: usize) {
         let layer = self.layers.len();
         self.layers.push(Layer { image: pooled(map, side, Pooling::Mean), whole: false });
-        self.choose("rays", "rays a pixel", "", layer, vec![1.0]);
+        self.choose("rays", "rays per pixel", "", layer, vec![1.0]);
     }
 
     /// Adds the sensor's grey values.

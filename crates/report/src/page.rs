@@ -210,7 +210,7 @@ impl Page {
             facts.push(fact("shown", values));
         }
         if self.pixel_aspect != 1.0 {
-            facts.push(fact("pixels", format!("{:.4} (height divided by width)", self.pixel_aspect)));
+            facts.push(fact("pixel aspect", format!("{:.4} (height divided by width)", self.pixel_aspect)));
         }
         facts.extend(self.facts.iter().cloned());
         facts

@@ -31,14 +31,14 @@ pub(crate) fn facts(facts: &[Setting], record: &RunRecord) -> String {
         out.push_str(&row("estimated error", &interval(error.reached, error.uncertainty)));
     }
     if let Some(rays) = record.rays {
-        out.push_str(&row("rays from the camera", &grouped(rays)));
+        out.push_str(&row("camera rays", &grouped(rays)));
     }
     let elapsed: f64 = record.stages.iter().map(|stage| stage.elapsed_s).sum();
     if elapsed > 0.0 {
         out.push_str(&row("time", &seconds(elapsed)));
     }
     if let Some(date) = &record.date {
-        out.push_str(&row("made", date));
+        out.push_str(&row("date", date));
     }
     out.push_str("</tbody></table></section>\n");
     out
@@ -71,8 +71,8 @@ fn grouped(number: u64) -> String {
 pub(crate) fn statistics(layers: &Layers) -> String {
     let mut out = String::from(
         "<section><h2>Values</h2><div class=\"wide\"><table><thead><tr><th scope=\"col\">of each pixel</th>\
-         <th scope=\"col\">mean</th><th scope=\"col\">least</th><th scope=\"col\">1 %</th><th scope=\"col\">median</th>\
-         <th scope=\"col\">99 %</th><th scope=\"col\">largest</th><th scope=\"col\">unit</th></tr></thead><tbody>\n",
+         <th scope=\"col\">mean</th><th scope=\"col\">minimum</th><th scope=\"col\">1 %</th><th scope=\"col\">median</th>\
+         <th scope=\"col\">99 %</th><th scope=\"col\">maximum</th><th scope=\"col\">unit</th></tr></thead><tbody>\n",
     );
     let mut missing = Vec::new();
     for (index, choice) in layers.choices.iter().enumerate() {
@@ -178,7 +178,7 @@ fn stage_table(stages: &[Stage]) -> String {
         let _ = writeln!(out, "<tr>{}</tr>", row(&stage.name, stage.elapsed_s, stage.processor_s));
     }
     let processor: Option<f64> = stages.iter().map(|stage| stage.processor_s).sum();
-    let _ = writeln!(out, "<tr class=\"total\">{}</tr>", row("all", total, processor));
+    let _ = writeln!(out, "<tr class=\"total\">{}</tr>", row("total", total, processor));
     out.push_str("</tbody></table></div>\n");
     out
 }
