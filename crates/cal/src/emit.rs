@@ -133,7 +133,7 @@ impl Emitter<'_> {
         shorten(&mut self.ops);
         let tables = self.graph.tables.clone();
         let (ops, lists, chains, shared) = (self.ops, self.lists, self.chains, self.count as u16);
-        Some(Code { ops, results, tables, lists, chains, shared })
+        Some(Code { ops, results, tables, lists, chains, shared, registers })
     }
 
     fn fresh(&mut self) -> Register {

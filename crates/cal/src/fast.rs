@@ -10,8 +10,12 @@ use crate::program::Host;
 /// Index of a register.
 pub(crate) type Register = u16;
 
-/// The register file; every [`Register`] is a valid index, so no access needs a check.
-pub(crate) type File = [f64; 1 << 16];
+/// Number of registers of most codes. Every thread has them; clearing and allocating as many as a
+/// [`Register`] can name costs more than a short picture.
+const FEW: usize = 1 << 8;
+
+/// Number of registers that a [`Register`] can name.
+const MANY: usize = 1 << 16;
 
 /// An instruction; `d` is the destination register.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -321,12 +325,22 @@ pub(crate) struct Code {
     pub(crate) chains: Vec<Chain>,
     /// Number of shared values.
     pub(crate) shared: u16,
+    /// Number of registers.
+    pub(crate) registers: u32,
 }
 
 /// Memory of the machine.
 #[derive(Clone, Debug)]
 pub(crate) struct Registers {
-    pub(crate) file: Box<File>,
+    few: Box<[f64; FEW]>,
+    /// Instead of these, for codes that need more.
+    many: Option<Box<[f64; MANY]>>,
+    calls: Calls,
+}
+
+/// What the machine remembers besides the registers.
+#[derive(Clone, Debug, Default)]
+struct Calls {
     /// Number of the evaluation that computed each shared value last.
     computed: Vec<u32>,
     evaluation: u32,
@@ -336,18 +350,28 @@ pub(crate) struct Registers {
 
 impl Default for Registers {
     fn default() -> Self {
-        let file = vec![0.0; 1 << 16].into_boxed_slice();
-        Registers {
-            file: file.try_into().expect("the list has as many registers as there are"),
-            computed: Vec::new(),
-            evaluation: 0,
-            returns: Vec::new(),
-            arguments: Vec::new(),
+        Registers { few: zeros(), many: None, calls: Calls::default() }
+    }
+}
+
+/// Built on the heap: the stack may be too small.
+fn zeros<const COUNT: usize>() -> Box<[f64; COUNT]> {
+    vec![0.0; COUNT].into_boxed_slice().try_into().expect("the list has as many registers as there are")
+}
+
+impl Registers {
+    /// The value of a root after [`Code::run`].
+    #[inline]
+    pub(crate) fn result(&self, code: &Code, root: usize) -> f64 {
+        let register = usize::from(code.results[root]);
+        match &self.many {
+            Some(many) if code.has_many_registers() => many[register],
+            _ => self.few[register % FEW],
         }
     }
 }
 
-impl Registers {
+impl Calls {
     /// Forgets the shared values of the previous evaluation.
     #[inline]
     fn begin(&mut self, shared: u16) {
@@ -381,7 +405,12 @@ macro_rules! checked {
 }
 
 impl Code {
-    /// Runs the code; the values are then in the registers of [`Code::results`].
+    #[inline]
+    fn has_many_registers(&self) -> bool {
+        self.registers as usize > FEW
+    }
+
+    /// Runs the code; [`Registers::result`] then gives the values.
     #[inline]
     pub(crate) fn run<H: Host + ?Sized>(
         &self,
@@ -389,12 +418,29 @@ impl Code {
         host: &H,
         arguments: &[f64],
     ) -> Result<(), GaveUp> {
-        memory.begin(self.shared);
-        let file = &mut *memory.file;
+        memory.calls.begin(self.shared);
+        if self.has_many_registers() {
+            let many = memory.many.get_or_insert_with(zeros);
+            self.run_on(many, &mut memory.calls, host, arguments)
+        } else {
+            self.run_on(&mut memory.few, &mut memory.calls, host, arguments)
+        }
+    }
+
+    /// The remainder is no division, since `COUNT` is a power of two; no access needs a check.
+    #[inline]
+    fn run_on<const COUNT: usize, H: Host + ?Sized>(
+        &self,
+        file: &mut [f64; COUNT],
+        memory: &mut Calls,
+        host: &H,
+        arguments: &[f64],
+    ) -> Result<(), GaveUp> {
+        const { assert!(COUNT.is_power_of_two()) };
         let mut at = 0_usize;
         macro_rules! r {
             ($register:expr) => {
-                file[usize::from($register)]
+                file[usize::from($register) % COUNT]
             };
         }
         macro_rules! jump_if {

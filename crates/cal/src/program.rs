@@ -229,7 +229,7 @@ impl Program {
         if let Some(code) = &self.fast[root]
             && code.run(&mut scratch.registers, host, arguments).is_ok()
         {
-            let value = scratch.registers.file[usize::from(code.results[0])];
+            let value = scratch.registers.result(code, 0);
             if is_beyond(value) {
                 self.faults.note(FaultKind::Overflow, host);
             }
@@ -258,8 +258,8 @@ impl Program {
         if let Some(code) = code
             && code.run(&mut scratch.registers, host, arguments).is_ok()
         {
-            for (value, result) in values.iter_mut().zip(&code.results) {
-                *value = scratch.registers.file[usize::from(*result)];
+            for (root, value) in values.iter_mut().enumerate().take(code.results.len()) {
+                *value = scratch.registers.result(code, root);
                 if is_beyond(*value) {
                     self.faults.note(FaultKind::Overflow, host);
                 }
