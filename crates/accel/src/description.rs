@@ -1,9 +1,10 @@
 //! Surface data at a crossing.
 
 use crate::geometry::Geometry;
-use crate::ids::{PrimitiveId, ShaderId, ShaderTable};
+use crate::ids::{MemberId, PrimitiveId, ShaderId, ShaderTable};
 use crate::intersection::{Crossing, InstanceData, Intersection};
 use crate::mesh;
+use crate::outline::MANY_VERTICES;
 use crate::ray::Ray;
 use crate::shape::surface_point;
 use glam::DVec3;
@@ -41,8 +42,8 @@ impl Geometry {
         let Crossing { distance, primitive } = crossing;
         if primitive.0 < self.members.len() as u64 {
             let surface = self.members[primitive.0 as usize];
-            let (modifier, shape) = (scene.surfaces[surface].modifier, self.shapes[primitive.0 as usize]);
-            let (point, front) = surface_point(scene, shape, ray.at(distance));
+            let modifier = scene.surfaces[surface].modifier;
+            let (point, front) = self.surface_point(scene, MemberId(primitive.0 as u32), ray.at(distance));
             return Intersection {
                 distance,
                 primitive,
@@ -54,6 +55,17 @@ impl Geometry {
             };
         }
         self.hit_within(scene, shaders, ray, crossing)
+    }
+
+    /// As [`surface_point`], without the sum over many vertices.
+    #[inline]
+    fn surface_point(&self, scene: &Scene, member: MemberId, point: DVec3) -> (DVec3, DVec3) {
+        let shape = self.shapes[member.0 as usize];
+        let outline = match shape {
+            Shape::Polygon { count: MANY_VERTICES.., .. } => self.outline(member),
+            _ => None,
+        };
+        outline.map_or_else(|| surface_point(scene, shape, point), |outline| (point, outline.normal))
     }
 
     #[cold]
@@ -83,8 +95,8 @@ impl Geometry {
                 let own = surface.modifier.is_some();
                 place(found, to_scene, &to_local, own.then_some(shader))
             }
-            shape => {
-                let (point, front) = surface_point(scene, shape, point);
+            _ => {
+                let (point, front) = self.surface_point(scene, member, point);
                 HitData { shader, point, front, instance: None }
             }
         }

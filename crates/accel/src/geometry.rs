@@ -137,6 +137,13 @@ impl Geometry {
         }
     }
 
+    /// The grid of a polygon with many vertices.
+    #[inline]
+    pub(crate) fn outline(&self, member: MemberId) -> Option<&Outline> {
+        let found = self.outlines.binary_search_by_key(&member.0, |(member, _)| member.0).ok()?;
+        Some(&self.outlines[found].1)
+    }
+
     fn number_primitives(&mut self, scene: &Scene) -> Result<(), Diagnostic> {
         let mut end = self.members.len() as u64;
         self.firsts.push(end);

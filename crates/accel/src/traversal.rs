@@ -135,11 +135,7 @@ impl Geometry {
         range: Range<f64>,
     ) -> Option<f64> {
         let Shape::Polygon { start, count } = self.shapes[member.0 as usize] else { return None };
-        let classify = match self.outlines.binary_search_by_key(&member.0, |(member, _)| member.0) {
-            Ok(found) => self.outlines[found].1.classify(ray),
-            Err(_) => GridResult::Unknown,
-        };
-        match classify {
+        match self.outline(member).map_or(GridResult::Unknown, |outline| outline.classify(ray)) {
             GridResult::Miss => None,
             GridResult::Hit(distance) => (distance > range.start && distance < range.end).then_some(distance),
             GridResult::Unknown => {
