@@ -82,3 +82,8 @@ pub use view::View;
 #[cfg(doctest)]
 #[doc = include_str!("../../../CONTRIBUTING.md")]
 struct Recipes;
+
+/// The first program of the library's page, compiled as a documentation test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/library.md")]
+struct LibraryPage;

@@ -182,5 +182,5 @@ fn a_wrong_number_of_a_built_in_model_is_reported_at_its_position() {
             .and_then(|scene| Renderer::new(&scene).map(|_| ()))
             .unwrap_err()
             .to_string();
-    assert!(message.contains("1:32") && message.contains("did you mean \"minnaert\"?"), "{message}");
+    assert!(message.contains("1:33") && message.contains("did you mean \"minnaert\"?"), "{message}");
 }
