@@ -12,6 +12,7 @@ without a function as well. ``docs/python.md`` lists what of `pyradiance` is lef
 """
 
 from ._command import run
+from ._files import write
 from ._matrices import (
     Rcomb,
     Rmtxop,
@@ -78,7 +79,6 @@ from ._views import (
     get_view_args,
     parse_view,
     viewfile,
-    write,
 )
 
 __all__ = [

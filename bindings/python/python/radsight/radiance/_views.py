@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import Field, dataclass, field, fields
 from pathlib import Path
@@ -295,34 +294,3 @@ def _decimals(value: float | _Vector) -> list[str]:
     """A number, or each of several, with six digits."""
     values = value if isinstance(value, tuple | list) else [value]
     return [f"{number:.6f}" for number in values]
-
-
-def write(file_path: str | Path, data: str | bytes, overwrite: bool = True, mode: str = "wb") -> str:
-    """Write a file.
-
-    Parameters
-    ----------
-    file_path : str or path-like
-        Name of the file.
-    data : str or bytes
-        Its content; text needs ``mode="w"``.
-    overwrite : bool
-        Whether an existing file is replaced.
-    mode : str
-        As for `open`.
-
-    Returns
-    -------
-    str
-        Name of the file.
-
-    Raises
-    ------
-    FileExistsError
-        If it exists and is not to be replaced.
-    """
-    if not overwrite and os.path.exists(file_path):
-        raise FileExistsError(f"{file_path} exists, and overwrite is False")
-    with open(file_path, mode) as file:
-        file.write(data)
-    return str(file_path)
