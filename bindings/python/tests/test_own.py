@@ -137,6 +137,33 @@ def test_a_camera_in_python_sees_what_the_view_sees():
     np.testing.assert_allclose(own[rows // 2, columns // 2], seen[rows // 2, columns // 2], rtol=0.03)
 
 
+def test_a_picture_of_a_camera_in_python_is_the_mean_of_its_rays():
+    class Recording:
+        def __init__(self):
+            self.film, self.given = [], []
+
+        def rays(self, film, aperture):
+            directions = np.stack([2 * film[:, 0] - 1, np.ones(len(film)), 1 - 2 * film[:, 1]], axis=1)
+            self.film.append(film.copy())
+            self.given.append(np.hstack([np.zeros_like(directions), directions]))
+            return self.given[-1]
+
+    # Light that needs no random numbers: the radiance of a ray is that of the glow alone.
+    text = "void brightfunc stripes 2 1+.5*sin(9*Px)+Pz/9 . 0 0 stripes glow lit 0 0 4 1 2 3 0 lit ring wall 0 0 8 0 6 0 0 -1 0 0 9"
+    scene = radsight.Scene.from_text(text)
+    camera, columns, rows = Recording(), 8, 6
+    image = radsight.Renderer(scene, samples=16).render_camera(camera, columns, rows).radiance_w_per_sr_m2
+    film, given = np.vstack(camera.film), np.vstack(camera.given)
+    # It is also asked about the middle of each pixel, whose radiance does not count.
+    is_middle = np.isclose((film * [columns, rows]) % 1, 0.5, atol=1e-12).all(axis=1)
+    film, given = film[~is_middle], given[~is_middle]
+    assert len(film) == 16 * columns * rows
+    row, column = (film[:, ::-1] * [rows, columns]).astype(int).T
+    sums = np.zeros((rows, columns, 3))
+    np.add.at(sums, (row, column), radsight.trace(scene, given)["radiance_w_per_sr_m2"])
+    np.testing.assert_allclose(image, sums / 16, rtol=1e-6)
+
+
 def test_exceptions_of_python_code_end_the_work():
     class Broken:
         def evaluate(self, outgoing, incident):

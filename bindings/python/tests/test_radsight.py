@@ -88,6 +88,20 @@ def test_captures_and_pictures_equal_the_programs(tmp_path):
     assert image.grey.dtype == np.uint16
 
 
+def test_rays_equal_the_programs(tmp_path):
+    program = os.environ.get("RADSIGHT_PROGRAM")
+    if not program:
+        pytest.skip("RADSIGHT_PROGRAM names no program")
+    (tmp_path / "table.rad").write_text(TABLE)
+    rays = np.array([[x, y, 1, 0.2, 0.1, -1] for x in np.linspace(-3, 3, 40) for y in np.linspace(-2, 2, 25)])
+    cached = ["-ab", "1", "-aa", ".2", "-ad", "512", "-as", "128"]
+    for options, words in (({}, []), ({"quantity": "irradiance"}, ["-I"]), ({"ambient_bounces": 1}, cached)):
+        command = [program, "rtrace", "-h", "-fdd", *words, str(tmp_path / "table.rad")]
+        run = subprocess.run(command, input=rays.tobytes(), capture_output=True, check=True)
+        (own,) = radsight.trace(radsight.Scene.load(tmp_path / "table.rad"), rays, **options).values()
+        np.testing.assert_array_equal(own, np.frombuffer(run.stdout).reshape(-1, 3))
+
+
 def test_pages_hold_values_error_and_time():
     scene = radsight.Scene.from_text(TABLE)
     view = radsight.View("-vp 0 -4 3 -vd 0 4 -3 -vh 60 -vv 45")
