@@ -485,13 +485,14 @@ impl Block<'_> {
         let Some(sample) = self.sampled((column, row)) else { return own };
         let [left, top] = [column, row].map(|at| at.saturating_sub(1));
         let [right, bottom] = [(column + 1).min(self.camera.columns() - 1), (row + 1).min(self.rows - 1)];
-        let around = (top..=bottom).flat_map(|row| (left..=right).map(move |column| (column, row)));
-        let near: Vec<(&Surface, [f64; 3])> = around
-            .filter_map(|pixel| self.sampled(pixel).map(|sample| (&sample.surface, averaged[self.at(pixel)])))
-            .collect();
-        if near.iter().all(|(surface, _)| sample.surface.continues(surface)) {
+        let near = (top..=bottom).flat_map(|row| (left..=right).map(move |column| (column, row))).filter_map(|pixel| {
+            let at = self.at(pixel);
+            self.samples[at].as_ref().map(|sample| (&sample.surface, averaged[at]))
+        });
+        if near.clone().all(|(surface, _)| sample.surface.continues(surface)) {
             return own;
         }
+        let near: Vec<(&Surface, [f64; 3])> = near.collect();
         let mut sum = own;
         for probe in 0..SILHOUETTE_PROBES {
             let index = numbered([column, row + self.first_row], 1, SILHOUETTE_PROBES, probe) | PROBES;
@@ -536,9 +537,10 @@ impl Block<'_> {
     }
 
     /// Samples of the same surface on the grid of a pixel, up to two steps away, with the weight of
-    /// their distance; includes the pixel.
-    fn neighbors(&self, (column, row): (usize, usize)) -> impl Iterator<Item = (usize, f64)> {
-        let at = self.at((column, row));
+    /// their distance; includes the pixel. `matters` excludes samples before the surfaces are
+    /// compared.
+    fn neighbors(&self, at: usize, matters: impl Fn(&Sample, f64) -> bool) -> impl Iterator<Item = (usize, f64)> {
+        let (column, row) = (at % self.camera.columns(), at / self.camera.columns());
         let step = self.step_around((column, row)) as isize;
         let own = self.samples[at].as_ref();
         (-FILTER_RADIUS..=FILTER_RADIUS)
@@ -548,36 +550,40 @@ impl Block<'_> {
                 let y = row.checked_add_signed(down * step).filter(|y| *y < self.rows)?;
                 let other = self.at((x, y));
                 let (own, near) = (own?, self.samples[other].as_ref()?);
+                let weight = ((FILTER_RADIUS + 1 - right.abs()) * (FILTER_RADIUS + 1 - down.abs())) as f64;
+                if !matters(near, weight) {
+                    return None;
+                }
                 // Between samples that are not adjacent light may change arbitrarily, unless they
                 // agree.
                 let joins = own.surface.joins(&near.surface) && (step == 1 || self.agree(own, near));
-                let weight = ((FILTER_RADIUS + 1 - right.abs()) * (FILTER_RADIUS + 1 - down.abs())) as f64;
                 (joins || other == at).then_some((other, weight))
             })
     }
 
     /// The combined statistics of the samples around a pixel.
     fn patch(&self, at: usize) -> Patch {
-        let columns = self.camera.columns();
         let Some(sample) = self.samples[at].filter(|sample| sample.surface.key != SEVERAL) else {
             return Patch::default();
         };
         let (mut variance, mut weights) = (0.0, 0.0);
-        let (mut sum, mut near) = (0.0, 0.0);
-        for (index, weight) in self.neighbors((at % columns, at / columns)) {
+        for (index, weight) in self.neighbors(at, |other, _| other.rays > 1) {
             let Some(other) = &self.samples[index] else { continue };
             let rays = f64::from(other.rays);
-            if other.rays > 1 {
-                variance += weight * (rays - 1.0) * other.variance * rays;
-                weights += weight * (rays - 1.0);
-            }
-            // The adjacent ones.
-            if weight >= ADJACENT_WEIGHT {
-                sum += rays * mean(&other.value);
-                near += rays;
-            }
+            variance += weight * (rays - 1.0) * other.variance * rays;
+            weights += weight * (rays - 1.0);
         }
-        if weights <= 0.0 || near <= 0.0 {
+        if weights <= 0.0 {
+            return Patch::default();
+        }
+        let (mut sum, mut near) = (0.0, 0.0);
+        for (index, _) in self.neighbors(at, |_, weight| weight >= ADJACENT_WEIGHT) {
+            let Some(other) = &self.samples[index] else { continue };
+            let rays = f64::from(other.rays);
+            sum += rays * mean(&other.value);
+            near += rays;
+        }
+        if near <= 0.0 {
             return Patch::default();
         }
         let variance = variance / weights;
@@ -589,14 +595,13 @@ impl Block<'_> {
     /// than noise, as samples and as patches (non-local means: Buades, Coll and Morel 2005;
     /// Rousselle, Knaus and Zwicker 2012).
     fn averaged(&self, patches: &[Patch], at: usize) -> [f64; 3] {
-        let columns = self.camera.columns();
         let Some(sample) = &self.samples[at] else { return [0.0; 3] };
         let patch = &patches[at];
         if patch.variance <= 0.0 {
             return sample.value;
         }
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
-        for (index, weight) in self.neighbors((at % columns, at / columns)) {
+        for (index, weight) in self.neighbors(at, |_, _| true) {
             let (Some(other), near) = (&self.samples[index], &patches[index]) else { continue };
             let own = (mean(&sample.value) - mean(&other.value)).powi(2) / (patch.variance + near.variance);
             let together = (patch.mean - near.mean).powi(2) / (patch.variance_of_mean + near.variance_of_mean);
