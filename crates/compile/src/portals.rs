@@ -69,6 +69,11 @@ pub struct Portal {
     pub radiance: f64,
 }
 
+/// The bounding spheres of portals are enlarged by this factor of their area, and by this fraction
+/// of the squared distance.
+const SPHERE_MARGIN: f64 = 1.001;
+const ROUNDING: f64 = 1e-12;
+
 /// The portals visible from a point.
 #[derive(Debug)]
 pub struct VisiblePortals<'p> {
@@ -164,6 +169,18 @@ impl Portal {
         self.radiance * self.area
     }
 
+    /// Whether a ray in a unit direction misses the bounding sphere. Cheaper than to intersect the
+    /// shape, and true for most portals.
+    #[inline]
+    fn is_beside(&self, point: DVec3, direction: DVec3) -> bool {
+        let offset = self.center - point;
+        let (along, squared) = (offset.dot(direction), offset.length_squared());
+        // Enough for the rounding of both.
+        let reach = self.radius * self.radius * SPHERE_MARGIN + ROUNDING * squared;
+        let nearest = if along > 0.0 { squared - along * along } else { squared };
+        nearest > reach
+    }
+
     /// Estimated irradiance at a point with this unit normal.
     fn importance(&self, point: DVec3, normal: DVec3) -> f64 {
         let offset = self.center - point;
@@ -213,6 +230,9 @@ impl VisiblePortals<'_> {
     pub fn crossed(&self, direction: DVec3) -> Option<(f64, DVec3)> {
         let hit = |(index, _): &(u32, f64)| {
             let portal = &self.portals[*index as usize];
+            if portal.is_beside(self.point, direction) {
+                return None;
+            }
             let (PortalForm::Flat(form), Some((normal, _))) = (&portal.form, portal.plane) else { return None };
             form.intersect(self.point, direction).map(|(distance, _)| (distance, normal))
         };
@@ -234,7 +254,11 @@ impl VisiblePortals<'_> {
     }
 
     fn pdf_of(&self, (index, importance): &(u32, f64), direction: DVec3) -> f64 {
-        self.portals[*index as usize].form.weighted_pdf(*importance, self.point, direction)
+        let portal = &self.portals[*index as usize];
+        if portal.is_beside(self.point, direction) {
+            return 0.0;
+        }
+        portal.form.weighted_pdf(*importance, self.point, direction)
     }
 }
 
@@ -254,6 +278,26 @@ pub(crate) fn turned(form: &LightForm) -> LightForm {
 mod tests {
     use super::*;
     use radsight_sampling::{DimensionSet, RaySampler};
+
+    #[test]
+    fn rays_beside_a_portal_miss_it() {
+        let portals = portals();
+        let (mut beside, mut hits) = (0, 0);
+        for index in 0..4000 {
+            let sampler = RaySampler::new(0, index);
+            let [a, b, c, d] = sampler.take(DimensionSet::render(0));
+            let point = DVec3::new(a - 0.5, b - 0.5, c - 0.5) * 8.0;
+            let [e, f, ..] = sampler.take(DimensionSet::render(1));
+            let Some(direction) = DVec3::new(d - 0.5, e - 0.5, f - 0.5).try_normalize() else { continue };
+            for portal in &portals.0 {
+                let hit = portal.form.weighted_pdf(1.0, point, direction) > 0.0;
+                hits += u32::from(hit);
+                beside += u32::from(portal.is_beside(point, direction));
+                assert!(!(hit && portal.is_beside(point, direction)), "{portal:?} from {point} along {direction}");
+            }
+        }
+        assert!(hits > 20 && beside > 1000, "{hits} hits, {beside} beside");
+    }
 
     fn portals() -> Portals {
         let corner = DVec3::new(-1.0, 0.5, 0.2);
