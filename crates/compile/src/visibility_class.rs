@@ -147,6 +147,8 @@ struct Occluder {
     surface: SurfaceHandle,
     /// Points whose convex hull contains the surface.
     hull: Vec<DVec3>,
+    /// Its minimum and maximum along each coordinate axis.
+    bounds: [(f64, f64); 3],
     /// Front normal and a point of the plane, if it is flat.
     plane: Option<(DVec3, DVec3)>,
     is_light: bool,
@@ -168,7 +170,8 @@ impl Occluder {
             Kind::Glossy(glossy) | Kind::Retro(glossy) => 4.0 * PI * glossy.roughness * glossy.roughness,
             _ => 0.0,
         };
-        Occluder { member, surface, hull, plane, is_light, highlight }
+        let bounds = DVec3::AXES.map(|axis| range(&hull, axis));
+        Occluder { member, surface, hull, bounds, plane, is_light, highlight }
     }
 
     /// Minimum and maximum of a linear function over the surface.
@@ -230,8 +233,8 @@ fn between(occluder: &Occluder, emitter: &Emitter, occluders: &[Occluder], toler
     {
         return VisibilityClass::Dark;
     }
-    let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter();
-    let normals = [occluder, *source].into_iter().filter_map(|of| of.plane.map(|(normal, _)| normal));
+    let axes = [Axis::X, Axis::Y, Axis::Z].into_iter();
+    let normals = [occluder, *source].into_iter().filter_map(|of| of.plane.map(|(normal, _)| Axis::Other(normal)));
     let extents: Vec<Extent> =
         axes.chain(normals).filter_map(|axis| Extent::new(axis, [occluder, *source], tolerance)).collect();
     let blockers: Vec<MemberId> = occluders
@@ -250,9 +253,31 @@ fn between(occluder: &Occluder, emitter: &Emitter, occluders: &[Occluder], toler
     }
 }
 
+/// An axis along which surfaces are compared.
+#[derive(Clone, Copy)]
+enum Axis {
+    X,
+    Y,
+    Z,
+    Other(DVec3),
+}
+
+impl Axis {
+    /// Minimum and maximum of a surface along the axis.
+    #[inline]
+    fn range(self, occluder: &Occluder) -> (f64, f64) {
+        match self {
+            Axis::X => occluder.bounds[0],
+            Axis::Y => occluder.bounds[1],
+            Axis::Z => occluder.bounds[2],
+            Axis::Other(axis) => occluder.range(axis),
+        }
+    }
+}
+
 /// The extent of the hull of a receiver and a light along an axis.
 struct Extent {
-    axis: DVec3,
+    axis: Axis,
     /// A surface that ends below this, or begins above `above`, is beside the hull.
     below: f64,
     above: f64,
@@ -261,8 +286,8 @@ struct Extent {
 impl Extent {
     /// `None` if the hull has no extent along the axis, and so no inside. A surface that only
     /// touches a flat face of the hull is beside the segments, not between their ends.
-    fn new(axis: DVec3, ends: [&Occluder; 2], tolerance: f64) -> Option<Extent> {
-        let [a, b] = ends.map(|end| end.range(axis));
+    fn new(axis: Axis, ends: [&Occluder; 2], tolerance: f64) -> Option<Extent> {
+        let [a, b] = ends.map(|end| axis.range(end));
         let (low, high) = (a.0.min(b.0), a.1.max(b.1));
         (high - low > 4.0 * tolerance).then_some(Extent { axis, below: low + tolerance, above: high - tolerance })
     }
@@ -270,20 +295,20 @@ impl Extent {
     /// Whether a plane perpendicular to the axis separates the hull from the occluder, or contains
     /// it.
     fn leaves_out(&self, occluder: &Occluder) -> bool {
-        let (low, high) = occluder.range(self.axis);
+        let (low, high) = self.axis.range(occluder);
         high <= self.below || low >= self.above
     }
 }
 
 /// Whether a surface touches a flat light in more than an edge, judged by bounding boxes.
 fn lies_on(source: &Occluder, other: &Occluder, touch: f64) -> bool {
-    let overlap = |axis: DVec3| {
-        let (a, b) = (source.range(axis), other.range(axis));
+    let overlap = |axis: Axis| {
+        let (a, b) = (axis.range(source), axis.range(other));
         a.1.min(b.1) - a.0.max(b.0)
     };
     let Some((normal, _)) = source.plane else { return false };
-    let overlaps = [DVec3::X, DVec3::Y, DVec3::Z].map(overlap);
-    overlap(normal) >= -touch
+    let overlaps = [Axis::X, Axis::Y, Axis::Z].map(overlap);
+    overlap(Axis::Other(normal)) >= -touch
         && overlaps.iter().all(|overlap| *overlap >= -touch)
         && overlaps.iter().filter(|overlap| **overlap > touch).count() > 1
 }
