@@ -143,13 +143,17 @@ impl DirectSampler<'_> {
         shaft.is_some_and(|shaft| !plan.geometry.reaches_into(&plan.scene, &shaft, [self.primitive, light.primitive]))
     }
 
-    /// Whether a distant light is entirely behind an opaque point. Skies consist of hundreds of
-    /// suns, half of them behind each wall.
+    /// Whether a light is entirely behind an opaque point. Skies consist of hundreds of suns, half of
+    /// them behind each wall.
     fn faces_away(&self, light: &Light) -> bool {
         match (self.facing, &light.form) {
             (Some(normal), LightForm::Distant { direction, half_angle_sin_squared_half, .. }) => {
                 let (half, above) = (*half_angle_sin_squared_half, normal.dot(*direction));
                 half < 0.5 && above < 0.0 && above * above > 4.0 * half * (1.0 - half)
+            }
+            (Some(normal), _) if light.virtual_sources.is_empty() => {
+                // False for lights at infinity, which have no bounding sphere.
+                normal.dot(light.center - self.point) < -BEHIND * light.radius
             }
             _ => false,
         }
@@ -359,6 +363,10 @@ impl DirectSampler<'_> {
         SurfaceInteraction::new(&ray, ray.at(sample.distance), normal, sample.distance, total)
     }
 }
+
+/// A light is behind a point if it is that many radii of its bounding sphere below its plane: more
+/// than one, because of rounding.
+const BEHIND: f64 = 1.0 + 1e-6;
 
 /// Number of samples of a light from which a shaft query pays: it costs about two shadow rays.
 const SAMPLES_FOR_A_SHAFT: u32 = 8;
