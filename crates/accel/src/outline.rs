@@ -89,7 +89,12 @@ impl Outline {
             return None;
         }
         let largest = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs()))?;
-        let axes = [(largest + 1) % 3, (largest + 2) % 3];
+        let mut axes = [(largest + 1) % 3, (largest + 2) % 3];
+        let [along_rows, across_rows] = axes.map(|axis| total_extent(vertices, axis));
+        // Rows are chosen so that edges are in few of them.
+        if across_rows > along_rows {
+            axes.reverse();
+        }
         let sides = axes.map(|axis| most[axis] - least[axis]);
         let cell = sides[0].max(sides[1]) / (CELLS_PER_ROOT * (vertices.len() as f64).sqrt()).min(MAX_CELLS);
         if cell <= 0.0 || !cell.is_finite() {
@@ -231,6 +236,12 @@ impl Outline {
             None => GridResult::Unknown,
         }
     }
+}
+
+/// The sum of the extents of all edges along an axis.
+fn total_extent(vertices: &[DVec3], axis: usize) -> f64 {
+    let last = vertices.last().into_iter();
+    last.chain(vertices).zip(vertices).map(|(a, b)| (b[axis] - a[axis]).abs()).sum()
 }
 
 fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
