@@ -228,6 +228,23 @@ fn the_host_serves_functions_and_variables_that_nothing_defines() {
 }
 
 #[test]
+fn more_roots_than_usual_registers_have_their_own_values() {
+    let mut world = World::new("");
+    let span = world.span();
+    let texts: Vec<String> = (1..=700).map(|factor| format!("Dx*{factor}")).collect();
+    let roots: Vec<Root<'_>> = texts.iter().map(|text| Root::Expression { text, span }).collect();
+    let program =
+        Program::compile(&world.definitions, &Scope::of_file("file.cal"), &roots, &Bindings::of_ray()).unwrap();
+    let mut values = vec![0.0; roots.len()];
+    let (mut scratch, channels) = (Scratch::new(), &[2.0][..]);
+    program.eval_all(&[], channels, &mut scratch, &mut values).unwrap();
+    let expected: Vec<f64> = (1..=700).map(|factor| 2.0 * f64::from(factor)).collect();
+    assert_eq!(values, expected);
+    // Another program on the same memory.
+    assert_eq!(program.eval(9, &[], channels, &mut scratch), Ok(20.0));
+}
+
+#[test]
 fn several_roots_are_computed_together() {
     let mut world = World::new("v = noise3(Px,Py,Pz); r = v+1; g = 2*v; b = if(v, v, -v);");
     let span = world.span();
