@@ -211,8 +211,8 @@ fn projections_are_the_view_types_of_rpict() {
         assert_eq!(picture.len(), 64 * 64);
         let differing = capture.iter().zip(&picture).filter(|(one, other)| one != other).count();
         let all = picture.iter().filter(|lit| **lit).count();
-        // Pixels of which a ball covers less than a sample may differ.
-        assert!(all > 100 && 50 * differing < all, "{projection}: {differing} of {all} pixels differ");
+        // Pixels at edges differ, where a ball covers about one sample of 64.
+        assert!(all > 100 && 10 * differing < all, "{projection}: {differing} of {all} pixels differ");
     }
 }
 
