@@ -116,8 +116,9 @@ fn differences(
     wrong
 }
 
-/// Materials and lights: name, material `m`, surroundings, options.
-fn variants() -> Vec<(String, String, String, Vec<&'static str>)> {
+/// Scenes of a sheet: name, text, options.
+fn variants() -> Vec<(String, String, Vec<&'static str>)> {
+    let scene = |around: &str, material: &str| format!("{around}{material}m {SHEET}");
     let direct = vec!["-ab", "0"];
     let mut all = Vec::new();
     let forms: Vec<String> = all_forms().iter().map(|(name, _)| name.replace([' ', '\''], "_")).collect();
@@ -126,15 +127,15 @@ fn variants() -> Vec<(String, String, String, Vec<&'static str>)> {
     let is_broken = |form: &str| form == "coloured_isotropic_tree";
     for form in forms.iter().filter(|form| !is_broken(form)) {
         let material = format!("void BSDF m 6 0 {form}.xml 0 1 0 . 0 0\n");
-        all.push((format!("{form} under lamps"), material.clone(), [LAMP, BACK_LAMP].concat(), direct.clone()));
+        all.push((format!("{form} under lamps"), scene(&[LAMP, BACK_LAMP].concat(), &material), direct.clone()));
         if form != "isotropic_tree_one_way" {
-            all.push((format!("{form} under a sky"), material, SKY.to_owned(), direct.clone()));
+            all.push((format!("{form} under a sky"), scene(SKY, &material), direct.clone()));
         }
     }
     let lamps = [LAMP, BACK_LAMP].concat();
     let half = "half_matrix_by_rows.xml";
     let mut add = |name: &str, material: String, around: &str, options: &[&'static str]| {
-        all.push((name.to_owned(), material, around.to_owned(), options.to_vec()));
+        all.push((name.to_owned(), scene(around, &material), options.to_vec()));
     };
     add("an oblique up vector", format!("void BSDF m 6 0 {half} 1 .3 .2 . 0 0\n"), &lamps, &direct);
     add("an up vector by functions", format!("void BSDF m 8 0 {half} Px+.2 Py+.7 0 . -rz 30 0 0\n"), &lamps, &direct);
@@ -171,8 +172,7 @@ fn materials_agree_with_radiance() {
     let variants = variants();
     assert!(variants.len() >= 25, "{}", variants.len());
     let mut wrong = String::new();
-    for (name, material, around, options) in variants {
-        let scene = format!("{around}{material}m {SHEET}");
+    for (name, scene, options) in variants {
         wrong += &differences(&radiance, &folder, &name, &scene, &options, 100);
     }
     assert!(wrong.is_empty(), "\n{wrong}");
