@@ -407,7 +407,7 @@ pub(crate) const GAIN_WINDOW: usize = 3;
 const PRIOR_WEIGHT: f64 = 0.1;
 
 /// Means over the square of pixels within `reach` of each pixel, clipped to the picture.
-fn window_means(values: &[f64], columns: usize, reach: usize) -> Vec<f64> {
+pub(crate) fn window_means(values: &[f64], columns: usize, reach: usize) -> Vec<f64> {
     let rows = values.len() / columns.max(1);
     let along = |count: usize, at: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let window = |index: usize| index.saturating_sub(reach)..(index + reach + 1).min(count);

@@ -9,6 +9,7 @@
 mod adaptive;
 mod background;
 mod checkpoint;
+mod derivative;
 mod domain;
 mod edges;
 mod ellipse;
@@ -23,6 +24,7 @@ mod sparse_estimate;
 pub use adaptive::MAX_SAMPLES;
 pub use background::Background;
 pub use checkpoint::{Checkpoint, CheckpointError};
+pub use derivative::{Derivative, DerivativeSamples, Motion, ParameterStep, PartMotion, RANDOMISATIONS};
 pub use region::{LitRegion, Region};
 
 use radsight_pinhole::{BandWeights, Rays};

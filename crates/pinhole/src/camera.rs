@@ -104,6 +104,12 @@ pub enum CameraError {
         /// The longest, metres.
         longest_m: f64,
     },
+    /// A quantity of a pinhole, for a camera with a lens.
+    #[error("the camera has a lens, which determines the {quantity}")]
+    OfLens {
+        /// Its name.
+        quantity: &'static str,
+    },
     /// A diffraction pattern without a wavelength.
     #[error("pinhole model \"diffraction\" needs the wavelength")]
     NoWavelength,
@@ -446,6 +452,31 @@ impl PinholeCamera {
     pub fn with_exposure(mut self, exposure_s: f64) -> Result<Self, CameraError> {
         self.exposure_s = exposure_s;
         positive("exposure time", exposure_s).map(|()| self)
+    }
+
+    /// The same camera with another diameter of the pinhole, metres.
+    ///
+    /// # Errors
+    /// If it is not positive, or the camera has a lens, whose aperture is not a pinhole.
+    pub fn with_pinhole_diameter(mut self, diameter_m: f64) -> Result<Self, CameraError> {
+        self.without_lens("pinhole diameter")?.pinhole_diameter_m = diameter_m;
+        positive("pinhole diameter", diameter_m).map(|()| self)
+    }
+
+    /// The same camera with another distance from the pinhole to the sensor, metres.
+    ///
+    /// # Errors
+    /// If it is not positive, or the camera has a lens, which determines it.
+    pub fn with_focal_distance(mut self, distance_m: f64) -> Result<Self, CameraError> {
+        self.without_lens("focal distance")?.focal_distance_m = distance_m;
+        positive("focal distance", distance_m).map(|()| self)
+    }
+
+    fn without_lens(&mut self, quantity: &'static str) -> Result<&mut Self, CameraError> {
+        match self.optics.lens {
+            Some(_) => Err(CameraError::OfLens { quantity }),
+            None => Ok(self),
+        }
     }
 
     /// Exposure time, seconds.

@@ -1,0 +1,137 @@
+//! Which pixels see the outline of something that moves in the picture.
+
+use super::ParameterStep;
+use crate::{Progress, Workers};
+use glam::DVec3;
+use radsight_render::Ray;
+use radsight_sampling::{DimensionSet, RaySampler};
+use rayon::prelude::*;
+
+/// How a parameter moves the scene before the camera.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    /// Not at all: it changes light only.
+    Still,
+    /// It moves the camera's rays: all outlines move in the picture.
+    Camera,
+    /// It moves a part.
+    Part(PartMotion),
+}
+
+/// The rigid motion of a part, per unit of the parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartMotion {
+    /// Indices of its surfaces in the scene, sorted.
+    pub surfaces: Vec<usize>,
+    /// Velocity of the pivot, scene units.
+    pub shift: DVec3,
+    /// Axis of rotation, with the angular velocity in radians as length.
+    pub turn: DVec3,
+    /// A point of the axis, scene units.
+    pub pivot: DVec3,
+}
+
+impl Motion {
+    /// The velocity of a point of what moves, scene units.
+    pub(super) fn velocity(&self, point: DVec3) -> DVec3 {
+        match self {
+            Motion::Part(part) => part.shift + part.turn.cross(point - part.pivot),
+            Motion::Still | Motion::Camera => DVec3::ZERO,
+        }
+    }
+
+    fn moves(&self, surface: usize) -> bool {
+        match self {
+            Motion::Part(part) => part.surfaces.binary_search(&surface).is_ok(),
+            Motion::Still | Motion::Camera => true,
+        }
+    }
+}
+
+/// Rays traced per pixel to find outlines. Those of the neighbouring pixels count as well.
+const RAYS_PER_PIXEL: u32 = 8;
+
+/// What some rays of a pixel see.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// What the first ray sees.
+    first: Option<u64>,
+    /// Whether others see something else.
+    is_mixed: bool,
+    /// The nearest point of what moves, and its distance.
+    nearest: Option<(f64, DVec3)>,
+}
+
+/// Key of a ray that hits nothing.
+const NOTHING: u64 = u64::MAX;
+
+impl Seen {
+    fn add(&mut self, key: u64) {
+        self.is_mixed |= self.first.is_some_and(|first| first != key);
+        self.first = self.first.or(Some(key));
+    }
+
+    fn add_point(&mut self, distance: f64, point: DVec3) {
+        if self.nearest.is_none_or(|(nearest, _)| distance < nearest) {
+            self.nearest = Some((distance, point));
+        }
+    }
+
+    fn union(mut self, other: &Seen) -> Seen {
+        self.is_mixed |= other.is_mixed;
+        other.first.into_iter().for_each(|key| self.add(key));
+        other.nearest.into_iter().for_each(|(distance, point)| self.add_point(distance, point));
+        self
+    }
+}
+
+/// For each pixel a point of a moving outline that it may see. `None` for all if the work was
+/// stopped.
+pub(super) fn outlines(step: &ParameterStep<'_>, progress: &dyn Progress) -> Vec<Option<DVec3>> {
+    let camera = step.center.rays.camera();
+    let pixels = camera.pixel_count();
+    if *step.motion == Motion::Still {
+        return vec![None; pixels as usize];
+    }
+    let seen: Vec<Seen> = (0..pixels as usize)
+        .into_par_iter()
+        .with_min_len(32)
+        .map_init(
+            || step.center.workers(),
+            |workers, pixel| if progress.stops() { Seen::default() } else { seen(step, workers, pixel as u64) },
+        )
+        .collect();
+    with_neighbours(&seen, camera.columns() as usize)
+}
+
+fn seen(step: &ParameterStep<'_>, workers: &mut Workers<'_>, pixel: u64) -> Seen {
+    let rays = step.center.rays;
+    let mut seen = Seen::default();
+    for sample in 0..RAYS_PER_PIXEL {
+        let index = step.index(0, pixel, sample);
+        let ray = rays.ray(pixel, RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA));
+        let Some(ray) = Ray::new(ray.origin, ray.direction) else { continue };
+        let traced = workers.main.trace(index, &ray);
+        let Some(hit) = traced.first_hit else {
+            seen.add(NOTHING);
+            continue;
+        };
+        seen.add(traced.surface_key ^ ((hit.surface.index() as u64) << 32));
+        if hit.distance.is_finite() && step.motion.moves(hit.surface.index()) {
+            seen.add_point(hit.distance, hit.point);
+        }
+    }
+    seen
+}
+
+fn with_neighbours(seen: &[Seen], columns: usize) -> Vec<Option<DVec3>> {
+    let near = |count: usize, index: usize| index.saturating_sub(1)..(index + 2).min(count);
+    let rows = seen.len() / columns.max(1);
+    let of_pixel = |pixel: usize| {
+        let (row, column) = (pixel / columns, pixel % columns);
+        let around = near(rows, row).flat_map(|row| near(columns, column).map(move |column| row * columns + column));
+        let all = around.fold(Seen::default(), |all, pixel| all.union(&seen[pixel]));
+        all.nearest.filter(|_| all.is_mixed).map(|(_, point)| point)
+    };
+    (0..seen.len()).map(of_pixel).collect()
+}
