@@ -158,6 +158,12 @@ impl Emva1288 {
         self.grey_of_electrons(self.mean_electrons(exposure))
     }
 
+    /// Grey levels per J/m² below saturation.
+    #[must_use]
+    pub fn grey_per_exposure(&self) -> f64 {
+        self.description.gain_dn_per_e * self.electrons_per_exposure
+    }
+
     /// Grey value of pixel number `pixel`, with noise; a function of (`seed`, `pixel`, exposure)
     /// only.
     #[must_use]

@@ -65,6 +65,18 @@ impl PowerLaw {
         (description.k * energy.powf(description.gamma) + description.grey_background).min(description.grey_max)
     }
 
+    /// Derivative of Eq. 5 by the exposure, grey levels per J/m²: 0 at saturation and without light.
+    #[must_use]
+    pub fn grey_slope(&self, exposure: f64) -> f64 {
+        let description = &self.0;
+        if exposure > 0.0 && exposure < self.saturation_exposure() {
+            let grey = self.exact_grey(exposure) - description.grey_background;
+            description.gamma * grey / exposure
+        } else {
+            0.0
+        }
+    }
+
     /// Eq. 5, saturated and rounded.
     #[must_use]
     pub fn grey(&self, exposure: f64) -> u16 {
