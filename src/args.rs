@@ -130,7 +130,7 @@ pub(crate) struct Capture {
     #[arg(value_name = "SCENE.rad", required = true)]
     pub(crate) scenes: Vec<String>,
     /// Grey picture
-    #[arg(short, long, value_name = "OUT.png", required_unless_present_any = ["exposure", "report", "color"])]
+    #[arg(short, long, value_name = "OUT.png", required_unless_present_any = ["exposure", "report", "color", "derivatives", "fisher"])]
     pub(crate) output: Option<String>,
     /// Also write the demosaiced colour picture of a sensor with a colour filter mosaic
     #[arg(long, value_name = "OUT.png")]
@@ -149,6 +149,22 @@ pub(crate) struct Capture {
     /// (docs/series.md); {} in the names of -o and --exposure is replaced by the picture's name
     #[arg(long, value_name = "TABLE.csv")]
     pub(crate) variants: Option<String>,
+    /// Differentiate the exposure by these parameters (docs/derivatives.md): NAME.x .y .z .rx .ry
+    /// .rz of a part, led.intensity, led[K].intensity, ring.diameter, distance, pinhole.diameter,
+    /// focal.distance, exposure.time
+    #[arg(long, value_name = "PARAMETER", value_delimiter = ',', conflicts_with = "variants")]
+    pub(crate) derivative: Vec<String>,
+    /// Derivative of the exposure by each parameter in J/m² per its unit; {} is replaced by the
+    /// parameter, and by the parameter and .error for the standard errors
+    #[arg(long, value_name = "OUT-{}.pfm", requires = "derivative")]
+    pub(crate) derivatives: Option<String>,
+    /// Rms of the standard errors of a derivative, relative to its rms
+    #[arg(long, value_name = "E", default_value_t = 0.01, requires = "derivative")]
+    pub(crate) derivative_error: f64,
+    /// Fisher information of the sensor's picture about the parameters, and the smallest possible
+    /// standard deviations of their estimates
+    #[arg(long, value_name = "OUT.json", requires = "derivative")]
+    pub(crate) fisher: Option<String>,
     /// Stop when the estimated rms error of the pixels, relative to the mean exposure, reaches this
     /// value [default: 0.005]
     #[arg(long, value_name = "E", conflicts_with = "samples")]

@@ -1,6 +1,7 @@
 //! `radsight capture`: camera and scene in, grey picture out.
 
 mod accounts;
+mod derivatives;
 mod lamps;
 mod resume;
 mod series;
@@ -43,6 +44,9 @@ fn camera_rays(arguments: &Capture, camera: &CameraFile) -> f64 {
 pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     if let Some(table) = &arguments.variants {
         return series::run(arguments, table, render);
+    }
+    if !arguments.derivative.is_empty() {
+        return derivatives::run(arguments, render);
     }
     let mut stopwatch = Stopwatch::start();
     check_budget(arguments)?;

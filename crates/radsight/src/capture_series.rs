@@ -74,7 +74,7 @@ impl<'l> CaptureSeries<'l> {
         progress: &dyn Progress,
         mut visit: impl FnMut(usize, CapturedImage),
     ) -> Result<(), Error> {
-        let scenes = BuiltScenes { builder: &self.scene, last: RefCell::new(None) };
+        let scenes = BuiltScenes::new(&self.scene);
         expose_series(&scenes, pictures, progress, &mut |exposed: SeriesExposure<'_>| {
             let capture = &pictures[exposed.picture].capture;
             let record = report_page::record(exposed.renderer, capture.options());
@@ -85,13 +85,17 @@ impl<'l> CaptureSeries<'l> {
 }
 
 /// The scenes that a builder reads.
-struct BuiltScenes<'s, 'l> {
+pub(crate) struct BuiltScenes<'s, 'l> {
     builder: &'s SceneBuilder<'l>,
     /// The last scene read: it holds the sources of messages, and the materials.
     last: RefCell<Option<Scene>>,
 }
 
-impl BuiltScenes<'_, '_> {
+impl<'s, 'l> BuiltScenes<'s, 'l> {
+    pub(crate) fn new(builder: &'s SceneBuilder<'l>) -> BuiltScenes<'s, 'l> {
+        BuiltScenes { builder, last: RefCell::new(None) }
+    }
+
     fn report(&self, errors: Vec<Diagnostic>) -> Box<Report> {
         let sources = self.last.borrow().as_ref().map(|scene| scene.sources.clone());
         Report::new(errors, sources.unwrap_or_default())

@@ -77,6 +77,14 @@ pub enum Error {
         /// What was expected.
         expected: String,
     },
+    /// A capture cannot be differentiated by a parameter.
+    #[error("parameter \"{parameter}\": {reason}")]
+    Parameter {
+        /// Its name.
+        parameter: String,
+        /// The reason.
+        reason: String,
+    },
     /// A render job is wrong.
     #[error("the job is wrong:\n{0}")]
     Job(Box<Report>),

@@ -8,6 +8,7 @@
 //! | [`Renderer`] | a compiled scene; renders [`Image`]s to a requested error and traces rays |
 //! | [`Capture`] | a real camera: finite pinhole, exposure in J/m², sensor, grey values |
 //! | [`CaptureSeries`] | captures of similar scenes: poses of parts, rings, exposures, sensors |
+//! | [`CaptureDerivatives`] | derivatives of a capture by poses, ring and camera, and their [`FisherInformation`] |
 //! | [`RenderJob`] | a rectangle of a picture or capture, or a range of rays, as plain data for another process or machine |
 //! | [`Error`] | errors as data: each message with file, line and column |
 //!
@@ -37,6 +38,7 @@
 mod camera;
 mod capture;
 mod capture_series;
+mod derivatives;
 mod error;
 mod error_budget;
 mod file_loader;
@@ -56,6 +58,9 @@ mod view;
 pub use camera::{Camera, CameraRay};
 pub use capture::{Capture, CapturedImage};
 pub use capture_series::{CaptureSeries, SeriesExposure, SeriesPicture, SeriesScenes, expose_series};
+pub use derivatives::{
+    CaptureDerivatives, ExposureDerivatives, FisherInformation, Parameter, ParameterDerivative, expose_derivatives,
+};
 pub use error::{Error, Report};
 pub use error_budget::ErrorBudget;
 pub use file_loader::FileLoader;
@@ -64,7 +69,7 @@ pub use integrator::{Integrator, PathIntegrator, RayQueries};
 pub use material::Material;
 pub use part_move::PartMove;
 pub use radsight_brdf::{BrdfSample, Density, Lobes};
-pub use radsight_capture::{PixelStatistics, Progress, Silent};
+pub use radsight_capture::{Derivative, PixelStatistics, Progress, Silent};
 pub use radsight_diag::{Diagnostic, Severity};
 pub use radsight_film::{Estimate, Interpolation, SamplingBudget};
 pub use radsight_loader::{FileKind, LoadError, Loaded, Loader, MemoryLoader};

@@ -43,6 +43,11 @@ impl PartMove {
         Ok(PartMove { surfaces: surfaces.to_owned(), transform })
     }
 
+    /// Moves the surfaces with this name or prefix by a rigid motion.
+    pub(crate) fn rigid(surfaces: &str, transform: Transform) -> PartMove {
+        PartMove { surfaces: surfaces.to_owned(), transform }
+    }
+
     /// Whether this surface belongs to the part.
     #[must_use]
     pub fn is_of(&self, surface: &str) -> bool {

@@ -41,9 +41,7 @@ pub(super) fn run(arguments: &Capture, table: &str, render: RenderOptions) -> Ou
     let (scene, sources) =
         valid_scene(with_ring(&inputs, first.capture.camera_file()), &arguments.reading, |_| Ok(()))?;
     let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources);
-    let mut quiet = arguments.reading.clone();
-    quiet.no_warnings = true;
-    let scenes = FileScenes { inputs, reading: &arguments.reading, quiet, planner, sources: &sources };
+    let scenes = FileScenes::new(inputs, &arguments.reading, planner, &sources);
     let bar = Bar::new("capturing");
     let postponed = interrupt::postpone();
     let progress = Pictures { bar: &bar, done: AtomicU64::new(0), of: pictures.len() as u64 };
@@ -111,7 +109,11 @@ fn pictures(
     Ok(pictures)
 }
 
-fn configured(arguments: &Capture, capture: radsight::Capture, options: &RenderOptions) -> radsight::Capture {
+pub(super) fn configured(
+    arguments: &Capture,
+    capture: radsight::Capture,
+    options: &RenderOptions,
+) -> radsight::Capture {
     let mut capture = match arguments.samples {
         Some(samples) => capture.samples(samples),
         None => capture.error(arguments.error.unwrap_or(super::DEFAULT_ERROR)),
@@ -120,18 +122,32 @@ fn configured(arguments: &Capture, capture: radsight::Capture, options: &RenderO
     capture
 }
 
-fn with_ring(inputs: &[Input], camera: &CameraFile) -> Vec<Input> {
+pub(super) fn with_ring(inputs: &[Input], camera: &CameraFile) -> Vec<Input> {
     inputs.iter().cloned().chain(crate::input::ring_input(camera)).collect()
 }
 
 /// Scenes of the command line, read from memory.
-struct FileScenes<'s> {
+pub(super) struct FileScenes<'s> {
     inputs: Vec<Input>,
     reading: &'s Reading,
     /// Warnings are said once.
     quiet: Reading,
     planner: Planner<'s>,
     sources: &'s SourceMap,
+}
+
+impl<'s> FileScenes<'s> {
+    pub(super) fn new(
+        inputs: Vec<Input>,
+        reading: &'s Reading,
+        planner: Planner<'s>,
+        sources: &'s SourceMap,
+    ) -> FileScenes<'s> {
+        // Warnings were said before.
+        let mut quiet = reading.clone();
+        quiet.no_warnings = true;
+        FileScenes { inputs, reading, quiet, planner, sources }
+    }
 }
 
 impl SeriesScenes for FileScenes<'_> {

@@ -36,10 +36,8 @@ pub struct ParameterStep<'a> {
     pub below: Exposer<'a>,
     /// One step above it.
     pub above: Exposer<'a>,
-    /// Two steps below it.
-    pub far_below: Exposer<'a>,
-    /// Two steps above it.
-    pub far_above: Exposer<'a>,
+    /// Two steps below and above it; `None` if the exposure is linear in the parameter.
+    pub far: Option<[Exposer<'a>; 2]>,
     /// The step, in the parameter's unit.
     pub step: f64,
     /// How the parameter moves the scene before the camera.
@@ -63,8 +61,9 @@ pub const RANDOMISATIONS: u32 = 8;
 
 impl<'a> ParameterStep<'a> {
     /// The same with twice the step.
-    fn doubled(&self) -> ParameterStep<'a> {
-        ParameterStep { below: self.far_below, above: self.far_above, step: 2.0 * self.step, ..*self }
+    fn doubled(&self) -> Option<ParameterStep<'a>> {
+        let [below, above] = self.far?;
+        Some(ParameterStep { below, above, step: 2.0 * self.step, ..*self })
     }
 
     /// The derivative of the exposure of each pixel. Cameras with a diffraction pattern have none:

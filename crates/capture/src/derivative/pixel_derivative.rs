@@ -36,39 +36,42 @@ impl ParameterStep<'_> {
         block << SEQUENCE_LOG2 | u64::from(sample)
     }
 
-    /// Sum of samples of dE/dθ of a pixel, and the number of its rays.
+    /// Sums of samples of dE/dθ and of E of a pixel.
     pub(super) fn sum(
         &self,
         workers: &mut StepWorkers<'_>,
         (pixel, flow): (u64, Option<&Flow>),
         randomisation: u32,
         samples: Range<u32>,
-    ) -> f64 {
+    ) -> [f64; 2] {
         let domain = Domain::of(self.center.rays.hole());
         let sequence = 1 + 2 * u64::from(randomisation);
-        let mut sum = 0.0;
+        let [mut sum, mut exposure] = [0.0; 2];
         for sample in samples {
-            sum += self.inside(workers, (pixel, domain, flow), self.index(sequence, pixel, sample));
+            let [slope, mean] = self.inside(workers, (pixel, domain, flow), self.index(sequence, pixel, sample));
+            sum += slope;
+            exposure += mean;
             if let Some(flow) = flow {
                 sum -= self.across_rim(workers, (pixel, domain, flow), self.index(sequence + 1, pixel, sample));
             }
         }
-        sum
+        [sum, exposure]
     }
 
-    /// A sample of Dg/Dθ + g·div V.
+    /// A sample of Dg/Dθ + g·div V, and one of g.
     fn inside(
         &self,
         workers: &mut StepWorkers<'_>,
         (pixel, domain, flow): (u64, Domain, Option<&Flow>),
         index: u64,
-    ) -> f64 {
+    ) -> [f64; 2] {
         let (fixed, drawn) = self.drawn(domain, index);
         let at = domain.uniform(drawn);
         let moved = flow.map_or(DVec2::ZERO, |flow| flow.velocity(fixed, at) * self.step);
         let above = integrand(&self.above, &mut workers.above, (pixel, domain), (fixed, at + moved), index);
         let below = integrand(&self.below, &mut workers.below, (pixel, domain), (fixed, at - moved), index);
-        (above - below) / (2.0 * self.step) + flow.map_or(0.0, Flow::divergence) * 0.5 * (above + below)
+        let mean = 0.5 * (above + below);
+        [(above - below) / (2.0 * self.step) + flow.map_or(0.0, Flow::divergence) * mean, mean]
     }
 
     /// A sample of ∮ g·V·n ds.

@@ -20,7 +20,8 @@ pub struct Derivative {
     pub values: Vec<f64>,
     /// Its standard error, by independent randomisations of the samples.
     pub standard_errors: Vec<f64>,
-    /// Rms of the standard errors, relative to the rms of the derivative. 0 if both are 0.
+    /// Rms of the standard errors, relative to the rms of the derivative (or, if that is larger, to
+    /// the derivative that changes the exposure by 0.03 % over the step).
     pub relative_error: f64,
     /// Estimated rms error due to the finite step, relative to the rms of the derivative.
     pub step_error: f64,
@@ -33,8 +34,10 @@ pub struct Derivative {
 /// Samples of one pixel so far.
 #[derive(Clone, Copy, Debug)]
 struct PixelSums {
-    /// By randomisation.
+    /// Of the derivative, by randomisation.
     sums: [f64; RANDOMISATIONS as usize],
+    /// Of the exposure.
+    exposure: f64,
     /// Of each randomisation.
     samples: u32,
 }
@@ -53,6 +56,10 @@ const OWN_WEIGHT: f64 = 0.5;
 
 const MAX_PASSES: u32 = 48;
 
+/// Change of the exposure over a step, rms relative to the rms of the exposure, below which a
+/// derivative counts as zero.
+const LEAST_CHANGE: f64 = 3e-4;
+
 /// Every so manieth pixel estimates the error of the step.
 const STEP_LATTICE: usize = 7;
 
@@ -60,7 +67,7 @@ const STEP_LATTICE: usize = 7;
 const STEP_SAMPLES: u32 = 64;
 
 impl PixelSums {
-    const NONE: PixelSums = PixelSums { sums: [0.0; RANDOMISATIONS as usize], samples: 0 };
+    const NONE: PixelSums = PixelSums { sums: [0.0; RANDOMISATIONS as usize], exposure: 0.0, samples: 0 };
 
     fn mean(&self) -> f64 {
         self.sums.iter().sum::<f64>() / f64::from(RANDOMISATIONS * self.samples.max(1))
@@ -106,7 +113,7 @@ pub(super) fn derivative(
     }
     let squared = squared_errors(&pixels, rays.camera().columns() as usize);
     let values: Vec<f64> = pixels.iter().map(PixelSums::mean).collect();
-    let size = signal(&values, &squared).sqrt();
+    let size = signal(&pixels, &squared, step.step).sqrt();
     let relative = |squared: f64| if squared > 0.0 { squared.sqrt() / size } else { 0.0 };
     Some(Derivative {
         relative_error: relative(mean(&squared)),
@@ -132,8 +139,7 @@ impl Sampler<'_> {
         self.double(pixels, all);
         for _ in 0..MAX_PASSES {
             let squared = squared_errors(pixels, columns);
-            let values: Vec<f64> = pixels.iter().map(PixelSums::mean).collect();
-            let target = error * error * signal(&values, &squared);
+            let target = error * error * signal(pixels, &squared, self.step.step);
             let of_pixel = |(pixel, squared): (&PixelSums, &f64)| PixelError {
                 squared: *squared,
                 gain: GAIN,
@@ -165,6 +171,7 @@ impl Sampler<'_> {
             .collect();
         for (&pixel, added) in chosen.iter().zip(added) {
             pixels[pixel].sums.iter_mut().zip(added.sums).for_each(|(sum, added)| *sum += added);
+            pixels[pixel].exposure += added.exposure;
             pixels[pixel].samples += added.samples;
         }
     }
@@ -186,7 +193,9 @@ impl Sampler<'_> {
         let samples = range.len() as u32;
         let mut added = PixelSums { samples, ..PixelSums::NONE };
         for (randomisation, sum) in (0..).zip(&mut added.sums) {
-            *sum = step.sum(workers, (pixel as u64, flow), randomisation, range.clone());
+            let [slope, exposure] = step.sum(workers, (pixel as u64, flow), randomisation, range.clone());
+            *sum = slope;
+            added.exposure += exposure;
         }
         let rays = u64::from(samples * RANDOMISATIONS) * if flow.is_some() { 3 } else { 2 };
         let done = self.traced.fetch_add(rays, Ordering::Relaxed) + rays;
@@ -197,7 +206,7 @@ impl Sampler<'_> {
     /// Mean squared error due to the finite step, from a lattice of pixels. Products of the
     /// differences of independent randomisations have no noise in the mean.
     fn squared_step_error(&self, pixels: &[PixelSums]) -> f64 {
-        let doubled = self.step.doubled();
+        let Some(doubled) = self.step.doubled() else { return 0.0 };
         let squares: Vec<f64> = (0..pixels.len())
             .into_par_iter()
             .step_by(STEP_LATTICE)
@@ -228,11 +237,19 @@ fn squared_errors(pixels: &[PixelSums], columns: usize) -> Vec<f64> {
     own.iter().zip(&near).zip(pixels).map(pooled).collect()
 }
 
-/// Mean square of the derivative without its noise.
-fn signal(values: &[f64], squared_errors: &[f64]) -> f64 {
-    let square = values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64;
+/// Mean square of the derivative without its noise, to which errors relate. A derivative that
+/// changes next to nothing over the step counts as if it changed [`LEAST_CHANGE`].
+fn signal(pixels: &[PixelSums], squared_errors: &[f64], step: f64) -> f64 {
+    let square = mean_square(pixels.iter().map(PixelSums::mean));
+    let exposure = |pixel: &PixelSums| pixel.exposure / f64::from(RANDOMISATIONS * pixel.samples.max(1));
+    let least = (LEAST_CHANGE / step).powi(2) * mean_square(pixels.iter().map(exposure));
     // Where noise dominates, the difference says nothing.
-    (square - mean(squared_errors)).max(0.1 * square)
+    (square - mean(squared_errors)).max(0.1 * square).max(least)
+}
+
+fn mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len().max(1) as f64;
+    values.map(|value| value * value).sum::<f64>() / count
 }
 
 fn mean(values: &[f64]) -> f64 {
