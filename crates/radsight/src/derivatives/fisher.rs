@@ -88,29 +88,27 @@ fn deviations(matrix: &[Vec<f64>]) -> Option<Vec<f64>> {
     if !scale.iter().all(|scale| scale.is_finite()) {
         return None;
     }
-    let scaled = |row: usize, column: usize| matrix[row][column] * scale[row] * scale[column];
     let mut lower = vec![vec![0.0; count]; count];
     for row in 0..count {
         for column in 0..=row {
             let known: f64 = (0..column).map(|index| lower[row][index] * lower[column][index]).sum();
-            let rest = scaled(row, column) - known;
+            let rest = matrix[row][column] * scale[row] * scale[column] - known;
             if row == column && rest < MIN_PIVOT {
                 return None;
             }
             lower[row][column] = if row == column { rest.sqrt() } else { rest / lower[column][column] };
         }
     }
-    Some((0..count).map(|index| scale[index] * inverse_diagonal(&lower, index).sqrt()).collect())
+    Some((0..count).map(|index| scale[index] * inverse_column(&lower, index).sqrt()).collect())
 }
 
-/// Element `index` of the diagonal of the inverse of L·Lᵀ: the squared length of this column of the
-/// inverse of L.
-fn inverse_diagonal(lower: &[Vec<f64>], index: usize) -> f64 {
+/// Squared length of column `index` of the inverse of a lower triangular matrix: the diagonal of
+/// the inverse of L·Lᵀ.
+fn inverse_column(lower: &[Vec<f64>], index: usize) -> f64 {
     let mut column = vec![0.0; lower.len()];
-    for (row, line) in lower.iter().enumerate().skip(index) {
-        let known: f64 = (index..row).map(|at| line[at] * column[at]).sum();
-        let own = if row == index { 1.0 } else { 0.0 };
-        column[row] = (own - known) / line[row];
+    for row in index..lower.len() {
+        let known: f64 = (index..row).map(|at| lower[row][at] * column[at]).sum();
+        column[row] = (if row == index { 1.0 } else { 0.0 } - known) / lower[row][row];
     }
     column.iter().map(|value| value * value).sum()
 }
