@@ -60,7 +60,7 @@ luminance = 179 * image.radiance_w_per_sr_m2 @ np.array([0.265, 0.670, 0.065])
 from_picture = float((luminance * np.cos(theta) * solid_angle).sum())
 eye = np.array([[0, 1, 1.2, 0, 1, 0.0]])
 traced = radsight.trace(scene, eye, quantity="irradiance", ambient_bounces=3, ambient_accuracy=0.0, ambient_divisions=4096)
-irradiance = traced["radiance_w_per_sr_m2"][0]
+irradiance = traced["irradiance_w_per_m2"][0]
 from_ray = float(179 * irradiance @ np.array([0.265, 0.670, 0.065]))
 print(f"vertical illuminance at the eye: {from_picture:.0f} lx from the picture, {from_ray:.0f} lx from a ray")
 assert abs(from_picture / from_ray - 1) < 0.15

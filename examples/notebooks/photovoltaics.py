@@ -54,7 +54,7 @@ renderer = radsight.Renderer(
     scene, quantity="irradiance", ambient_bounces=3, ambient_accuracy=0.1, ambient_divisions=2048, ambient_super_samples=256
 )
 begun = time.perf_counter()
-irradiance = renderer.trace(rays).radiance_w_per_sr_m2 @ np.array([1, 1, 1]) / 3
+irradiance = renderer.trace(rays).irradiance_w_per_m2 @ np.array([1, 1, 1]) / 3
 seconds = time.perf_counter() - begun
 for name, values in (("front", irradiance[:9]), ("back", irradiance[9:])):
     print(f"{name}: {values.mean():6.1f} W/m², {values.min():.1f} to {values.max():.1f}")

@@ -80,7 +80,7 @@ def our_way(files: list[str], rays: Array, accuracy: str) -> Array:
     """Irradiance of the surfaces that the rays meet."""
     scene = radsight.Scene.load(*files)
     traced = radsight.trace(scene, rays, quantity="surface_irradiance", **OPTIONS[accuracy])
-    return np.asarray(traced["radiance_w_per_sr_m2"].mean(axis=1))
+    return np.asarray(traced["irradiance_w_per_m2"].mean(axis=1))
 
 
 def compare(accuracy: str) -> float:

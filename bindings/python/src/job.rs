@@ -2,7 +2,7 @@
 
 use crate::array_view::array_view;
 use crate::errors::{RadsightError, exception, wrong};
-use numpy::PyArray3;
+use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use radsight::{JobTarget, RayFormat, RayQuantity};
 use std::ops::Range;
@@ -330,10 +330,47 @@ impl MergedJob {
         radsight::MergedJob::of(&parts).map(MergedJob).map_err(exception)
     }
 
-    /// Radiance, W/(sr·m²), (rows, columns, 3); or exposure, J/m², (rows, columns, 1). A read-only view.
+    /// Radiance, irradiance or exposure, as the job has it: (rows, columns, 3), of an exposure (rows, columns, 1). A read-only view.
     #[getter]
     fn values<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
         array_view(slf, slf.get().shape(), |merged| &merged.0.values)
+    }
+
+    /// Radiance, W/(sr·m²): (rows, columns, 3), a read-only view. Rays are one row.
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If the job has another quantity.
+    #[getter]
+    fn radiance_w_per_sr_m2<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        slf.get().check("radiance_w_per_sr_m2")?;
+        MergedJob::values(slf)
+    }
+
+    /// Irradiance, W/m²: (1, rays, 3), a read-only view.
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If the job has another quantity.
+    #[getter]
+    fn irradiance_w_per_m2<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        slf.get().check("irradiance_w_per_m2")?;
+        MergedJob::values(slf)
+    }
+
+    /// Exposure, J/m²: (rows, columns), a read-only view.
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If the job has another quantity.
+    #[getter]
+    fn exposure_j_per_m2<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        slf.get().check("exposure_j_per_m2")?;
+        let [rows, columns, _] = slf.get().shape();
+        array_view(slf, [rows, columns], |merged| &merged.0.values)
     }
 
     /// Estimated standard errors of the values, a read-only view; NaN where a part is missing, and with one sample.
@@ -372,6 +409,27 @@ impl MergedJob {
 }
 
 impl MergedJob {
+    /// The attribute that has the values by their unit; `None` for a kind of job that is newer than this module.
+    fn attribute(&self) -> Option<&'static str> {
+        match &self.0.job.target {
+            JobTarget::Capture { .. } => Some("exposure_j_per_m2"),
+            JobTarget::Picture { .. } => Some("radiance_w_per_sr_m2"),
+            JobTarget::Trace { quantity: RayQuantity::Radiance, .. } => Some("radiance_w_per_sr_m2"),
+            JobTarget::Trace { .. } => Some("irradiance_w_per_m2"),
+            _ => None,
+        }
+    }
+
+    fn check(&self, wanted: &str) -> PyResult<()> {
+        match self.attribute() {
+            Some(attribute) if attribute == wanted => Ok(()),
+            attribute => {
+                let values = attribute.unwrap_or("values");
+                Err(RadsightError::new_err(format!("the job has no {wanted}: {values}")))
+            }
+        }
+    }
+
     /// Rows, columns, components.
     fn shape(&self) -> [usize; 3] {
         [self.0.size[1], self.0.size[0], self.0.components]

@@ -7,7 +7,7 @@ use crate::image::Image;
 use crate::job::{JobResult, RenderJob};
 use crate::scene::{Scene, View};
 use crate::supervise::{Raised, Watch, stopped, supervised};
-use crate::traced::{TracedRays, kept, rays_of};
+use crate::traced::{Asked, TracedRays, kept, rays_of};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -47,6 +47,7 @@ use std::time::Instant;
 #[pyclass(module = "radsight")]
 pub(crate) struct Renderer {
     renderer: radsight::Renderer,
+    asked: Asked,
     threads: Option<usize>,
     /// What materials in Python raise.
     raised: Raised,
@@ -80,10 +81,10 @@ impl Renderer {
         if !(ambient_accuracy >= 0.0 && ambient_accuracy.is_finite()) {
             return Err(wrong("ambient_accuracy", ambient_accuracy, "0 or more"));
         }
-        let quantity = match quantity {
-            "radiance" => TracedQuantity::Radiance,
-            "irradiance" => TracedQuantity::Irradiance,
-            "surface_irradiance" => TracedQuantity::SurfaceIrradiance,
+        let (quantity, asked) = match quantity {
+            "radiance" => (TracedQuantity::Radiance, Asked::Radiance),
+            "irradiance" => (TracedQuantity::Irradiance, Asked::Irradiance),
+            "surface_irradiance" => (TracedQuantity::SurfaceIrradiance, Asked::Irradiance),
             other => return Err(wrong("quantity", other, "radiance, irradiance or surface_irradiance")),
         };
         let renderer = py.detach(|| radsight::Renderer::new(&scene.scene)).map_err(exception)?;
@@ -97,7 +98,7 @@ impl Renderer {
         if let Some(cache) = irradiance_cache {
             renderer.only_irradiance_cache(cache);
         }
-        Ok(Renderer { renderer, threads: scene.threads(threads), raised: scene.raised.clone() })
+        Ok(Renderer { renderer, asked, threads: scene.threads(threads), raised: scene.raised.clone() })
     }
 
     /// Render a view within a size; the picture has the view's own proportions.
@@ -205,7 +206,7 @@ impl Renderer {
         let traced = supervised(py, self.threads, progress, &self.raised, |watch: &Watch| {
             renderer.trace_part(first, &rays, kept, watch)
         })?;
-        TracedRays::new(py, traced.map_err(exception)?.ok_or_else(stopped)?)
+        TracedRays::new(py, traced.map_err(exception)?.ok_or_else(stopped)?, self.asked)
     }
 
     /// Fill the irradiance cache for rays that `trace` is to answer, or for a whole job.

@@ -33,7 +33,7 @@ impl Sensor {
         exposure_j_per_m2: &Bound<'py, PyAny>,
         seed: u64,
     ) -> PyResult<Bound<'py, PyArrayDyn<u16>>> {
-        let exposures = array_argument::<IxDyn>("exposure_j_per_m2", exposure_j_per_m2, "any")?;
+        let exposures = array_argument::<IxDyn>("exposure_j_per_m2", exposure_j_per_m2, "(…)")?;
         let exposures = exposures.as_array();
         let shape = exposures.shape().to_vec();
         // Of one's own: another thread may change the array meanwhile.

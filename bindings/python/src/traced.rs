@@ -14,7 +14,20 @@ const NUMBERS: usize = 10;
 
 /// What rays found. Its arrays are views of one array.
 #[pyclass(frozen, module = "radsight")]
-pub(crate) struct TracedRays(Py<PyArray2<f64>>);
+pub(crate) struct TracedRays {
+    /// A row for each ray.
+    numbers: Py<PyArray2<f64>>,
+    asked: Asked,
+}
+
+/// The unit of what rays asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Asked {
+    /// W/(sr·m²).
+    Radiance,
+    /// W/m².
+    Irradiance,
+}
 
 /// What is kept of an answer.
 pub(crate) fn kept(traced: radsight::Traced) -> [f64; NUMBERS] {
@@ -27,30 +40,58 @@ pub(crate) fn kept(traced: radsight::Traced) -> [f64; NUMBERS] {
 
 impl TracedRays {
     /// The vector's memory becomes the array's.
-    pub(crate) fn new(py: Python<'_>, rays: Vec<[f64; NUMBERS]>) -> PyResult<TracedRays> {
+    pub(crate) fn new(py: Python<'_>, rays: Vec<[f64; NUMBERS]>, asked: Asked) -> PyResult<TracedRays> {
         let count = rays.len();
         let array = PyArray1::from_vec(py, rays.into_flattened()).reshape([count, NUMBERS])?;
-        Ok(TracedRays(array.unbind()))
+        Ok(TracedRays { numbers: array.unbind(), asked })
+    }
+
+    fn values<'py>(&self, py: Python<'py>, wanted: Asked) -> PyResult<Bound<'py, PyAny>> {
+        match (self.asked, wanted) {
+            (Asked::Irradiance, Asked::Radiance) => {
+                Err(RadsightError::new_err("the rays asked for irradiance: irradiance_w_per_m2"))
+            }
+            (Asked::Radiance, Asked::Irradiance) => {
+                Err(RadsightError::new_err("the rays asked for radiance: radiance_w_per_sr_m2"))
+            }
+            _ => self.columns(py, 0, 3),
+        }
     }
 
     fn columns<'py>(&self, py: Python<'py>, first: usize, end: usize) -> PyResult<Bound<'py, PyAny>> {
         let columns = PySlice::new(py, first as isize, end as isize, 1);
-        self.0.bind(py).as_any().get_item((PySlice::full(py), columns))
+        self.numbers.bind(py).as_any().get_item((PySlice::full(py), columns))
     }
 }
 
 #[pymethods]
 impl TracedRays {
     /// Radiance of each ray in red, green and blue, W/(sr·m²): (n, 3).
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If the rays asked for irradiance.
     #[getter]
     fn radiance_w_per_sr_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.columns(py, 0, 3)
+        self.values(py, Asked::Radiance)
+    }
+
+    /// Irradiance in red, green and blue, W/m²: (n, 3).
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If the rays asked for radiance.
+    #[getter]
+    fn irradiance_w_per_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.values(py, Asked::Irradiance)
     }
 
     /// Distance to the first surface, scene units; infinite for none: (n,).
     #[getter]
     fn distance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.0.bind(py).as_any().get_item((PySlice::full(py), 3))
+        self.numbers.bind(py).as_any().get_item((PySlice::full(py), 3))
     }
 
     /// The first point, scene units; NaN for none: (n, 3).
@@ -66,7 +107,7 @@ impl TracedRays {
     }
 
     fn __len__(&self, py: Python<'_>) -> usize {
-        self.0.bind(py).dims()[0]
+        self.numbers.bind(py).dims()[0]
     }
 }
 

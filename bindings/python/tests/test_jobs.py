@@ -25,6 +25,9 @@ def test_parts_merge_to_the_picture():
     merged = radsight.MergedJob([pickle.loads(pickle.dumps(part)) for part in parts[::-1]])
     whole = radsight.Renderer(scene, samples=4, seed=5).render(VIEW, 40, 30)
     np.testing.assert_array_equal(merged.values, whole.radiance_w_per_sr_m2)
+    assert np.shares_memory(merged.radiance_w_per_sr_m2, merged.values)
+    with pytest.raises(radsight.RadsightError, match="no exposure_j_per_m2: radiance_w_per_sr_m2"):
+        merged.exposure_j_per_m2
     assert merged.missing == [] and merged.relative_error > 0
     assert merged.standard_errors.shape == merged.values.shape
     partial = radsight.MergedJob(parts[:2])
@@ -43,7 +46,8 @@ def test_captures_too():
     merged = radsight.MergedJob(parts)
     whole = pickle.loads(pickle.dumps(camera)).expose(scene)
     np.testing.assert_array_equal(merged.values[..., 0], whole.exposure_j_per_m2.astype(np.float32))
-    grey = camera.sensor.grey(merged.values[..., 0].astype(np.float64))
+    assert np.shares_memory(merged.exposure_j_per_m2, merged.values) and merged.exposure_j_per_m2.shape == (rows, columns)
+    grey = camera.sensor.grey(merged.exposure_j_per_m2)
     np.testing.assert_array_equal(grey, whole.grey)
     assert grey.shape == (rows, columns) and camera.sensor.largest == 255
 
@@ -60,6 +64,12 @@ def test_ranges_of_rays_and_their_cache():
     merged = radsight.MergedJob([renderer.run_job(part, rays=rays) for part in job.split_rays(30, 100)])
     whole = radsight.trace(scene, rays, **options)["radiance_w_per_sr_m2"]
     np.testing.assert_array_equal(merged.values[0], whole.astype(np.float32))
+    job = radsight.RenderJob(samples=1, rays="points.txt", quantity="irradiance")
+    merged = radsight.MergedJob([radsight.Renderer(scene).run_job(job, rays=rays)])
+    alone = radsight.trace(scene, rays, quantity="irradiance", ambient_accuracy=0.0)["irradiance_w_per_m2"]
+    np.testing.assert_array_equal(merged.irradiance_w_per_m2[0], alone.astype(np.float32))
+    with pytest.raises(radsight.RadsightError, match="no radiance_w_per_sr_m2: irradiance_w_per_m2"):
+        merged.radiance_w_per_sr_m2
     again = radsight.Renderer(scene, **options).fill_irradiance_cache(rays)
     half = radsight.Renderer(scene, irradiance_cache=again, **options).trace(rays[50:], first=50)
     np.testing.assert_array_equal(half.radiance_w_per_sr_m2, whole[50:])

@@ -68,7 +68,9 @@ def test_arrays_have_units():
     assert exposed.exposure.attrs["units"] == "J/m2" and exposed.grey.dtype == np.uint16
     traced = radsight.Renderer(scene).trace(np.array([[0, 0, 0, 0, 1, 0], [0, 0, 0, 0, -1, 0.0]]))
     frame = to_frame(traced)
-    assert list(frame["distance"]) == [7.0, np.inf] and frame["y"][0] == 7.0
+    assert list(frame["distance"]) == [7.0, np.inf] and frame["y"][0] == 7.0 and frame["radiance_red_w_per_sr_m2"][0] == 1
+    of_irradiance = to_frame(radsight.Renderer(scene, quantity="irradiance").trace(np.array([[0, 0, 0, 0, 1, 0.0]])))
+    assert "irradiance_red_w_per_m2" in of_irradiance
 
 
 def test_what_is_asked_of_rays_comes_as_arrays():
@@ -79,7 +81,14 @@ def test_what_is_asked_of_rays_comes_as_arrays():
     assert heard[-1] == 1.0
     rays = np.array([[0, 6.9, 0, 0, 1, 0.0]])
     irradiance = radsight.trace(scene, rays, quantity="irradiance", ambient_bounces=1, ambient_accuracy=0.0)
-    np.testing.assert_allclose(irradiance["radiance_w_per_sr_m2"], np.pi, rtol=0.2)
+    np.testing.assert_allclose(irradiance["irradiance_w_per_m2"], np.pi, rtol=0.2)
+    with pytest.raises(radsight.RadsightError, match="ask has 'radiance_w_per_sr_m2', expected irradiance_w_per_m2"):
+        radsight.trace(scene, rays, ["radiance_w_per_sr_m2"], quantity="surface_irradiance")
+    traced = radsight.Renderer(scene, quantity="irradiance").trace(rays)
+    with pytest.raises(radsight.RadsightError, match="asked for irradiance: irradiance_w_per_m2"):
+        traced.radiance_w_per_sr_m2
+    with pytest.raises(radsight.RadsightError, match="asked for radiance: radiance_w_per_sr_m2"):
+        radsight.Renderer(scene).trace(rays).irradiance_w_per_m2
 
 
 @pytest.mark.parametrize("checker", ["mypy", "pyright"])

@@ -61,7 +61,7 @@ def render(
 def trace(
     scene: Scene,
     rays: npt.ArrayLike,
-    ask: Sequence[str] = ("radiance_w_per_sr_m2",),
+    ask: Sequence[str] | None = None,
     *,
     progress: Callable[[float], object] | None = None,
     **options: Any,
@@ -74,8 +74,9 @@ def trace(
         In which they are traced.
     rays : (n, 6) array of float
         Origin (scene units) and direction of each. An array of doubles is read in place.
-    ask : sequence of str
-        Any of ``radiance_w_per_sr_m2``, ``distance``, ``point``, ``normal``.
+    ask : sequence of str, optional
+        Any of ``radiance_w_per_sr_m2`` (which is there alone if not given), ``distance``, ``point`` and ``normal``. With
+        ``quantity="irradiance"`` and ``"surface_irradiance"`` it is ``irradiance_w_per_m2`` instead of the radiance.
     progress : callable, optional
         Called with the share that is done.
     **options
@@ -85,7 +86,7 @@ def trace(
     -------
     dict of str to array
         What was asked, an entry each, as `TracedRays` has it: radiance (n, 3) in W/(sr·m²), distance (n,) and point (n, 3) in scene
-        units, normal (n, 3). With ``quantity="irradiance"`` the radiance is an irradiance, W/m².
+        units, normal (n, 3), irradiance (n, 3) in W/m².
 
     Raises
     ------
@@ -99,19 +100,19 @@ def trace(
     >>> radsight.trace(scene, [[0, 0, 0, 0, 1, 0]], ["distance"])
     {'distance': array([7.])}
     """
-    check_ask(ask)
+    names = answers(ask, options)
     traced = Renderer(scene, **options).trace(rays, progress=progress)
-    return {name: getattr(traced, name) for name in ask}
+    return {name: getattr(traced, name) for name in names}
 
 
-_ANSWERS = ("radiance_w_per_sr_m2", "distance", "point", "normal")
-
-
-def check_ask(ask: Sequence[str]) -> None:
-    """Refuse what `TracedRays` does not have."""
-    for name in ask:
-        if name not in _ANSWERS:
-            raise RadsightError(f"ask has {name!r}, expected {', '.join(_ANSWERS[:-1])} or {_ANSWERS[-1]}")
+def answers(ask: Sequence[str] | None, options: dict[str, Any]) -> Sequence[str]:
+    """What is asked of rays: names that `TracedRays` with these options has."""
+    is_radiance = options.get("quantity", "radiance") == "radiance"
+    value = "radiance_w_per_sr_m2" if is_radiance else "irradiance_w_per_m2"
+    for name in ask or ():
+        if name not in (value, "distance", "point", "normal"):
+            raise RadsightError(f"ask has {name!r}, expected {value}, distance, point or normal")
+    return (value,) if ask is None else ask
 
 
 def contributions(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._radsight import CapturedImage, Image, MergedJob, SeriesPicture, TracedRays
+from ._radsight import CapturedImage, Image, MergedJob, RadsightError, SeriesPicture, TracedRays
 
 if TYPE_CHECKING:
     import pandas
@@ -69,15 +69,15 @@ def to_frame(traced: TracedRays) -> pandas.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Radiance in W/(sr·m²) by band, distance and point in scene units.
+        Radiance in W/(sr·m²) or irradiance in W/m² by band, distance and point in scene units.
     """
     import pandas
 
-    columns = np.concatenate(
-        [traced.radiance_w_per_sr_m2, traced.distance[:, None], traced.point],
-        axis=1,
-    )
-    names = [f"radiance_{band}_w_per_sr_m2" for band in _BANDS]
+    try:
+        values, names = traced.radiance_w_per_sr_m2, [f"radiance_{band}_w_per_sr_m2" for band in _BANDS]
+    except RadsightError:
+        values, names = traced.irradiance_w_per_m2, [f"irradiance_{band}_w_per_m2" for band in _BANDS]
+    columns = np.concatenate([values, traced.distance[:, None], traced.point], axis=1)
     return pandas.DataFrame(columns, columns=[*names, "distance", "x", "y", "z"])
 
 

@@ -27,7 +27,7 @@ import numpy.typing as npt
 from dask.distributed import Client, Future, as_completed
 
 from ._radsight import Capture, JobResult, MergedJob, RadsightError, RenderJob, Renderer, Scene, View
-from ._shortcuts import check_ask
+from ._shortcuts import answers
 
 __all__ = ["Sampling", "capture", "capture_series", "contributions", "render", "trace"]
 
@@ -203,7 +203,7 @@ def trace(
     client: Client,
     scene: Scene,
     rays: npt.ArrayLike,
-    ask: Sequence[str] = ("radiance_w_per_sr_m2",),
+    ask: Sequence[str] | None = None,
     *,
     rays_a_job: int = 1 << 16,
     **options: Any,
@@ -218,7 +218,7 @@ def trace(
         In which they are traced; it goes to the cluster once.
     rays : (n, 6) array of float
         Origin (scene units) and direction of each.
-    ask : sequence of str
+    ask : sequence of str, optional
         As for `radsight.trace`.
     rays_a_job : int
         Number of rays in a job; the result does not depend on it.
@@ -230,7 +230,7 @@ def trace(
     dict of str to array
         To the bit what `radsight.trace` gives.
     """
-    check_ask(ask)
+    names = answers(ask, options)
     _check_threads(options)
     checked = _checked(rays, rays_a_job)
     with _Shared(client, scene) as shared:
@@ -238,12 +238,12 @@ def trace(
         cache = client.submit(_fill_for_rays, shared, options, checked, pure=False) if caches else None
         futures = [
             client.submit(
-                _trace_job, shared, cache, options, checked[first : first + rays_a_job], first, tuple(ask), pure=False
+                _trace_job, shared, cache, options, checked[first : first + rays_a_job], first, tuple(names), pure=False
             )
             for first in _starts(checked, rays_a_job)
         ]
         parts = _gathered(client, futures)
-    return {name: np.concatenate([part[name] for part in parts]) for name in ask}
+    return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
 
 def contributions(
