@@ -21,7 +21,7 @@ pub struct Derivative {
     /// Its standard error, by independent randomisations of the samples.
     pub standard_errors: Vec<f64>,
     /// Rms of the standard errors, relative to the rms of the derivative (or, if that is larger, to
-    /// the derivative that changes the exposure by 0.03 % over the step).
+    /// the derivative that changes the exposure by 0.003 % over the step).
     pub relative_error: f64,
     /// Estimated rms error due to the finite step, relative to the rms of the derivative.
     pub step_error: f64,
@@ -58,9 +58,13 @@ const MAX_PASSES: u32 = 48;
 
 /// Change of the exposure over a step, rms relative to the rms of the exposure, below which a
 /// derivative counts as zero.
-const LEAST_CHANGE: f64 = 3e-4;
+const LEAST_CHANGE: f64 = 3e-5;
 
-/// Every so manieth pixel estimates the error of the step.
+/// First samples of each randomisation. Fewer miss the few samples that change sides at a shadow
+/// edge, and with them the noise.
+const FIRST_SAMPLES: u32 = 8;
+
+/// The error of the step is estimated in one of this many pixels.
 const STEP_LATTICE: usize = 7;
 
 /// Its largest number of samples of a randomisation.
@@ -148,7 +152,16 @@ impl Sampler<'_> {
             let errors: Vec<PixelError> = pixels.iter().zip(&squared).map(of_pixel).collect();
             let needed = doublings(&errors, target, MAX_SAMPLES);
             let is_chosen = |(index, needed): &(usize, f64)| *needed > (*index as f64 * GOLDEN_RATIO).fract();
-            let chosen: Vec<usize> = needed.into_iter().enumerate().filter(is_chosen).map(|(index, _)| index).collect();
+            let mut chosen: Vec<usize> =
+                needed.iter().copied().enumerate().filter(is_chosen).map(|(index, _)| index).collect();
+            if chosen.is_empty() {
+                // All need too small a fraction of a doubling to be chosen: the one that needs most.
+                chosen.extend(
+                    (0..needed.len())
+                        .filter(|&index| needed[index] > 0.0)
+                        .max_by(|&a, &b| needed[a].total_cmp(&needed[b])),
+                );
+            }
             if chosen.is_empty() || self.progress.stops() {
                 break;
             }
@@ -177,7 +190,7 @@ impl Sampler<'_> {
     }
 
     fn added(&self, workers: &mut StepWorkers<'_>, pixel: usize, before: PixelSums) -> PixelSums {
-        let samples = before.samples.max(1);
+        let samples = before.samples.max(FIRST_SAMPLES);
         self.sums(self.step, workers, pixel, before.samples..before.samples + samples)
     }
 

@@ -67,6 +67,11 @@ const NAMES: [(&str, Kind); 6] = [
 /// Step of smooth parameters, relative to their value.
 const RELATIVE_STEP: f64 = 1e-3;
 
+/// Step of a ring's diameter, relative to the diameter of its LEDs, over which light and shadows
+/// change smoothly; and its largest value, relative to the ring's diameter.
+const STEP_OF_LED: f64 = 0.05;
+const LARGEST_RING_STEP: f64 = 0.1;
+
 /// Step of an intensity, relative to its value. The exposure is linear in it, so any step is exact.
 const INTENSITY_STEP: f64 = 0.5;
 
@@ -122,7 +127,7 @@ impl Parameter {
         Ok(match &self.kind {
             Kind::Part(_) => f64::NAN,
             Kind::LedIntensity(led) => INTENSITY_STEP * self.intensity(file, *led)?,
-            Kind::RingDiameter => RELATIVE_STEP * self.rig(file)?.ring_diameter_m,
+            Kind::RingDiameter => ring_step(self.rig(file)?),
             Kind::Distance => RELATIVE_STEP * distance_m,
             Kind::PinholeDiameter => RELATIVE_STEP * camera.pinhole_diameter_m(),
             Kind::FocalDistance => RELATIVE_STEP * camera.focal_distance_m(),
@@ -222,6 +227,11 @@ fn part(name: &str) -> Option<Kind> {
         _ => return None,
     };
     Some(Kind::Part(PartParameter { surfaces: surfaces.to_owned(), axis, turns }))
+}
+
+fn ring_step(rig: &Rig) -> f64 {
+    let of_led = (STEP_OF_LED * rig.led_diameter_m).min(LARGEST_RING_STEP * rig.ring_diameter_m);
+    of_led.max(RELATIVE_STEP * rig.ring_diameter_m)
 }
 
 #[cfg(test)]
