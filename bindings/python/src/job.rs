@@ -3,6 +3,7 @@
 use crate::array_view::array_view;
 use crate::errors::{RadsightError, exception, wrong};
 use numpy::{PyArray2, PyArray3};
+use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 use radsight::{JobTarget, RayFormat, RayQuantity};
 use std::ops::Range;
@@ -340,7 +341,7 @@ impl MergedJob {
     ///
     /// Raises
     /// ------
-    /// RadsightError
+    /// AttributeError
     ///     If the job has another quantity.
     #[getter]
     fn radiance_w_per_sr_m2<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
@@ -352,7 +353,7 @@ impl MergedJob {
     ///
     /// Raises
     /// ------
-    /// RadsightError
+    /// AttributeError
     ///     If the job has another quantity.
     #[getter]
     fn irradiance_w_per_m2<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray3<f32>>> {
@@ -364,7 +365,7 @@ impl MergedJob {
     ///
     /// Raises
     /// ------
-    /// RadsightError
+    /// AttributeError
     ///     If the job has another quantity.
     #[getter]
     fn exposure_j_per_m2<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f32>>> {
@@ -425,7 +426,7 @@ impl MergedJob {
             Some(attribute) if attribute == wanted => Ok(()),
             attribute => {
                 let values = attribute.unwrap_or("values");
-                Err(RadsightError::new_err(format!("the job has no {wanted}: {values}")))
+                Err(PyAttributeError::new_err(format!("the values of this job are {values}, not {wanted}")))
             }
         }
     }

@@ -5,6 +5,7 @@ use crate::errors::RadsightError;
 use glam::DVec3;
 use numpy::ndarray::{ArrayView1, Ix2};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
 use radsight::Ray;
@@ -49,10 +50,10 @@ impl TracedRays {
     fn values<'py>(&self, py: Python<'py>, wanted: Asked) -> PyResult<Bound<'py, PyAny>> {
         match (self.asked, wanted) {
             (Asked::Irradiance, Asked::Radiance) => {
-                Err(RadsightError::new_err("the rays asked for irradiance: irradiance_w_per_m2"))
+                Err(PyAttributeError::new_err("the rays asked for irradiance_w_per_m2, not radiance_w_per_sr_m2"))
             }
             (Asked::Radiance, Asked::Irradiance) => {
-                Err(RadsightError::new_err("the rays asked for radiance: radiance_w_per_sr_m2"))
+                Err(PyAttributeError::new_err("the rays asked for radiance_w_per_sr_m2, not irradiance_w_per_m2"))
             }
             _ => self.columns(py, 0, 3),
         }
@@ -70,7 +71,7 @@ impl TracedRays {
     ///
     /// Raises
     /// ------
-    /// RadsightError
+    /// AttributeError
     ///     If the rays asked for irradiance.
     #[getter]
     fn radiance_w_per_sr_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -81,7 +82,7 @@ impl TracedRays {
     ///
     /// Raises
     /// ------
-    /// RadsightError
+    /// AttributeError
     ///     If the rays asked for radiance.
     #[getter]
     fn irradiance_w_per_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
