@@ -152,6 +152,8 @@ struct Occluder {
     /// Front normal and a point of the plane, if it is flat.
     plane: Option<(DVec3, DVec3)>,
     is_light: bool,
+    /// Centre and outer radius of a ring.
+    ring: Option<(DVec3, f64)>,
     /// Solid angle of the narrowest highlight, sr.
     highlight: f64,
 }
@@ -171,7 +173,11 @@ impl Occluder {
             _ => 0.0,
         };
         let bounds = DVec3::AXES.map(|axis| range(&hull, axis));
-        Occluder { member, surface, hull, bounds, plane, is_light, highlight }
+        let ring = match shape {
+            Shape::Ring(handle) => Some((scene.rings[handle].center, scene.rings[handle].outer_radius)),
+            _ => None,
+        };
+        Occluder { member, surface, hull, bounds, plane, is_light, ring, highlight }
     }
 
     /// Minimum and maximum of a linear function over the surface.
@@ -300,8 +306,14 @@ impl Extent {
     }
 }
 
-/// Whether a surface touches a flat light in more than an edge, judged by bounding boxes.
+/// Whether a surface touches a flat light in more than an edge, judged by bounding boxes, and rings
+/// by their circles: the boxes of neighbours in a ring of lamps overlap.
 fn lies_on(source: &Occluder, other: &Occluder, touch: f64) -> bool {
+    if let (Some((center, radius)), Some((other, other_radius))) = (source.ring, other.ring)
+        && center.distance(other) > radius + other_radius + touch
+    {
+        return false;
+    }
     let overlap = |axis: Axis| {
         let (a, b) = (axis.range(source), axis.range(other));
         a.1.min(b.1) - a.0.max(b.0)
