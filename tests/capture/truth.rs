@@ -64,6 +64,20 @@ fn an_asked_error_is_the_true_error() {
     assert!(difference.rms > 0.002, "asked for 1 %, got {difference:?}");
 }
 
+/// The edges of the lamps' cones are all over these pictures.
+#[test]
+fn an_asked_error_is_the_true_error_where_lamps_are_integrated() {
+    for (number, scenes) in [(8, &["sheet-lambertian.rad"] as &[&str]), (9, RETRO)] {
+        for (asked, text) in [(0.005, "0.005"), (0.02, "0.02")] {
+            let captured = capture(number, scenes, &["--error", text]);
+            let difference = Difference::new(&captured.exposure, &captured.truth);
+            assert!(difference.rms < asked, "figure {number}: asked for {asked}, got {difference:?}");
+            assert!(difference.rms > 0.2 * asked, "figure {number}: asked for {asked}, got {difference:?}");
+            assert!(difference.mean.abs() < 0.2 * asked, "figure {number}: asked for {asked}, got {difference:?}");
+        }
+    }
+}
+
 /// A spot half a pixel wide lies between the points of any lattice but those of the finest, and a
 /// smooth sheet around it.
 #[test]

@@ -33,6 +33,9 @@ const GAIN_RANGE: (f64, f64) = (0.25, 0.5);
 /// measured against pictures that were integrated by other means.
 pub(crate) const SELECTION_BIAS: f64 = 1.33;
 
+/// Fraction of the requested error that cubature over a lamp may have.
+const CUBATURE_FRACTION: f64 = 0.125;
+
 /// Maximum number of passes, whatever the error is.
 pub(crate) const MAX_PASSES: u32 = 64;
 
@@ -89,7 +92,7 @@ impl Exposer<'_> {
         };
         let camera = self.rays.camera();
         state.pixels.resize(camera.pixel_count() as usize, Pixel::default());
-        let sampler = AdaptiveSampler::new(self, progress, &state.pixels);
+        let sampler = AdaptiveSampler::new(self, error, progress, &state.pixels);
         state.bands = sampler.bands;
         let is_new = state.pixels.iter().all(|pixel| pixel.samples == 0);
         let sparse = if is_new { sampler.sparse(&mut state, error) } else { None };
@@ -131,6 +134,8 @@ pub(crate) struct AdaptiveSampler<'a> {
     pub(crate) bands: usize,
     pub(crate) images: PixelImages,
     pub(crate) progress: &'a dyn Progress,
+    /// Allowed error of the light of small lamps, relative to each lamp's.
+    cubature_error: f64,
     traced: AtomicU64,
     /// Traced rays that contribute to no pixel: those of an abandoned lattice, and those that
     /// audited one.
@@ -141,7 +146,7 @@ pub(crate) struct AdaptiveSampler<'a> {
 }
 
 impl<'a> AdaptiveSampler<'a> {
-    fn new(exposer: &'a Exposer<'a>, progress: &'a dyn Progress, pixels: &[Pixel]) -> AdaptiveSampler<'a> {
+    fn new(exposer: &'a Exposer<'a>, error: f64, progress: &'a dyn Progress, pixels: &[Pixel]) -> AdaptiveSampler<'a> {
         let traced = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
         let first = pixels.iter().filter(|pixel| pixel.samples == 0).count() as u64 * u64::from(FIRST_SAMPLES);
         AdaptiveSampler {
@@ -149,11 +154,17 @@ impl<'a> AdaptiveSampler<'a> {
             bands: bands_apart(exposer.rays, exposer.weights),
             images: images(exposer),
             progress,
+            cubature_error: CUBATURE_FRACTION * error,
             traced: AtomicU64::new(traced),
             discarded: AtomicU64::new(0),
             planned: AtomicU64::new(traced + first),
             is_on_lattice: AtomicBool::new(false),
         }
+    }
+
+    /// The ray workers of a thread.
+    pub(crate) fn workers(&self) -> Workers<'a> {
+        self.exposer.integrating_workers(self.cubature_error)
     }
 
     /// Whether the threads should return to be joined.
@@ -170,7 +181,7 @@ impl<'a> AdaptiveSampler<'a> {
     fn begin(&self, state: &mut AdaptiveState) {
         loop {
             state.pixels.par_iter_mut().enumerate().with_min_len(32).for_each_init(
-                || self.exposer.workers(),
+                || self.workers(),
                 |worker, (index, pixel)| {
                     if pixel.samples == 0 && !self.pauses() {
                         *pixel = self.first(worker, index);
@@ -224,7 +235,7 @@ impl<'a> AdaptiveSampler<'a> {
                 .par_iter()
                 .with_min_len(4)
                 .map_init(
-                    || self.exposer.workers(),
+                    || self.workers(),
                     |worker, &index| {
                         if self.pauses() {
                             return None;
@@ -271,7 +282,7 @@ impl<'a> AdaptiveSampler<'a> {
             .into_par_iter()
             .with_min_len(4)
             .map_init(
-                || self.exposer.workers(),
+                || self.workers(),
                 |worker, cell| {
                     self.report(samples);
                     let Sums { whole, bands } = self.sums(worker, cell, 0..samples);

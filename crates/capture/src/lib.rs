@@ -28,7 +28,7 @@ pub use derivative::{Derivative, DerivativeSamples, Motion, ParameterStep, PartM
 pub use region::{LitRegion, Region};
 
 use radsight_pinhole::{BandWeights, Rays};
-use radsight_render::{RayWorker, Renderer};
+use radsight_render::{CubatureError, RayWorker, Renderer};
 
 /// A camera in front of a scene. [`Exposer::with_samples`] and [`Exposer::to_error`] expose it.
 #[derive(Clone, Copy, Debug)]
@@ -59,8 +59,16 @@ pub(crate) struct Workers<'a> {
     by_row: Vec<(RayWorker<'a>, &'a [f64])>,
 }
 
-impl Exposer<'_> {
-    pub(crate) fn workers(&self) -> Workers<'_> {
+impl<'a> Exposer<'a> {
+    /// Workers that integrate small lights, with this error relative to each light's contribution.
+    pub(crate) fn integrating_workers(&self, error: f64) -> Workers<'a> {
+        let mut workers = self.workers();
+        let others = workers.by_row.iter_mut().map(|(worker, _)| worker);
+        others.chain([&mut workers.main]).for_each(|worker| worker.integrate_lights(CubatureError(error)));
+        workers
+    }
+
+    pub(crate) fn workers(&self) -> Workers<'a> {
         let by_row = self.by_row.iter().map(|light| (light.renderer.worker(), light.brightness.as_slice())).collect();
         Workers { main: self.renderer.worker(), by_row }
     }

@@ -162,7 +162,7 @@ impl AdaptiveSampler<'_> {
             state.pixels.par_iter_mut().enumerate().filter(|(index, pixel)| nodes[*index] > 0 && pixel.samples == 0);
         let new: Vec<(usize, &mut Pixel)> = new.collect();
         new.into_par_iter().with_min_len(8).for_each_init(
-            || self.exposer.workers(),
+            || self.workers(),
             |worker, (index, pixel)| {
                 if !self.progress.stops() {
                     *pixel = self.first(worker, index);
@@ -180,7 +180,7 @@ impl AdaptiveSampler<'_> {
             .into_par_iter()
             .with_min_len(32)
             .map_init(
-                || self.exposer.workers(),
+                || self.workers(),
                 |worker, pixel| {
                     self.report(1);
                     self.discarded.fetch_add(1, Ordering::Relaxed);

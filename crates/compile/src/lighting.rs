@@ -58,7 +58,7 @@ fn real_light(scene: &Scene, handle: SurfaceHandle, primitive: Option<PrimitiveI
         Material::Glow { max_radius, .. } if *max_radius > 0.0 => (None, *max_radius, 0.0),
         Material::Spotlight { cone_angle, direction, focal_distance, .. } => {
             let half_angle = 0.5 * cone_angle;
-            let cone = LightCone { axis: *direction, half_angle };
+            let cone = LightCone::new(*direction, half_angle);
             (Some(cone), f64::INFINITY, *focal_distance)
         }
         _ => return None,
@@ -150,7 +150,7 @@ impl VirtualSourceSurface<'_> {
             // Behind a prism the cone has no sharp boundary at one point: the radiance at the prism
             // decides.
             let cone = light.cone.filter(|_| redirection.is_none());
-            let cone = cone.map(|cone| LightCone { axis: virtual_source.image_of_direction(cone.axis), ..cone });
+            let cone = cone.map(|cone| LightCone::new(virtual_source.image_of_direction(cone.axis), cone.half_angle));
             let radius = if redirection.is_some() { light.radius * (1.0 + shift.length()) } else { light.radius };
             let prism = self.prism.map(|prism| PrismInteraction { prism, middle: self.middle, normal });
             let image = prism.zip(redirection).and_then(|(prism, redirection)| prism.image(&light.form, &redirection));

@@ -117,6 +117,9 @@ impl RenderPlan {
 /// The position of a point relative to the cone of a light.
 fn in_cone(light: &Light, point: DVec3) -> LightCoverage {
     let Some(cone) = light.cone.filter(|_| light.radius.is_finite()) else { return LightCoverage::Partial };
+    if light.misses(point) {
+        return LightCoverage::Outside;
+    }
     let offset = point - light.center;
     let distance = offset.length();
     if distance <= light.radius {
@@ -127,13 +130,7 @@ fn in_cone(light: &Light, point: DVec3) -> LightCoverage {
     let sine = light.radius / distance;
     let (along, across) = (cos * (1.0 - sine * sine).sqrt(), sin * sine);
     let cosine = offset.dot(cone.axis) / distance;
-    if cosine < along - across {
-        LightCoverage::Outside
-    } else if cosine > along + across && cone.half_angle.sin() > sine {
-        LightCoverage::Inside
-    } else {
-        LightCoverage::Partial
-    }
+    if cosine > along + across && cone.half_angle.sin() > sine { LightCoverage::Inside } else { LightCoverage::Partial }
 }
 
 /// Whether the radiance from a shader has no edges of its own.

@@ -10,11 +10,21 @@ pub(crate) struct DiskOverlap {
     small: f64,
     large: f64,
     offset: f64,
+    /// x of the crossing of the circles.
+    crossing: f64,
     /// Area left of the crossing of the circles. The small circle bounds the overlap there, the
     /// large one to the right.
     left_area: f64,
     /// Area of the overlap.
     area: f64,
+}
+
+/// An arc about the axis through both centres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arc {
+    pub(crate) radius: f64,
+    /// Half its angle, radians.
+    pub(crate) angle: f64,
 }
 
 /// Part of the small disk that overlaps the large one.
@@ -37,14 +47,15 @@ impl Overlap {
         }
         if offset + large <= small {
             // The large disk lies inside the small one: the circles do not cross.
-            let overlap = DiskOverlap { small, large, offset, left_area: 0.0, area: PI * large * large };
+            let overlap =
+                DiskOverlap { small, large, offset, crossing: -small, left_area: 0.0, area: PI * large * large };
             return Overlap::Part(overlap);
         }
         // x² + y² = small² and (x + offset)² + y² = large².
         let crossing = (large * large - small * small - offset * offset) / (2.0 * offset);
         let left_area = segment(small, crossing);
         let right_area = PI * large * large - segment(large, crossing + offset);
-        Overlap::Part(DiskOverlap { small, large, offset, left_area, area: left_area + right_area })
+        Overlap::Part(DiskOverlap { small, large, offset, crossing, left_area, area: left_area + right_area })
     }
 }
 
@@ -80,6 +91,31 @@ fn inverse_segment(radius: f64, area: f64) -> f64 {
 }
 
 impl DiskOverlap {
+    /// Whether the large disk lies inside the small one.
+    pub(crate) fn is_nested(&self) -> bool {
+        self.offset + self.large <= self.small
+    }
+
+    /// Radius of the large disk.
+    pub(crate) fn large(&self) -> f64 {
+        self.large
+    }
+
+    /// Distance of the centres.
+    pub(crate) fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// The arcs of the small and of the large circle that bound the overlap.
+    pub(crate) fn arcs(&self) -> [Arc; 2] {
+        let x = self.crossing.clamp(-self.small, self.small);
+        let height = (self.small * self.small - x * x).max(0.0).sqrt();
+        [
+            Arc { radius: self.small, angle: height.atan2(-x) },
+            Arc { radius: self.large, angle: height.atan2(x + self.offset) },
+        ]
+    }
+
     /// Area of the overlap, in square units of the radii.
     pub(crate) fn area(&self) -> f64 {
         self.area

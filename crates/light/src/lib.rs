@@ -2,7 +2,8 @@
 //!
 //! A [`Light`] is an emitting surface or its image in mirrors and prisms ([`VirtualSource`]).
 //! [`Light::sample`] samples a point on it for a receiver; [`Light::pdf`] gives the density of a
-//! point. A [`LightTree`] selects a few of many lights by importance.
+//! point. [`Light::cubature`] gives the nodes of a rule instead, where the light is a small disk and
+//! the lobe smooth. A [`LightTree`] selects a few of many lights by importance.
 //!
 //! Guarantees: `pdf` is the density of `sample`, so that multiple importance sampling can combine
 //! it with other techniques (Veach 1997); a light that can illuminate a point has a positive
@@ -10,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod cover;
+mod cubature;
 mod disk_overlap;
 mod emission_profile;
 mod form;
@@ -24,7 +26,7 @@ mod visible_side;
 
 pub use emission_profile::EmissionProfile;
 pub use form::{LightForm, LightSample, coordinates};
-pub use light::{Light, LightCone, LightId};
+pub use light::{Light, LightCone, LightCubature, LightId, LightNode};
 pub use lobe_weighting::{DiskWarp, LobePeak};
 pub use tree::{Choice, LightSampleCount, LightTree, MOST_SAMPLES, Reception, TreeCut};
 pub use virtual_source::{Redirection, VirtualSource, virtual_form};

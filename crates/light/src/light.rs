@@ -1,5 +1,6 @@
 //! Light sources of finite extent, and points sampled on them.
 
+use crate::cubature::{DiskRule, IntegrandShape};
 use crate::disk_overlap::Overlap;
 use crate::emission_profile::EmissionProfile;
 use crate::form::{LightForm, LightSample, seen};
@@ -8,7 +9,7 @@ use crate::virtual_source::VirtualSource;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
 use radsight_ir::SurfaceHandle;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 /// Index of a light in the plan.
@@ -48,10 +49,58 @@ pub struct LightCone {
     pub axis: DVec3,
     /// Half angle, radians.
     pub half_angle: f64,
+    sine: f64,
+    cosine: f64,
+    tangent: f64,
+}
+
+impl LightCone {
+    /// A cone about a unit axis.
+    #[must_use]
+    pub fn new(axis: DVec3, half_angle: f64) -> LightCone {
+        LightCone { axis, half_angle, sine: half_angle.sin(), cosine: half_angle.cos(), tangent: half_angle.tan() }
+    }
+
+    /// Whether a point at `offset` from the centre of a sphere of this radius, and outside it, lies
+    /// in no cone from a point of the sphere.
+    #[inline]
+    fn misses(&self, offset: DVec3, radius: f64) -> bool {
+        // The sine and cosine, times the distance, of the half angle plus that of the sphere.
+        let to_rim = (offset.length_squared() - radius * radius).max(0.0).sqrt();
+        let sine = self.sine * to_rim + self.cosine * radius;
+        sine > 0.0 && offset.dot(self.axis) < self.cosine * to_rim - self.sine * radius
+    }
+}
+
+/// The nodes of a cubature rule on a light, as seen from a receiver.
+#[derive(Clone, Copy, Debug)]
+pub struct LightCubature {
+    rule: DiskRule,
+    receiver: DVec3,
+    center: DVec3,
+    normal: DVec3,
+    /// Unit vectors in the light's plane.
+    x: DVec3,
+    y: DVec3,
+}
+
+/// A node of a cubature rule on a light.
+#[derive(Clone, Copy, Debug)]
+pub struct LightNode {
+    /// Unit vector from the receiver to the light.
+    pub direction: DVec3,
+    /// Scene units.
+    pub distance: f64,
+    /// Solid angle for which it stands, sr.
+    pub solid_angle: f64,
 }
 
 /// Axes with a cosine above this count as parallel.
 const PARALLEL: f64 = 1.0 - 1e-12;
+
+/// Largest radius of a disk relative to its distance for cubature. Nearer, the solid angle of its
+/// parts differs too much for the limits of the rules, which are those of lobes.
+const MAX_CUBATURE_RADIUS: f64 = 0.1;
 
 impl Light {
     /// Samples a point that emits towards `receiver`, with a density that follows the receiver's
@@ -75,6 +124,42 @@ impl Light {
                 seen(receiver, center + away * x + across * y, normal, pdf)
             }
         }
+    }
+
+    /// A rule for the part of the light that emits towards `receiver`, whose error relative to the
+    /// contribution of the whole light is at most `tolerance`, if its radiance is uniform within its
+    /// cone. `None` if there is none: for other shapes than disks, images, lobes that are too narrow,
+    /// and disks that are large for their distance.
+    #[must_use]
+    pub fn cubature(&self, receiver: DVec3, peak: &LobePeak, tolerance: f64) -> Option<LightCubature> {
+        let LightForm::Disk { center, normal, inner_squared, outer_squared, .. } = self.form else { return None };
+        if inner_squared != 0.0 || !self.virtual_sources.is_empty() || self.max_distance.is_finite() {
+            return None;
+        }
+        let radius = outer_squared.sqrt();
+        if radius > MAX_CUBATURE_RADIUS * receiver.distance(center) {
+            return None;
+        }
+        let (overlap, x) = match &self.cone {
+            Some(_) => {
+                let (center, normal, radius) = self.clipped_disk()?;
+                self.lit_part(center, normal, radius, receiver)
+            }
+            None if normal.dot(receiver - center) > 0.0 => (Overlap::Whole, normal.any_orthonormal_vector()),
+            None => (Overlap::None, DVec3::X),
+        };
+        let shape = self.integrand_shape(receiver, peak, radius);
+        let rule = DiskRule::new(&overlap, radius, shape, tolerance)?;
+        Some(LightCubature { rule, receiver, center, normal, x, y: normal.cross(x) })
+    }
+
+    /// Shape of lobe times solid angle over the disk of this radius.
+    fn integrand_shape(&self, receiver: DVec3, peak: &LobePeak, radius: f64) -> IntegrandShape {
+        let relative = radius / receiver.distance(self.center);
+        // The solid angle of a patch falls with up to the fourth power of the distance.
+        let lobe = LobePeak { floor: 0.0, ..*peak };
+        let gradient = self.gradient(receiver, &lobe).length() * radius + 4.0 * relative;
+        IntegrandShape::new(gradient, peak.width * relative * relative)
     }
 
     /// Density with which [`Light::sample`] finds the point at `distance` along `direction`, for
@@ -169,7 +254,7 @@ impl Light {
         let height = from_center.dot(normal);
         let beside = from_center - normal * height;
         let offset = beside.length();
-        let reach = height * self.cone.map_or(0.0, |cone| cone.half_angle.tan());
+        let reach = height * self.cone.map_or(0.0, |cone| cone.tangent);
         let away = if offset > 0.0 { -beside / offset } else { normal.any_orthonormal_vector() };
         let overlap = if height > 0.0 { Overlap::new(radius, reach, offset) } else { Overlap::None };
         (overlap, away)
@@ -190,12 +275,7 @@ impl Light {
             return false;
         }
         let offset = receiver - self.center;
-        let distance = offset.length();
-        if distance <= self.radius {
-            return false;
-        }
-        let widest = cone.half_angle + (self.radius / distance).asin();
-        offset.dot(cone.axis) < distance * widest.min(PI).cos()
+        offset.length_squared() > self.radius * self.radius && cone.misses(offset, self.radius)
     }
 
     #[inline]
@@ -218,6 +298,24 @@ impl Light {
             direction = virtual_source.image_of_direction(direction);
         }
         Ray { origin, direction }
+    }
+}
+
+impl LightCubature {
+    /// Visits each node.
+    #[inline]
+    pub fn for_each_node(&self, mut visit: impl FnMut(LightNode)) {
+        let to_center = self.center - self.receiver;
+        self.rule.for_each_node(|x, y, area| {
+            let offset = to_center + self.x * x + self.y * y;
+            let squared = offset.length_squared();
+            let distance = squared.sqrt();
+            let direction = offset / distance;
+            let cosine = -direction.dot(self.normal);
+            if cosine > 0.0 {
+                visit(LightNode { direction, distance, solid_angle: area * cosine / squared });
+            }
+        });
     }
 }
 

@@ -359,7 +359,7 @@ mod tests {
                     0 => light(center, 0.05, LightForm::Sphere { center, radius: 0.05, facing: Facing::Outward }),
                     1 => light(center, 0.15, square),
                     2 => {
-                        let cone = Some(LightCone { axis: normal, half_angle: 0.6 });
+                        let cone = Some(LightCone::new(normal, 0.6));
                         Light { cone, ..light(center, 0.15, square) }
                     }
                     3 => Light { max_distance: 1.5, ..light(center, 0.15, square) },

@@ -49,6 +49,20 @@ pub(crate) struct NumberedLight<'p> {
     pub(crate) samples: u32,
 }
 
+/// A light that can contribute.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ReachingLight<'p> {
+    pub(crate) index: usize,
+    pub(crate) light: &'p Light,
+    pub(crate) between: &'p VisibilityClass,
+}
+
+/// The numbers of a set of four dimensions.
+struct DrawnSet {
+    set: u32,
+    numbers: [f64; 4],
+}
+
 impl DirectSampler<'_> {
     /// The subtraction for a ray in this direction.
     pub(crate) fn subtraction_towards(&self, direction: DVec3) -> SubtractionId {
@@ -80,12 +94,18 @@ impl DirectSampler<'_> {
         point: &Bsdf<'_, BANDS>,
         first_set: u32,
     ) -> [f64; BANDS] {
+        let cubature = self.light_cubature(tracer, point);
         let mut sum = [0.0; BANDS];
-        self.for_each_light(tracer, first_set, |tracer, light, between, u| {
-            let given = self.sample_light(tracer, point, light.light, between, u, f64::from(light.samples));
-            for (sum, given) in sum.iter_mut().zip(given) {
-                *sum += given;
+        let mut add = |given: [f64; BANDS]| sum.iter_mut().zip(given).for_each(|(sum, given)| *sum += given);
+        self.for_each_reaching_light(tracer, |tracer, lit, drawn| {
+            if let Some(cubature) = cubature
+                && let Some(given) = self.integrate(tracer, point, &lit, cubature)
+            {
+                return add(given);
             }
+            self.for_each_point(tracer, &lit, (first_set, drawn), |tracer, light, between, u| {
+                add(self.sample_light(tracer, point, light.light, between, u, f64::from(light.samples)));
+            });
         });
         sum
     }
@@ -99,43 +119,67 @@ impl DirectSampler<'_> {
         first_set: u32,
         mut visit: impl FnMut(&mut PathIntegrator<'p, BANDS>, NumberedLight<'p>, &'p VisibilityClass, [f64; 2]),
     ) {
+        self.for_each_reaching_light(tracer, |tracer, lit, drawn| {
+            self.for_each_point(tracer, &lit, (first_set, drawn), &mut visit);
+        });
+    }
+
+    /// Calls `visit` for each light that can contribute.
+    #[inline]
+    fn for_each_reaching_light<'p, const BANDS: usize>(
+        &self,
+        tracer: &mut PathIntegrator<'p, BANDS>,
+        mut visit: impl FnMut(&mut PathIntegrator<'p, BANDS>, ReachingLight<'p>, &mut DrawnSet),
+    ) {
         let plan = tracer.plan;
         let receiver = self.primitive.and_then(|primitive| plan.receiver(primitive));
-        let mut drawn: (u32, [f64; 4]) = (u32::MAX, [0.0; 4]);
+        let mut drawn = DrawnSet { set: u32::MAX, numbers: [0.0; 4] };
         for (index, light) in plan.lights.iter().enumerate() {
             let between = receiver.map_or(&VisibilityClass::Anything, |receiver| &receiver.between[index]);
             if *between == VisibilityClass::Dark || light.misses(self.point) || self.faces_away(light) {
                 continue;
             }
-            // Two lights share a set of four dimensions.
-            let set = first_set + (index / 2) as u32;
-            if drawn.0 != set {
-                drawn = (set, tracer.sampler.take(DimensionSet::render(set)));
-            }
-            let half = 2 * (index % 2);
-            let samples = self.reception.samples_on(light, self.point);
-            // Without shadow rays, twice as many points cost less.
-            let (between, samples) = if samples >= SAMPLES_FOR_A_SHAFT && self.sees_all_of(plan, light, between) {
-                (&VisibilityClass::Nothing, (2 * samples).min(MOST_SAMPLES))
-            } else {
-                (between, samples)
-            };
-            if samples == 1 {
-                visit(tracer, NumberedLight { index, light, samples }, between, [drawn.1[half], drawn.1[half + 1]]);
-                continue;
-            }
-            let sampler = tracer.sampler;
-            for light_sample in 0..samples {
-                let u = sampler
-                    .branch(DimensionSet::render(set), light_sample, samples)
-                    .take(DimensionSet::render(half as u32));
-                visit(tracer, NumberedLight { index, light, samples }, between, [u[0], u[1]]);
-            }
+            visit(tracer, ReachingLight { index, light, between }, &mut drawn);
+        }
+    }
+
+    /// Calls `visit` for each point to be sampled on a light.
+    #[inline]
+    fn for_each_point<'p, const BANDS: usize>(
+        &self,
+        tracer: &mut PathIntegrator<'p, BANDS>,
+        &ReachingLight { index, light, between }: &ReachingLight<'p>,
+        (first_set, drawn): (u32, &mut DrawnSet),
+        mut visit: impl FnMut(&mut PathIntegrator<'p, BANDS>, NumberedLight<'p>, &'p VisibilityClass, [f64; 2]),
+    ) {
+        // Two lights share a set of four dimensions.
+        let set = first_set + (index / 2) as u32;
+        if drawn.set != set {
+            *drawn = DrawnSet { set, numbers: tracer.sampler.take(DimensionSet::render(set)) };
+        }
+        let half = 2 * (index % 2);
+        let samples = self.reception.samples_on(light, self.point);
+        // Without shadow rays, twice as many points cost less.
+        let (between, samples) = if samples >= SAMPLES_FOR_A_SHAFT && self.sees_all_of(tracer.plan, light, between) {
+            (&VisibilityClass::Nothing, (2 * samples).min(MOST_SAMPLES))
+        } else {
+            (between, samples)
+        };
+        if samples == 1 {
+            let u = [drawn.numbers[half], drawn.numbers[half + 1]];
+            return visit(tracer, NumberedLight { index, light, samples }, between, u);
+        }
+        let sampler = tracer.sampler;
+        for light_sample in 0..samples {
+            let u = sampler
+                .branch(DimensionSet::render(set), light_sample, samples)
+                .take(DimensionSet::render(half as u32));
+            visit(tracer, NumberedLight { index, light, samples }, between, [u[0], u[1]]);
         }
     }
 
     /// Whether nothing overlaps the shaft between the point and a light with unknown visibility.
-    fn sees_all_of(&self, plan: &RenderPlan, light: &Light, between: &VisibilityClass) -> bool {
+    pub(crate) fn sees_all_of(&self, plan: &RenderPlan, light: &Light, between: &VisibilityClass) -> bool {
         if *between != VisibilityClass::Anything || !light.virtual_sources.is_empty() {
             return false;
         }

@@ -15,12 +15,14 @@ mod caching;
 mod caustic;
 mod checksum;
 mod contribution;
+mod cubature_error;
 mod direct;
 mod gather;
 mod guide_prepass;
 mod guiding;
 mod hemisphere_sampling;
 mod indirect;
+mod light_cubature;
 mod light_selection;
 mod medium_boundary;
 mod mirrored_light;
@@ -42,6 +44,7 @@ mod subtraction;
 mod trace;
 
 pub use contribution::Contribution;
+pub use cubature_error::CubatureError;
 pub use mirrored_light::MirroredLight;
 pub use radsight_accel::Ray;
 pub use radsight_compile::{

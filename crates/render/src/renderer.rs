@@ -3,6 +3,7 @@
 use crate::cache_prepass::{GatheredIrradiance, gather};
 use crate::caching::caches_irradiance;
 use crate::contribution::Contribution;
+use crate::cubature_error::CubatureError;
 use crate::mirrored_light::MirroredLight;
 use crate::path_guide::PathGuide;
 use crate::ray_spacing::RaySpacing;
@@ -235,6 +236,12 @@ impl RayWorker<'_> {
     /// reflection.
     pub fn limit_distance(&mut self, distance: f64) {
         in_bands!(&mut self.0, Bands(tracer) => tracer.limit = distance)
+    }
+
+    /// Integrates the light of small uniform disks by cubature where that is accurate enough,
+    /// instead of sampling points on them.
+    pub fn integrate_lights(&mut self, allowed: CubatureError) {
+        in_bands!(&mut self.0, Bands(tracer) => tracer.light_cubature = Some(allowed))
     }
 
     /// Traces ray number `index` of its stream.

@@ -20,6 +20,7 @@ use path_state::{MediumId, PathState};
 
 use crate::cache_query::{CacheQuery, Caches};
 use crate::contribution::Contributions;
+use crate::cubature_error::CubatureError;
 use crate::model_batch::ModelBatch;
 use crate::path_guide::PathGuide;
 use crate::ray_tree::{BounceType, NodeId, RayTree};
@@ -101,6 +102,8 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) tree: Option<Box<RayTree<BANDS>>>,
     /// Maximum distance of rays before their first reflection, scene units.
     pub(crate) limit: f64,
+    /// The allowed error of cubature on small lights; `None` where all lights are sampled.
+    pub(crate) light_cubature: Option<CubatureError>,
     /// Whether the current ray splits by its weight; rays that gather irradiance do not.
     splits: bool,
 }
@@ -128,6 +131,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             contributions: Contributions::wanted(&plan.options),
             tree: RayTree::wanted(&plan.options),
             limit: f64::INFINITY,
+            light_cubature: None,
             splits: false,
         }
     }

@@ -7,7 +7,7 @@ use radsight_diag::SourceMap;
 use radsight_ir::{
     Cone, Cube, Dielectric, FunctionCall, Glossy, Instance, Material, Mesh, MeshInstance, Modifier, ModifierHandle,
     ModifierKind, OctreeScene, Pattern, Prism, PrismFace, Rgb, Ring, Scene, Shape, SolidAngle, Source, Sphere,
-    Substitute, Surface, Transform,
+    Substitute, Surface, Texture, Transform,
 };
 use radsight_render::{NoModels, Ray, RenderOptions, RenderPlan, Renderer, Traced};
 use std::sync::Arc;
@@ -36,6 +36,20 @@ impl Builder {
 
     pub(crate) fn metal(&mut self, color: [f64; 3], specularity: f64, roughness: f64) -> ModifierHandle {
         self.material(Material::Metal(Glossy { color: Rgb(color), specularity, roughness }))
+    }
+
+    /// Retroreflective sheeting: a highlight about the viewer's direction, and nothing else.
+    pub(crate) fn sheeting(&mut self, specularity: f64, roughness: f64) -> ModifierHandle {
+        let name = self.0.names.add("to_viewer");
+        let kind = ModifierKind::Texture(Texture::Function(call(&["-Dx-Nx", "-Dy-Ny", "-Dz-Nz"])));
+        let texture = self.0.modifiers.add(Modifier { name, span: None, modifier: None, kind });
+        let name = self.0.names.add("sheeting");
+        let kind = ModifierKind::Material(Material::Plastic(Glossy { color: Rgb([0.0; 3]), specularity, roughness }));
+        self.0.modifiers.add(Modifier { name, span: None, modifier: Some(texture), kind })
+    }
+
+    pub(crate) fn spotlight(&mut self, radiance: [f64; 3], cone_angle: f64, direction: DVec3) -> ModifierHandle {
+        self.material(Material::Spotlight { radiance: Rgb(radiance), cone_angle, direction, focal_distance: 0.0 })
     }
 
     pub(crate) fn mirror(&mut self, reflectance: [f64; 3]) -> ModifierHandle {

@@ -1,0 +1,137 @@
+//! Cubature over small lights gives the mean of many samples, and leaves the rest alone.
+
+mod build;
+
+use build::Builder;
+use glam::DVec3;
+use radsight_ir::{Facing, ModifierHandle, Ring, Sphere};
+use radsight_render::{CubatureError, Ray, RenderOptions, Renderer};
+
+/// Height of the lamps and of the eye above the sheet.
+const HEIGHT: f64 = 0.48;
+
+/// Full angle of a lamp's cone, radians.
+const CONE: f64 = 0.122;
+
+/// A square sheet of this material at z = 0.
+fn sheet(scene: &mut Builder, material: ModifierHandle) {
+    let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+    scene.polygon(material, &[corner(-0.3, -0.3), corner(0.3, -0.3), corner(0.3, 0.3), corner(-0.3, 0.3)]);
+}
+
+/// The centres of the lamps. The bounding boxes of the second and the third overlap.
+fn lamp_centers() -> [DVec3; 4] {
+    [0.0_f64, 30.0, 60.0, 110.0].map(|angle| {
+        let (sin, cos) = angle.to_radians().sin_cos();
+        DVec3::new(0.0127 * cos, 0.0127 * sin, HEIGHT)
+    })
+}
+
+/// Lamps beside the eye that shine straight down.
+fn lamps(scene: &mut Builder, radius: f64) {
+    let light = scene.spotlight([1e3; 3], CONE, -DVec3::Z);
+    for center in lamp_centers() {
+        scene.ring(light, Ring { center, normal: -DVec3::Z, inner_radius: 0.0, outer_radius: radius });
+    }
+}
+
+fn renderer(scene: &Builder) -> Renderer {
+    Renderer::new(build::plan(scene, RenderOptions::default()))
+}
+
+/// The ray from the eye to a point of the sheet.
+fn ray_to(x: f64, y: f64) -> Ray {
+    let eye = DVec3::new(0.0, 0.0, HEIGHT);
+    Ray::new(eye, DVec3::new(x, y, 0.0) - eye).expect("the sheet is below the eye")
+}
+
+fn integrated(renderer: &Renderer, ray: &Ray, error: f64) -> f64 {
+    let mut worker = renderer.worker();
+    worker.integrate_lights(CubatureError(error));
+    let value = worker.trace(1, ray).value[0];
+    assert_eq!(value, worker.trace(7, ray).value[0], "no sample has a part in it");
+    value
+}
+
+/// Mean of many samples, and its standard error.
+fn sampled(renderer: &Renderer, ray: &Ray) -> [f64; 2] {
+    let (count, mut worker) = (1 << 14, renderer.worker());
+    let values: Vec<f64> = (0..count).map(|index| worker.trace(index, ray).value[0]).collect();
+    let mean = values.iter().sum::<f64>() / count as f64;
+    let squares = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count as f64;
+    [mean, (squares / count as f64).sqrt()]
+}
+
+/// From the middle of all cones over the edges of both to the dark.
+const POINTS: [(f64, f64); 7] =
+    [(0.0, 0.0), (0.01, 0.02), (0.0405, 0.002), (0.0425, -0.001), (-0.004, 0.0395), (-0.005, 0.041), (0.08, 0.0)];
+
+fn assert_agrees(scene: &Builder, at: (f64, f64), allowed: f64) {
+    let (renderer, ray) = (renderer(scene), ray_to(at.0, at.1));
+    let (value, [mean, error]) = (integrated(&renderer, &ray, allowed), sampled(&renderer, &ray));
+    assert!((value - mean).abs() <= 4.0 * error + 4.0 * allowed * mean, "{at:?}: {value}, not {mean} ± {error}");
+    assert!((value > 0.0) == (at.0 < 0.05), "{at:?}: {value}");
+}
+
+#[test]
+fn a_diffuse_sheet_has_the_mean_of_many_samples() {
+    let mut scene = Builder::default();
+    let white = scene.plastic([0.8; 3], 0.0, 0.0);
+    sheet(&mut scene, white);
+    lamps(&mut scene, 0.0025);
+    POINTS.into_iter().for_each(|at| assert_agrees(&scene, at, 1e-4));
+}
+
+#[test]
+fn retroreflective_sheeting_has_the_mean_of_many_samples() {
+    for (roughness, radius) in [(0.00612, 0.0025), (0.02, 0.003), (0.00612, 0.0005)] {
+        let mut scene = Builder::default();
+        let material = scene.sheeting(0.086, roughness);
+        sheet(&mut scene, material);
+        lamps(&mut scene, radius);
+        // The edge of the cone of a lamp of .5 mm is narrow.
+        let is_clear = |at: &(f64, f64)| radius > 0.001 || at.0 != 0.0425;
+        POINTS.into_iter().filter(is_clear).for_each(|at| assert_agrees(&scene, at, 5e-4));
+    }
+}
+
+/// Whether every ray has the same bits with cubature as without.
+fn is_sampled(scene: &Builder) -> bool {
+    let renderer = renderer(scene);
+    let (mut integrating, mut sampling) = (renderer.worker(), renderer.worker());
+    integrating.integrate_lights(CubatureError(1e-3));
+    (0..40).all(|k| {
+        let ray = ray_to(0.001 * k as f64, 0.0005 * k as f64);
+        integrating.trace(k, &ray).value == sampling.trace(k, &ray).value
+    })
+}
+
+#[test]
+fn lights_that_no_rule_suits_are_sampled() {
+    let mut lit = Builder::default();
+    let white = lit.plastic([0.8; 3], 0.0, 0.0);
+    sheet(&mut lit, white);
+    let mut plain = lit.clone();
+    lamps(&mut plain, 0.0025);
+    assert!(!is_sampled(&plain), "uniform disks are integrated");
+
+    let mut hidden = plain.clone();
+    let black = hidden.plastic([0.0; 3], 0.0, 0.0);
+    for lamp in lamp_centers() {
+        let center = lamp - 0.04 * DVec3::Z;
+        hidden.sphere(black, Sphere { center, radius: 0.003, facing: Facing::Outward });
+    }
+    assert!(is_sampled(&hidden), "a ball below each lamp may hide it");
+
+    let mut ring = lit.clone();
+    let light = ring.light([1e3; 3]);
+    let center = DVec3::new(0.0127, 0.0, HEIGHT);
+    ring.ring(light, Ring { center, normal: -DVec3::Z, inner_radius: 0.001, outer_radius: 0.0025 });
+    assert!(is_sampled(&ring), "a ring is no disk");
+
+    let mut narrow = Builder::default();
+    let material = narrow.sheeting(0.086, 0.001);
+    sheet(&mut narrow, material);
+    lamps(&mut narrow, 0.0025);
+    assert!(is_sampled(&narrow), "the lobe is narrower than a lamp");
+}
