@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._radsight import CapturedImage, Image, MergedJob, RadsightError, SeriesPicture, TracedRays
+from ._radsight import CapturedImage, Image, MergedJob, SeriesPicture, TracedRays
 
 if TYPE_CHECKING:
     import pandas
@@ -75,7 +75,7 @@ def to_frame(traced: TracedRays) -> pandas.DataFrame:
 
     try:
         values, names = traced.radiance_w_per_sr_m2, [f"radiance_{band}_w_per_sr_m2" for band in _BANDS]
-    except RadsightError:
+    except AttributeError:
         values, names = traced.irradiance_w_per_m2, [f"irradiance_{band}_w_per_m2" for band in _BANDS]
     columns = np.concatenate([values, traced.distance[:, None], traced.point], axis=1)
     return pandas.DataFrame(columns, columns=[*names, "distance", "x", "y", "z"])
