@@ -129,6 +129,13 @@ fn lights_that_no_rule_suits_are_sampled() {
     ring.ring(light, Ring { center, normal: -DVec3::Z, inner_radius: 0.001, outer_radius: 0.0025 });
     assert!(is_sampled(&ring), "a ring is no disk");
 
+    for (outer_radius, is_near) in [(0.04, false), (0.06, true)] {
+        let mut large = lit.clone();
+        let light = large.light([1e3; 3]);
+        large.ring(light, Ring { center, normal: -DVec3::Z, inner_radius: 0.0, outer_radius });
+        assert_eq!(is_sampled(&large), is_near, "a disk of radius {outer_radius} m at {HEIGHT} m");
+    }
+
     let mut narrow = Builder::default();
     let material = narrow.sheeting(0.086, 0.001);
     sheet(&mut narrow, material);
