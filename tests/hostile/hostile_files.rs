@@ -180,10 +180,11 @@ fn counts_that_exceed_a_file_are_reported() {
     for (text, code, said) in [
         ("void polygon p 0 0 999999999999 1 2 3\n", 1, "declares"),
         ("void colorpict p 999999999 a b c\n", 1, "declares"),
-        // A failed command is a warning, as in Radiance.
-        ("!xform -a 1000000000 -t 1 0 0 scene.rad\n", 0, "at most"),
-        ("!gensurf m n x y z 100000 100000\n", 0, "exceeds"),
-        ("!genrev m n t t 1000000000\n", 0, "exceeds"),
+        // A command that fails in Radiance, too, is a warning; these are refused here alone.
+        ("!genbox m n 1 1\n", 0, "missing"),
+        ("!xform -a 1000000000 -t 1 0 0 scene.rad\n", 1, "at most"),
+        ("!gensurf m n x y z 100000 100000\n", 1, "exceeds"),
+        ("!genrev m n t t 1000000000\n", 1, "exceeds"),
     ] {
         try_out(&attempt("a.rad", text, rpict, code, said));
     }

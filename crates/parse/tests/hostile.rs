@@ -1,6 +1,7 @@
 //! Scenes that would exhaust time or memory without limits.
 
 use proptest::prelude::*;
+use radsight_diag::Severity;
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, Read, ReadOptions, UnusedModifiers, read_scene};
 
@@ -51,6 +52,16 @@ fn arrays_of_arrays_are_refused_before_they_are_made() {
     let loader = MemoryLoader::default().with("ball.rad", "void sphere s 0 0 4 0 0 0 1\n");
     let message = first_error(&loader, "!xform -a 1000000000 -t 1 0 0 ball.rad\n");
     assert_eq!(message, "xform: the array makes 1000000000 copies, expected at most 10000000");
+}
+
+/// Radiance has no such limits, so a scene without these surfaces would be another scene.
+#[test]
+fn commands_beyond_a_limit_are_errors() {
+    let loader = MemoryLoader::default().with("ball.rad", "void sphere s 0 0 4 0 0 0 1\n");
+    for command in ["!gensurf p s s t s*t 60000 60000\n", "!xform -a 1000000000 -t 1 0 0 ball.rad\n"] {
+        let read = read(&loader, command.as_bytes(), &ReadOptions::default());
+        assert_eq!(read.diagnostics[0].severity, Severity::Error, "{command}");
+    }
 }
 
 #[test]

@@ -60,6 +60,16 @@ pub enum Error {
         /// The limit.
         limit_bytes: usize,
     },
+    /// The command makes more than radsight allows, where Radiance has no limit.
+    #[error("{program}: {mistake}")]
+    Limit {
+        /// The program.
+        program: String,
+        /// The quantity and the limit.
+        mistake: String,
+        /// Index of the word in `argv` that asks for so much; `argv.len()` if there is none.
+        argument: usize,
+    },
     /// The command line cannot be run without a shell.
     #[error(transparent)]
     Syntax(#[from] SyntaxError),
@@ -76,16 +86,23 @@ impl Error {
             Error::Argument { program, .. }
             | Error::Impossible { program, .. }
             | Error::Input { program, .. }
+            | Error::Limit { program, .. }
             | Error::Expression { program, .. } => Some(program),
             Error::UnknownProgram { .. } | Error::OutputTooLarge { .. } | Error::Syntax(_) | Error::Load(_) => None,
         }
+    }
+
+    /// Whether radsight refuses what Radiance would try.
+    #[must_use]
+    pub fn is_limit(&self) -> bool {
+        matches!(self, Error::OutputTooLarge { .. } | Error::Limit { .. })
     }
 
     /// Index in `argv` of the wrong word; `argv.len()` if one is missing.
     #[must_use]
     pub fn argument(&self) -> Option<usize> {
         match self {
-            Error::Argument { argument, .. } => Some(*argument),
+            Error::Argument { argument, .. } | Error::Limit { argument, .. } => Some(*argument),
             Error::Expression { argument, .. } => *argument,
             _ => None,
         }

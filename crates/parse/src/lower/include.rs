@@ -206,7 +206,7 @@ impl Reader<'_> {
         let may_not_run = match error {
             Error::Load(error) => matches!(error, LoadError::CommandRefused { .. }),
             Error::Syntax(_) => true,
-            _ => false,
+            _ => error.is_limit(),
         };
         let diagnostic = command_error(error, span);
         if may_not_run { self.log.push(diagnostic) } else { self.push_tolerated(diagnostic) }

@@ -89,7 +89,7 @@ impl Expansion<'_> {
         self.copies += 1;
         if self.copies > MAX_COPIES {
             let mistake = format!("the arrays make more than {MAX_COPIES} copies");
-            return Err(self.wrong(words.get(1), mistake));
+            return Err(self.too_much(words.get(1), mistake));
         }
         let copy = self.copy(&words)?;
         (self.visit)(Event::Copy(&copy))
@@ -108,7 +108,7 @@ impl Expansion<'_> {
         let copies = nesting.copies.saturating_mul(count as u64);
         if copies > MAX_COPIES as u64 {
             let mistake = format!("the array makes {copies} copies, expected at most {MAX_COPIES}");
-            return Err(self.wrong(Some(count_word), mistake));
+            return Err(self.too_much(Some(count_word), mistake));
         }
         let old_name = names(words).next_back().map(|at| words[at].text.clone());
         for index in 0..count {
@@ -212,6 +212,11 @@ impl Expansion<'_> {
         let argument = word.map_or(self.words, |word| word.origin);
         let usage = radsight_options::program("xform").map_or("", |program| program.synopsis);
         Error::Argument { program: "xform".to_owned(), mistake: mistake.into(), usage, argument }
+    }
+
+    fn too_much(&self, word: Option<&Argument>, mistake: String) -> Error {
+        let argument = word.map_or(self.words, |word| word.origin);
+        Error::Limit { program: "xform".to_owned(), mistake, argument }
     }
 }
 
