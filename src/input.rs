@@ -181,7 +181,7 @@ pub(crate) fn conclude_all<'p>(
 ) -> Outcome {
     report_faults(registry);
     let plans: Vec<&RenderPlan> = plans.into_iter().collect();
-    if let Some(error) = plans.iter().copied().find_map(RenderPlan::unusable_hit) {
+    if let Some(error) = plans.iter().copied().find_map(RenderPlan::fatal_fault) {
         return Err(Failure::diagnostics(&[error], sources));
     }
     let mut faults: Vec<Diagnostic> = Vec::new();

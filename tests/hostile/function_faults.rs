@@ -43,6 +43,17 @@ fn endless_recursion_is_reported_once_with_position_and_count() {
 }
 
 #[test]
+fn functions_that_take_exponential_time_end_the_render() {
+    let folder = ball("f(n)=if(n-.5,f(n-1)+f(n-1),1);shade=f(60);\n");
+    let before = folder.names();
+    let run = picture(&folder, &["-o", "out.hdr"]);
+    assert_eq!(run.code, INPUT, "{}", run.messages);
+    let told = "scene.rad:9:1: error: 8 evaluations of the functions of \"stripes\" take more than 50000000 steps each";
+    assert!(run.messages.contains(told), "{}", run.messages);
+    assert_eq!(folder.names(), before);
+}
+
+#[test]
 fn values_outside_single_precision_are_reported() {
     let run = picture(&ball(BEYOND), &[]);
     assert_reported(&run, "a value exceeds single precision");

@@ -1,6 +1,7 @@
 //! Counts of faults over all evaluations of a program.
 
 use crate::fault::FaultKind;
+use crate::limits::MOST_LONG_EVALUATIONS;
 use crate::program::Host;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -15,6 +16,7 @@ pub(crate) struct FaultLog(Arc<Counted>);
 #[derive(Debug, Default)]
 struct Counted {
     count: AtomicU64,
+    too_long: AtomicU64,
     first: OnceLock<(FaultKind, [f64; 3])>,
 }
 
@@ -34,7 +36,13 @@ impl FaultLog {
     #[cold]
     pub(crate) fn note<H: Host + ?Sized>(&self, kind: FaultKind, host: &H) {
         self.0.count.fetch_add(1, Ordering::Relaxed);
+        self.0.too_long.fetch_add(u64::from(kind == FaultKind::TooLong), Ordering::Relaxed);
         self.0.first.get_or_init(|| (kind, [0, 1, 2].map(|axis| host.channel(POINT + axis))));
+    }
+
+    /// Whether so many evaluations took too long that no further one is tried.
+    pub(crate) fn is_exhausted(&self) -> bool {
+        self.0.too_long.load(Ordering::Relaxed) >= MOST_LONG_EVALUATIONS
     }
 
     pub(crate) fn read(&self) -> Option<Faults> {

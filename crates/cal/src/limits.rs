@@ -4,6 +4,8 @@
 pub const DEEPEST_CALL: usize = 100_000;
 /// Maximum number of steps of one evaluation.
 pub const MOST_STEPS: u64 = 50_000_000;
+/// Number of evaluations of a file's functions that may exceed [`MOST_STEPS`]; then none is tried.
+pub const MOST_LONG_EVALUATIONS: u64 = 8;
 /// Maximum number of steps for folding the constants of one file.
 pub(crate) const MOST_FOLDING_STEPS: u64 = 20_000_000;
 /// Maximum number of mathematical faults of one evaluation that are kept as warnings.

@@ -277,6 +277,9 @@ impl Program {
         scratch: &mut Scratch,
         values: &mut [f64],
     ) -> Result<(), Fault> {
+        if self.is_exhausted() {
+            return Err(self.fault(FaultKind::TooLong, 0.0, host));
+        }
         let mut machine = Machine::new(&self.image, &mut scratch.stacks, host, MOST_STEPS);
         let mut last = 0.0;
         for (entry, value) in self.entries.iter().zip(values) {
@@ -303,6 +306,9 @@ impl Program {
         host: &H,
         scratch: &mut Scratch,
     ) -> Result<f64, Fault> {
+        if self.is_exhausted() {
+            return Err(self.fault(FaultKind::TooLong, 0.0, host));
+        }
         let mut machine = Machine::new(&self.image, &mut scratch.stacks, host, MOST_STEPS);
         match (machine.run(self.entries[root], arguments), machine.fault) {
             (Ok(value), None) => {
@@ -326,6 +332,13 @@ impl Program {
     #[must_use]
     pub fn faults(&self) -> Option<Faults> {
         self.faults.read()
+    }
+
+    /// Whether [`MOST_LONG_EVALUATIONS`](crate::limits::MOST_LONG_EVALUATIONS) evaluations of this
+    /// program and its clones took too many steps. All further ones fail at once.
+    #[must_use]
+    pub fn is_exhausted(&self) -> bool {
+        self.faults.is_exhausted()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Evaluation errors of the scene's functions.
 
 use crate::plan::RenderPlan;
+use radsight_cal::limits::{MOST_LONG_EVALUATIONS, MOST_STEPS};
 use radsight_diag::Diagnostic;
 use radsight_ir::{Modifier, Scene};
 use std::collections::BTreeSet;
@@ -12,6 +13,22 @@ impl RenderPlan {
     pub fn has_function_faults(&self) -> bool {
         self.scenes().into_iter().any(|scene| {
             scene.modifiers.items().iter().any(|modifier| program_of(modifier).is_some_and(|p| p.faults().is_some()))
+        })
+    }
+
+    /// Error of functions that took too many steps too often; the picture is then invalid.
+    #[must_use]
+    pub(crate) fn exhausted_function(&self) -> Option<Diagnostic> {
+        self.scenes().into_iter().find_map(|scene| {
+            let (handle, modifier) = scene
+                .modifiers
+                .iter()
+                .find(|(_, modifier)| program_of(modifier).is_some_and(|program| program.is_exhausted()))?;
+            let name = scene.modifier_name(Some(handle));
+            let message = format!(
+                "{MOST_LONG_EVALUATIONS} evaluations of the functions of \"{name}\" take more than {MOST_STEPS} steps each"
+            );
+            Some(modifier.span.into_iter().fold(Diagnostic::error(message), Diagnostic::at))
         })
     }
 

@@ -122,10 +122,14 @@ impl RenderPlan {
         self.options.caustics == Caustics::Sampled && are_followed && !self.reflectors.is_empty()
     }
 
-    /// Error of a ray that hit a surface whose material cannot be used; the picture is then
-    /// invalid.
+    /// Error that makes the picture invalid: a ray hit a surface whose material cannot be used, or
+    /// functions took too many steps too often.
     #[must_use]
-    pub fn unusable_hit(&self) -> Option<Diagnostic> {
+    pub fn fatal_fault(&self) -> Option<Diagnostic> {
+        self.unusable_material().or_else(|| self.exhausted_function())
+    }
+
+    fn unusable_material(&self) -> Option<Diagnostic> {
         let (surface, shader) = *self.unusable_hit.get()?;
         let name = self.scene.surface_name(surface);
         let shader = &self.shaders[shader.0 as usize];

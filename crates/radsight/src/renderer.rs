@@ -516,7 +516,7 @@ fn check_budget(budget: SamplingBudget) -> Result<(), Error> {
 }
 
 pub(crate) fn check_materials(plan: &RenderPlan, sources: &SourceMap) -> Result<(), Error> {
-    match plan.unusable_hit() {
+    match plan.fatal_fault() {
         Some(error) => Err(Error::Material(Report::new(vec![error], sources.clone()))),
         None => Ok(()),
     }

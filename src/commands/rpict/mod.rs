@@ -155,7 +155,7 @@ impl Picture {
             }
             let plan = renderer.plan();
             let is_refused = options.reading.strict && (plan.has_function_faults() || plan.has_unbounded_radiance());
-            if is_refused || renderer.plan().unusable_hit().is_some() {
+            if is_refused || renderer.plan().fatal_fault().is_some() {
                 return Ok(());
             }
             let mut bytes = Vec::new();
