@@ -7,8 +7,10 @@ use radsight_picture::{View, ViewOptions};
 use radsight_render::PathLimit;
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::sync::LazyLock;
+use std::time::Duration;
+use wait_timeout::ChildExt;
 
 /// Rays of each scene, along a side of the view.
 const SIDE: usize = 8;
@@ -19,6 +21,9 @@ const TOLERANCE: f64 = 0.02;
 
 /// Rays of a scene that may see something else: those that pass along an edge.
 const EDGES: usize = 4;
+
+/// Time for each of Radiance's programs: `oconv` does not end on some scenes.
+const TIME_LIMIT: Duration = Duration::from_secs(20);
 
 /// The folder of real Radiance's programs, where the environment names it.
 static PROGRAMS: LazyLock<Option<PathBuf>> =
@@ -80,8 +85,14 @@ fn theirs(programs: &Path, text: &str, rays: &[Ray]) -> Option<Vec<f64>> {
     (means.len() == rays.len()).then_some(means)
 }
 
-/// What a program prints, if it ends well.
+/// What a program prints, if it ends well and in time.
 fn output(command: &mut Command) -> Option<Vec<u8>> {
-    let output = command.stderr(Stdio::null()).output().ok()?;
-    output.status.success().then_some(output.stdout)
+    let file = std::env::temp_dir().join(format!("radsight-differential-{}.out", std::process::id()));
+    let mut child = command.stdout(File::create(&file).ok()?).stderr(Stdio::null()).spawn().ok()?;
+    let status = child.wait_timeout(TIME_LIMIT).ok()?;
+    if status.is_none() {
+        child.kill().ok()?;
+        child.wait().ok()?;
+    }
+    status.filter(ExitStatus::success).and_then(|_| std::fs::read(file).ok())
 }
