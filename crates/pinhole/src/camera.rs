@@ -1,6 +1,6 @@
 //! The description of a pinhole camera.
 
-use crate::{CameraMatrix, FilmPlane, ThinLens};
+use crate::{CameraMatrix, FilmPlane, TelecentricLens, ThinLens};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_4;
 
@@ -96,6 +96,12 @@ pub enum CameraError {
         /// The focal length, metres.
         focal_length_m: f64,
     },
+    /// A telecentric lens whose cones are too wide.
+    #[error("the numerical aperture of the lens is {aperture}: expected less than 1")]
+    TooWide {
+        /// The larger one of the numerical apertures on both sides.
+        aperture: f64,
+    },
     /// Bands whose diffraction patterns differ too much to be sampled together.
     #[error("the wavelengths of the bands range from {shortest_m:e} to {longest_m:e} m: expected a ratio of at most 4")]
     BandsApart {
@@ -153,6 +159,7 @@ pub(crate) struct Optics {
     /// Wavelengths of the bands, metres; empty if all bands share one.
     pub(crate) band_wavelengths_m: Vec<f64>,
     pub(crate) lens: Option<ThinLens>,
+    pub(crate) telecentric: Option<TelecentricLens>,
     pub(crate) matrix: Option<CameraMatrix>,
     pub(crate) film: Option<FilmPlane>,
     /// Whether rays always sample the whole diffraction pattern.
@@ -248,6 +255,25 @@ impl PinholeCamera {
         Ok(self)
     }
 
+    /// The same camera with a telecentric lens. It has no distance from the pinhole to the sensor:
+    /// the focal distance becomes that of a pinhole of the same diameter with the same exposure.
+    ///
+    /// # Errors
+    /// If the lens is not possible.
+    pub fn with_telecentric_lens(mut self, lens: TelecentricLens) -> Result<Self, CameraError> {
+        let lens = lens.checked()?;
+        self.focal_distance_m = 0.5 * self.pinhole_diameter_m / lens.image_aperture();
+        self.pinhole_model = PinholeModel::Finite;
+        self.optics.telecentric = Some(lens);
+        Ok(self)
+    }
+
+    /// The telecentric lens, if there is one.
+    #[must_use]
+    pub fn telecentric_lens(&self) -> Option<&TelecentricLens> {
+        self.optics.telecentric.as_ref()
+    }
+
     /// The same camera with the chief rays of a calibrated camera. Its focal lengths determine the
     /// pixel pitch.
     ///
@@ -341,7 +367,7 @@ impl PinholeCamera {
     pub fn is_plain_pinhole(&self) -> bool {
         let optics = &self.optics;
         let is_geometric = self.pinhole_model != PinholeModel::Diffraction;
-        is_geometric && optics.lens.is_none() && optics.matrix.is_none() && optics.film.is_none()
+        is_geometric && optics.telecentric.is_none() && optics.lens.is_none() && optics.matrix.is_none() && optics.film.is_none()
     }
 
     /// The lens, if there is one.
@@ -473,9 +499,9 @@ impl PinholeCamera {
     }
 
     fn without_lens(&mut self, quantity: &'static str) -> Result<&mut Self, CameraError> {
-        match self.optics.lens {
-            Some(_) => Err(CameraError::OfLens { quantity }),
-            None => Ok(self),
+        match self.optics.lens.is_some() || self.optics.telecentric.is_some() {
+            true => Err(CameraError::OfLens { quantity }),
+            false => Ok(self),
         }
     }
 
@@ -503,9 +529,13 @@ impl PinholeCamera {
         self.exposure_s * self.pinhole_area_m2() / (self.focal_distance_m * self.focal_distance_m)
     }
 
-    /// cos⁴θ of the line from the centre of a pixel through the centre of the pinhole.
+    /// cos⁴θ of the line from the centre of a pixel through the centre of the pinhole; 1 for a
+    /// telecentric lens.
     #[must_use]
     pub fn central_cos4(&self, pixel: u64) -> f64 {
+        if self.optics.telecentric.is_some() {
+            return 1.0;
+        }
         let [x, y] = self.on_image(pixel, 0.5, 0.5);
         let f2 = self.focal_distance_m * self.focal_distance_m;
         let cos2 = f2 / (f2 + x * x + y * y);

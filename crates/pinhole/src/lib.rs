@@ -1,4 +1,4 @@
-//! A camera with a pinhole or a thin lens: rays over pixel × pinhole, and the exposure of each
+//! A camera with a pinhole, a thin lens or a telecentric one: rays over pixel × pinhole, and the exposure of each
 //! pixel from their radiances.
 //!
 //! The exposure of a pixel is the exact four-dimensional integral behind Eqs. 3, 4 and 8 of
@@ -52,11 +52,13 @@ mod distortion;
 mod film_plane;
 mod fresnel_pattern;
 mod lens;
+mod own_rays;
 mod rays;
 pub mod shift;
 mod statistics;
 pub mod stream;
 mod surround;
+mod telecentric;
 mod view;
 mod wings;
 
@@ -67,6 +69,8 @@ pub use distortion::{CameraMatrix, Distortion};
 pub use film_plane::FilmPlane;
 pub use fresnel_pattern::fresnel_irradiance;
 pub use lens::{FrontStop, ThinLens};
+pub use own_rays::{FilmRay, FilmRays};
 pub use rays::{CameraRay, Hole, Rays};
 pub use statistics::PixelStatistics;
+pub use telecentric::TelecentricLens;
 pub use view::View;

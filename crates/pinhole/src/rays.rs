@@ -1,9 +1,12 @@
 //! Rays over pixel × pinhole.
 
 use crate::camera_optics::GeneralRays;
+use crate::own_rays::FilmRays;
+use crate::telecentric::TelecentricRays;
 use crate::{BandWeights, PinholeCamera, PinholeModel};
 use glam::DVec3;
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
+use std::sync::Arc;
 
 /// A ray that leaves the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +33,16 @@ pub enum Hole {
     Disk,
     /// By a diffraction pattern.
     Pattern,
+    /// As a lens that is not thin, or a camera of one's own, distributes them.
+    Other,
+}
+
+impl Hole {
+    /// Whether [`Rays::ray_through`] has a ray for each of its points.
+    #[must_use]
+    pub fn has_points(self) -> bool {
+        matches!(self, Hole::Point | Hole::Disk)
+    }
 }
 
 /// All rays of a picture, in stream order: pixels in scanline order from the top left as seen from
@@ -46,6 +59,8 @@ pub struct Rays {
     per_scene_unit: f64,
     /// Data that a plain pinhole does not need.
     general: Option<GeneralRays>,
+    /// Instead of a pinhole.
+    own: Option<Arc<dyn FilmRays>>,
 }
 
 impl Rays {
@@ -64,8 +79,17 @@ impl Rays {
             },
             per_scene_unit,
             general: (!camera.is_plain_pinhole()).then(|| GeneralRays::new(camera)),
+            own: camera.telecentric_lens().map(|lens| Arc::new(TelecentricRays::new(*lens, camera)) as _),
             camera: camera.clone(),
         }
+    }
+
+    /// The rays of a camera of one's own, with the pixels, the exposure time and the exposure for a
+    /// radiance of 1 of `camera`. Its weights replace cos⁴θ.
+    #[must_use]
+    pub fn with_own(camera: &PinholeCamera, own: Arc<dyn FilmRays>, samples: u32, seed: u64) -> Self {
+        let camera = camera.clone().with_pinhole_model(PinholeModel::Finite);
+        Rays { general: None, own: Some(own), ..Rays::new(&camera, samples, seed) }
     }
 
     /// Multiplies the bands of a ray by the relative density of their diffraction patterns.
@@ -172,6 +196,12 @@ impl Rays {
     #[must_use]
     pub fn ray(&self, pixel: u64, u: [f64; 4]) -> CameraRay {
         let camera = &self.camera;
+        if let Some(own) = &self.own {
+            let columns = u64::from(camera.columns());
+            let place = [(pixel % columns) as f64 + u[0], (pixel / columns) as f64 + u[1]];
+            let film = [place[0] / f64::from(camera.columns()), place[1] / f64::from(camera.rows())];
+            return CameraRay::from_film(own.ray(film, [u[2], u[3]]));
+        }
         if let Some(general) = &self.general {
             return general.ray(camera, self.per_scene_unit, pixel, u);
         }
@@ -186,6 +216,7 @@ impl Rays {
     #[must_use]
     pub fn hole(&self) -> Hole {
         match self.camera.pinhole_model() {
+            _ if self.own.is_some() => Hole::Other,
             PinholeModel::Point => Hole::Point,
             PinholeModel::Finite => Hole::Disk,
             PinholeModel::Diffraction => Hole::Pattern,
@@ -193,11 +224,11 @@ impl Rays {
     }
 
     /// The ray of `pixel` through a point on it, from its left and its top in pixels, and a point
-    /// of the pinhole, in its radii along (right, up). `None` with a diffraction pattern.
+    /// of the pinhole, in its radii along (right, up). `None` unless [`Hole::has_points`].
     #[must_use]
     pub fn ray_through(&self, pixel: u64, place: [f64; 2], pinhole_point: [f64; 2]) -> Option<CameraRay> {
         match (&self.general, self.hole()) {
-            (_, Hole::Pattern) => None,
+            (_, Hole::Pattern | Hole::Other) => None,
             (Some(general), _) => {
                 Some(general.ray_through(&self.camera, self.per_scene_unit, pixel, place, pinhole_point))
             }
