@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::render_args::number;
-use radsight_film::{MAX_SAMPLES, SamplingBudget};
+use radsight_film::{ErrorTarget, MAX_SAMPLES, SamplingBudget};
 
 /// Parses one such option at the front; returns the number of words it used, 0 for another option.
 /// `most` limits the rays for an error.
@@ -22,7 +22,7 @@ pub(crate) fn take_one(
         },
         "--error" => match number(words, word, "a relative error above 0, such as 0.02")? {
             error if error > 0.0 && f64::is_finite(error) => {
-                *sampling_budget = Some(SamplingBudget::Error { error, most })
+                *sampling_budget = Some(SamplingBudget::Error(ErrorTarget { error, most_samples: most }))
             }
             error => return refused(error.to_string(), "a relative error above 0, such as 0.02".to_owned()),
         },

@@ -18,7 +18,7 @@ use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
 use lamps::FlickeringScenes;
 use radsight_camera::CameraFile;
-use radsight_capture::{Exposer, Exposure, LightByRow};
+use radsight_capture::{ErrorTarget, Exposer, Exposure, LightByRow};
 use radsight_output::interrupt;
 use radsight_picture::{Header, Image};
 use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
@@ -88,7 +88,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let progress = Saving { bar: &bar, file: &checkpoint };
     let exposure = match arguments.samples {
         Some(_) => exposer.with_samples(start, &progress),
-        None => exposer.to_error(arguments.error.unwrap_or(DEFAULT_ERROR), start, &progress),
+        None => exposer.to_error(ErrorTarget::new(arguments.error.unwrap_or(DEFAULT_ERROR)), start, &progress),
     };
     bar.finish();
     stopwatch.lap("rays traced, exposure");

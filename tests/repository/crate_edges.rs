@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 /// A crate that is missing here may not exist.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("accel", &["diag", "ir"]),
+    ("adaptive", &[]),
     (
         "bench",
         &[
@@ -37,10 +38,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("bsdf", &["brdf", "cal", "ir", "light", "measured", "retro", "sampling", "texture"]),
     ("cal", &["diag"]),
     ("camera", &["diag", "loader", "pinhole", "sensor"]),
-    ("capture", &["pinhole", "render", "sampling"]),
+    ("capture", &["adaptive", "pinhole", "render", "sampling"]),
     ("compile", &["accel", "brdf", "bsdf", "cal", "diag", "ir", "light", "retro", "sampling", "spectrum", "texture"]),
     ("diag", &[]),
-    ("film", &["picture", "render", "sampling"]),
+    ("film", &["adaptive", "picture", "render", "sampling"]),
     ("flux", &["measured", "sampling", "sky"]),
     ("formats", &["picture"]),
     ("ir", &["cal", "diag", "measured"]),
@@ -77,8 +78,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "radsight",
         &[
-            "brdf", "cal", "camera", "capture", "diag", "film", "ir", "loader", "parse", "picture", "pinhole",
-            "render", "report", "sampling", "sensor",
+            "adaptive", "brdf", "cal", "camera", "capture", "diag", "film", "ir", "loader", "parse", "picture",
+            "pinhole", "render", "report", "sampling", "sensor",
         ],
     ),
     ("report", &["picture"]),

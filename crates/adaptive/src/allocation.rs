@@ -34,7 +34,7 @@ struct Open {
 /// if it had reached the target.
 ///
 /// ```
-/// use radsight_sampling::{PixelError, doublings};
+/// use radsight_adaptive::{PixelError, doublings};
 /// let pixel = |squared| PixelError { squared, gain: 0.5, samples: 16 };
 /// let needed = doublings(&[pixel(1e-6), pixel(1e-2), pixel(1e-6)], 1e-4, 1 << 16);
 /// assert!(needed[0] == 0.0 && needed[1] > 4.0);

@@ -13,17 +13,13 @@ use crate::checkpoint::{AdaptiveState, Checkpoint, State};
 use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
-use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
+use radsight_adaptive::{
+    Certainty, ErrorEstimate, ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples,
+    PixelSource, SampleSums, Selection, Stop, begin, ray_number, refine,
+};
+use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-
-/// Maximum number of samples of a pixel: the length of one scrambled sequence.
-pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
-
-pub(crate) const SEQUENCE_LOG2: u32 = 16;
-
-/// Samples of every pixel before the first error estimate.
-pub(crate) const FIRST_SAMPLES: u32 = 4;
 
 /// Limits of the estimated factor q by which `⟨d²⟩` falls.
 const GAIN_RANGE: (f64, f64) = (0.25, 0.5);
@@ -39,71 +35,66 @@ const CUBATURE_FRACTION: f64 = 0.125;
 /// Maximum number of passes, whatever the error is.
 pub(crate) const MAX_PASSES: u32 = 64;
 
-/// The samples of one pixel so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Pixel {
-    /// Sum of radiance·cos⁴ over all samples.
-    pub(crate) sum: f64,
-    /// 0 before the first sample.
-    pub(crate) samples: u32,
-    /// d² of the last two doublings: half the difference between the means of the halves, squared.
-    pub(crate) last: f64,
-    pub(crate) before: f64,
-    /// Sums of the separate bands, else 0.
-    pub(crate) bands: [f64; MAX_BANDS],
-}
+/// The samples of one pixel, with the squared half differences d² of the last two doublings.
+pub(crate) type Pixel = PixelSamples<Sums>;
 
 /// Sums of radiance·cos⁴ over some samples of a pixel.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     /// Of all bands.
     pub(crate) whole: f64,
     /// Of the separate bands, else 0.
-    bands: [f64; MAX_BANDS],
+    pub(crate) bands: [f64; MAX_BANDS],
 }
 
-impl Pixel {
-    /// 0 before the first sample.
-    pub(crate) fn mean(&self) -> f64 {
-        self.sum / f64::from(self.samples.max(1))
+impl SampleSums for Sums {
+    /// Squared.
+    type HalfDifference = f64;
+    type Mean = f64;
+
+    fn add(&mut self, other: &Sums) {
+        self.whole += other.whole;
+        self.bands.iter_mut().zip(other.bands).for_each(|(sum, band)| *sum += band);
     }
 
-    /// Adds the second half of the samples.
-    fn double(&mut self, second_half: &Sums) {
-        let half_difference = (second_half.whole - self.sum) / f64::from(2 * self.samples);
-        self.before = self.last;
-        self.last = half_difference * half_difference;
-        self.sum += second_half.whole;
-        self.bands.iter_mut().zip(second_half.bands).for_each(|(sum, band)| *sum += band);
-        self.samples *= 2;
+    fn half_difference(first: &Sums, second: &Sums, samples: u32) -> f64 {
+        let half_difference = (second.whole - first.whole) / f64::from(2 * samples);
+        half_difference * half_difference
+    }
+
+    fn mean(&self, samples: u32) -> f64 {
+        self.whole / f64::from(samples)
     }
 }
 
 impl Exposer<'_> {
-    /// Exposes until the estimated rms error over the pixels is `error` times the mean exposure.
-    /// Continues from a checkpoint of such an exposure.
+    /// Exposes until the estimated rms error over the pixels is the requested one, relative to the
+    /// mean exposure. Continues from a checkpoint of such an exposure.
     ///
     /// Ignores the number of samples of [`Rays`](radsight_pinhole::Rays).
     #[must_use]
-    pub fn to_error(&self, error: f64, start: Option<Checkpoint>, progress: &dyn Progress) -> Exposure {
+    pub fn to_error(&self, target: ErrorTarget, start: Option<Checkpoint>, progress: &dyn Progress) -> Exposure {
+        let error = target.error;
         let mut state = match start {
-            Some(Checkpoint(State::Adaptive(state))) => state,
+            Some(Checkpoint(State::Adaptive { state, .. })) => state,
             _ => AdaptiveState::default(),
         };
         let camera = self.rays.camera();
         state.pixels.resize(camera.pixel_count() as usize, Pixel::default());
         let sampler = AdaptiveSampler::new(self, error, progress, &state.pixels);
-        state.bands = sampler.bands;
         let is_new = state.pixels.iter().all(|pixel| pixel.samples == 0);
-        let sparse = if is_new { sampler.sparse(&mut state, error) } else { None };
+        let sparse = if is_new { sampler.sparse(&mut state, target) } else { None };
         if sparse.is_none() && !sampler.is_on_lattice.load(Ordering::Relaxed) {
-            sampler.begin(&mut state);
+            begin(&sampler, &mut state);
         }
         let pixels_done = state.pixels.iter().filter(|pixel| pixel.samples > 0).count();
-        let columns = camera.columns() as usize;
-        let estimate = match sparse {
-            Some(estimate) => Some(estimate),
-            None => (pixels_done == state.pixels.len()).then(|| sampler.refine(&mut state, columns, error)),
+        let (estimate, stop) = match sparse {
+            Some((estimate, stop)) => (Some(estimate), stop),
+            None if pixels_done < state.pixels.len() => (None, Some(Stop::Time)),
+            None => {
+                let (estimate, stop) = sampler.refine(&mut state, target);
+                (Some(estimate), stop)
+            }
         };
         let scale = camera.exposure_per_radiance();
         let values = match estimate {
@@ -122,6 +113,7 @@ impl Exposer<'_> {
             estimated_error,
             pixels_done: pixels_done as u64,
             is_partial: progress.stops() && estimated_error.is_none_or(|reached| reached > error),
+            stopped: stop.filter(|_| estimated_error.is_none_or(|reached| reached > error)),
             pixels: estimate.map(|estimate| estimate.statistics(scale)),
             checkpoint: sampler.checkpoint(state),
         }
@@ -167,102 +159,23 @@ impl<'a> AdaptiveSampler<'a> {
         self.exposer.integrating_workers(self.cubature_error)
     }
 
-    /// Whether the threads should return to be joined.
-    fn pauses(&self) -> bool {
-        self.progress.stops() || self.progress.wants_checkpoint()
-    }
-
     pub(crate) fn report(&self, rays: u32) {
         let done = self.traced.fetch_add(u64::from(rays), Ordering::Relaxed) + u64::from(rays);
         self.progress.report(done, self.planned.load(Ordering::Relaxed).max(done));
     }
 
-    /// Traces the first samples of every pixel that has none, until the work is interrupted.
-    fn begin(&self, state: &mut AdaptiveState) {
-        loop {
-            state.pixels.par_iter_mut().enumerate().with_min_len(32).for_each_init(
-                || self.workers(),
-                |worker, (index, pixel)| {
-                    if pixel.samples == 0 && !self.pauses() {
-                        *pixel = self.first(worker, index);
-                        self.report(FIRST_SAMPLES);
-                    }
-                },
-            );
-            if self.progress.stops() || state.pixels.iter().all(|pixel| pixel.samples > 0) {
-                return;
-            }
-            self.save(state);
-        }
-    }
-
-    /// The first samples, with two doublings for the rate of convergence.
-    pub(crate) fn first(&self, worker: &mut Workers<'_>, index: usize) -> Pixel {
-        let samples = FIRST_SAMPLES / 4;
-        let Sums { whole, bands } = self.sums(worker, index, 0..samples);
-        let mut pixel = Pixel { samples, sum: whole, bands, ..Pixel::default() };
-        for _ in 0..2 {
-            pixel.double(&self.sums(worker, index, pixel.samples..2 * pixel.samples));
-        }
-        pixel
-    }
-
     /// Doubles samples where that lowers the error most for its cost, until the requested error is
-    /// reached or the work is stopped.
-    fn refine(&self, state: &mut AdaptiveState, columns: usize, error: f64) -> Estimate {
-        self.double(state);
-        let mut estimate = Estimate::new(&state.pixels, columns);
-        while state.passes < MAX_PASSES && !self.progress.stops() {
-            state.pending = estimate.choose(error);
-            if state.pending.is_empty() {
-                break;
-            }
-            state.passes += 1;
-            self.double(state);
-            estimate = Estimate::new(&state.pixels, columns);
-        }
-        estimate
-    }
-
-    /// Doubles the samples of the pending pixels, until the work is interrupted.
-    pub(crate) fn double(&self, state: &mut AdaptiveState) {
-        let rays: u64 = state.pending.iter().map(|&index| u64::from(state.pixels[index].samples)).sum();
-        self.planned.fetch_add(rays, Ordering::Relaxed);
-        while !state.pending.is_empty() {
-            let before: &[Pixel] = &state.pixels;
-            let second_halves: Vec<Option<Sums>> = state
-                .pending
-                .par_iter()
-                .with_min_len(4)
-                .map_init(
-                    || self.workers(),
-                    |worker, &index| {
-                        if self.pauses() {
-                            return None;
-                        }
-                        let samples = before[index].samples;
-                        let sums = self.sums(worker, index, samples..2 * samples);
-                        self.report(samples);
-                        Some(sums)
-                    },
-                )
-                .collect();
-            let mut halves = second_halves.into_iter();
-            let pixels = &mut state.pixels;
-            state.pending.retain(|&index| match halves.next().flatten() {
-                Some(half) => {
-                    pixels[index].double(&half);
-                    false
-                }
-                None => true,
-            });
-            if self.progress.stops() {
-                return;
-            }
-            if !state.pending.is_empty() {
-                self.save(state);
-            }
-        }
+    /// reached or the work is stopped. Where pixels need a fraction of a doubling, that fraction of
+    /// them is doubled, evenly over the picture.
+    fn refine(&self, state: &mut AdaptiveState, target: ErrorTarget) -> (Estimate, Option<Stop>) {
+        let columns = self.exposer.rays.camera().columns() as usize;
+        let noise = NoiseTarget {
+            most_samples: target.most_samples.min(MAX_SAMPLES),
+            most_passes: MAX_PASSES,
+            certainty: Certainty::Estimate,
+            ..NoiseTarget::new((target.error / SELECTION_BIAS).powi(2), Selection::Fraction)
+        };
+        refine(self, state, &noise, |pixels| Estimate::new(pixels, columns))
     }
 
     /// The means of all pixels, by separate band if there are any.
@@ -270,7 +183,7 @@ impl<'a> AdaptiveSampler<'a> {
         if self.bands == 0 {
             return pixels.iter().map(Pixel::mean).collect();
         }
-        let of_pixel = |pixel: &Pixel| pixel.bands.map(|sum| sum / f64::from(pixel.samples.max(1)));
+        let of_pixel = |pixel: &Pixel| pixel.sums.bands.map(|sum| sum / f64::from(pixel.samples.max(1)));
         pixels.iter().flat_map(|pixel| of_pixel(pixel).into_iter().take(self.bands)).collect()
     }
 
@@ -285,16 +198,11 @@ impl<'a> AdaptiveSampler<'a> {
                 || self.workers(),
                 |worker, cell| {
                     self.report(samples);
-                    let Sums { whole, bands } = self.sums(worker, cell, 0..samples);
-                    Pixel { samples, sum: whole, bands, ..Pixel::default() }
+                    Pixel::of(self.sums(worker, cell, 0..samples), samples)
                 },
             )
             .collect();
         self.means(&surround)
-    }
-
-    pub(crate) fn save(&self, state: &AdaptiveState) {
-        self.progress.save(self.checkpoint(state.clone()));
     }
 
     /// The checkpoint of a state. A lattice of pixels takes seconds and depends on the seed alone,
@@ -302,18 +210,27 @@ impl<'a> AdaptiveSampler<'a> {
     /// the same bits.
     fn checkpoint(&self, state: AdaptiveState) -> Checkpoint {
         let is_on_lattice = self.is_on_lattice.load(Ordering::Relaxed);
-        Checkpoint(State::Adaptive(if is_on_lattice { state.restarted() } else { state }))
+        let state = if is_on_lattice { AdaptiveState::new(state.pixels.len()) } else { state };
+        Checkpoint(State::Adaptive { state, bands: self.bands })
+    }
+}
+
+impl<'a> PixelSource for AdaptiveSampler<'a> {
+    type Sums = Sums;
+    type Worker = Workers<'a>;
+
+    fn worker(&self) -> Workers<'a> {
+        self.workers()
     }
 
     /// Sums of radiance·cos⁴ over some samples of a pixel. Every pixel has its own scramble of the
     /// sequence.
-    pub(crate) fn sums(&self, worker: &mut Workers<'_>, pixel: usize, samples: std::ops::Range<u32>) -> Sums {
-        let first = (pixel as u64) << SEQUENCE_LOG2;
+    fn sums(&self, worker: &mut Workers<'a>, pixel: usize, samples: std::ops::Range<u32>) -> Sums {
         let Exposer { renderer, rays, weights, .. } = *self.exposer;
         let plan = renderer.plan();
         let number = pixel as u64;
         let drawn = samples.filter_map(|sample| {
-            let index = first | u64::from(sample);
+            let index = ray_number(pixel, sample);
             let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
             self.images.ray((plan, rays), pixel, u).map(|(ray, weight)| (index, ray, weight))
         });
@@ -328,6 +245,26 @@ impl<'a> AdaptiveSampler<'a> {
             bands.iter_mut().zip(light).for_each(|(sum, light)| *sum += weight * ray.cos4 * light);
         }
         Sums { whole: weights.combine_apart(number, &bands[..self.bands]), bands }
+    }
+
+    fn stops(&self) -> bool {
+        self.progress.stops()
+    }
+
+    fn pauses(&self) -> bool {
+        self.progress.stops() || self.progress.wants_checkpoint()
+    }
+
+    fn save(&self, state: &AdaptiveState) {
+        self.progress.save(self.checkpoint(state.clone()));
+    }
+
+    fn plan(&self, samples: u64) {
+        self.planned.fetch_add(samples, Ordering::Relaxed);
+    }
+
+    fn traced(&self, samples: u32) {
+        self.report(samples);
     }
 }
 
@@ -378,14 +315,11 @@ impl Estimate {
             samples: self.pixels.iter().map(|pixel| pixel.samples).collect(),
         }
     }
+}
 
-    /// Selects the pixels where doubling lowers the error most for its cost, as many as the
-    /// requested error needs. Where pixels need a fraction of a doubling, that fraction of them is
-    /// doubled, evenly over the picture.
-    fn choose(&self, error: f64) -> Vec<usize> {
-        let needed = doublings(&self.pixels, (error / SELECTION_BIAS).powi(2), MAX_SAMPLES);
-        let is_chosen = |(index, needed): &(usize, f64)| *needed > (*index as f64 * GOLDEN_RATIO).fract();
-        needed.into_iter().enumerate().filter(is_chosen).map(|(index, _)| index).collect()
+impl ErrorEstimate for Estimate {
+    fn pixels(&self) -> &[PixelError] {
+        &self.pixels
     }
 }
 
@@ -403,10 +337,6 @@ pub(crate) fn unit_error(pixel: &Pixel, near: f64, gain: f64, unit: f64) -> Pixe
     let later = 0.5 * (gain + GAIN_RANGE.1);
     PixelError { squared: unit * pooled * later / (1.0 - later), gain, samples: pixel.samples }
 }
-
-/// Fractional part of the golden ratio. The fractional parts of its multiples are uniform in [0,
-/// 1).
-pub(crate) const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
 /// Radius of the window for d², in pixels: a single squared difference says little.
 pub(crate) const ERROR_WINDOW: usize = 1;

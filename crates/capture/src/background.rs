@@ -5,10 +5,11 @@
 //! each pixel are stored. A picture with parts then copies the samples of every pixel whose paths
 //! miss the parts, and exposes the rest.
 
-use crate::adaptive::{Pixel, SEQUENCE_LOG2};
+use crate::adaptive::Pixel;
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
 use crate::region::{LitRegion, Region};
 use crate::{Exposer, Progress};
+use radsight_adaptive::{ErrorTarget, ray_number};
 use radsight_pinhole::Rays;
 use radsight_render::{Ray, Renderer};
 use radsight_sampling::{DimensionSet, RaySampler};
@@ -22,6 +23,8 @@ const PATHS_PER_PIXEL: u64 = 4;
 #[derive(Clone, Debug)]
 pub struct Background {
     state: AdaptiveState,
+    /// Number of separate bands.
+    bands: usize,
     /// For each pixel in scanline order.
     path_bounds: Vec<PathBounds>,
 }
@@ -55,17 +58,17 @@ impl Background {
         exposer: &Exposer<'_>,
         ray_tree: &Renderer,
         within: &Region,
-        error: f64,
+        target: ErrorTarget,
         progress: &dyn Progress,
     ) -> Option<Background> {
-        let exposure = exposer.to_error(error, None, progress);
-        let Checkpoint(State::Adaptive(state)) = exposure.checkpoint else { return None };
+        let exposure = exposer.to_error(target, None, progress);
+        let Checkpoint(State::Adaptive { state, bands }) = exposure.checkpoint else { return None };
         if exposure.is_partial || progress.stops() {
             return None;
         }
         let path_bounds =
             with_neighbours(&path_bounds(exposer.rays, ray_tree, within), exposer.rays.camera().columns() as usize);
-        Some(Background { state, path_bounds })
+        Some(Background { state, bands, path_bounds })
     }
 
     /// The state from which a picture with parts in these regions starts. `virtual_sources` are
@@ -79,7 +82,7 @@ impl Background {
                 *pixel = Pixel::default();
             }
         }
-        Checkpoint(State::Adaptive(state))
+        Checkpoint(State::Adaptive { state, bands: self.bands })
     }
 }
 
@@ -89,7 +92,7 @@ impl Checkpoint {
     pub fn unexposed_pixels(&self) -> usize {
         match &self.0 {
             State::Fixed(state) => state.values.iter().filter(|value| value.is_none()).count(),
-            State::Adaptive(state) => state.pixels.iter().filter(|pixel| pixel.samples == 0).count(),
+            State::Adaptive { state, .. } => state.pixels.iter().filter(|pixel| pixel.samples == 0).count(),
         }
     }
 }
@@ -104,7 +107,7 @@ fn path_bounds(rays: &Rays, ray_tree: &Renderer, within: &Region) -> Vec<PathBou
             |worker, pixel| {
                 let (pixel, mut bounds) = (pixel as u64, PathBounds::NONE);
                 for sample in 0..PATHS_PER_PIXEL {
-                    let index = (pixel << SEQUENCE_LOG2) | sample;
+                    let index = ray_number(pixel as usize, sample as u32);
                     let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
                     let ray = rays.ray(pixel, u);
                     let Some(ray) = Ray::new(ray.origin, ray.direction) else { continue };

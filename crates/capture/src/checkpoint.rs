@@ -1,7 +1,8 @@
 //! The state of an unfinished exposure, which can be saved and resumed with the same bits.
 
-use crate::adaptive::{MAX_SAMPLES, Pixel};
+use crate::adaptive::{Pixel, Sums};
 use crate::fixed::bands_apart;
+use radsight_adaptive::{MAX_SAMPLES, SamplingState};
 use radsight_pinhole::{BandWeights, Rays};
 use std::fmt;
 
@@ -22,7 +23,11 @@ pub struct Checkpoint(pub(crate) State);
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum State {
     Fixed(FixedState),
-    Adaptive(AdaptiveState),
+    Adaptive {
+        state: AdaptiveState,
+        /// Number of separate bands; 0 where bands are added up.
+        bands: usize,
+    },
 }
 
 /// A fixed number of rays for every pixel.
@@ -35,27 +40,7 @@ pub(crate) struct FixedState {
 }
 
 /// As many rays as an error needs.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct AdaptiveState {
-    /// Passes started.
-    pub(crate) passes: u32,
-    pub(crate) pixels: Vec<Pixel>,
-    /// Pixels that the last pass selected for doubling and has not doubled yet.
-    pub(crate) pending: Vec<usize>,
-    /// Number of separate bands; 0 where bands are added up.
-    pub(crate) bands: usize,
-}
-
-impl AdaptiveState {
-    /// The state before the first sample.
-    pub(crate) fn restarted(self) -> AdaptiveState {
-        AdaptiveState {
-            pixels: vec![Pixel::default(); self.pixels.len()],
-            bands: self.bands,
-            ..AdaptiveState::default()
-        }
-    }
-}
+pub(crate) type AdaptiveState = SamplingState<Sums>;
 
 /// Why bytes are not a checkpoint of this exposure.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -93,14 +78,14 @@ impl Checkpoint {
                     put_f64(&mut bytes, value.unwrap_or(0.0));
                 }
             }
-            State::Adaptive(state) => {
-                bytes.push(ADAPTIVE + state.bands as u8);
+            State::Adaptive { state, bands } => {
+                bytes.push(ADAPTIVE + *bands as u8);
                 put_u32(&mut bytes, state.passes);
                 put_u32(&mut bytes, state.pixels.len() as u32);
                 for pixel in &state.pixels {
                     put_u32(&mut bytes, pixel.samples);
-                    let bands = &pixel.bands[..state.bands];
-                    [pixel.sum, pixel.last, pixel.before]
+                    let bands = &pixel.sums.bands[..*bands];
+                    [pixel.sums.whole, pixel.last, pixel.before]
                         .iter()
                         .chain(bands)
                         .for_each(|value| put_f64(&mut bytes, *value));
@@ -141,7 +126,7 @@ impl Checkpoint {
         let state = match reader.take()? {
             [FIXED] => State::Fixed(reader.fixed(cells * bands.max(1))?),
             [kind] if usize::from(kind) == usize::from(ADAPTIVE) + bands => {
-                State::Adaptive(reader.adaptive(pixels, bands)?)
+                State::Adaptive { state: reader.adaptive(pixels, bands)?, bands }
             }
             _ => return Err(CheckpointError::Malformed),
         };
@@ -203,8 +188,9 @@ impl Reader<'_> {
                 return Err(CheckpointError::Malformed);
             }
             let [sum, last, before] = [self.amount()?, self.amount()?, self.amount()?];
-            let mut pixel = Pixel { samples, sum, last, before, ..Pixel::default() };
-            for band in &mut pixel.bands[..bands] {
+            let sums = Sums { whole: sum, ..Sums::default() };
+            let mut pixel = Pixel { samples, sums, last, before };
+            for band in &mut pixel.sums.bands[..bands] {
                 *band = self.amount()?;
             }
             Ok(pixel)
@@ -219,7 +205,7 @@ impl Reader<'_> {
         let pending: Result<Vec<usize>, _> = (0..count).map(index).collect();
         let pending = pending?;
         match pending.is_sorted_by(|before, after| before < after) {
-            true => Ok(AdaptiveState { passes, pending, pixels: known, bands }),
+            true => Ok(AdaptiveState { passes, pending, pixels: known }),
             false => Err(CheckpointError::Malformed),
         }
     }
@@ -235,13 +221,13 @@ mod tests {
 
     fn with_bands(bands: usize) -> Checkpoint {
         let pixel = |samples| {
-            let mut pixel =
-                Pixel { samples, sum: 0.1 * f64::from(samples), last: 1e-9, before: 2e-7, ..Pixel::default() };
-            pixel.bands[..bands].iter_mut().zip([0.3, 0.5, 0.7]).for_each(|(sum, value)| *sum = value);
+            let sums = Sums { whole: 0.1 * f64::from(samples), ..Sums::default() };
+            let mut pixel = Pixel { samples, sums, last: 1e-9, before: 2e-7 };
+            pixel.sums.bands[..bands].iter_mut().zip([0.3, 0.5, 0.7]).for_each(|(sum, value)| *sum = value);
             pixel
         };
         let pixels = vec![pixel(4), pixel(0), pixel(64)];
-        Checkpoint(State::Adaptive(AdaptiveState { passes: 3, pixels, pending: vec![0, 2], bands }))
+        Checkpoint(State::Adaptive { state: AdaptiveState { passes: 3, pixels, pending: vec![0, 2] }, bands })
     }
 
     #[test]
@@ -283,9 +269,9 @@ mod tests {
 
     #[test]
     fn a_pending_pixel_without_samples_is_refused() {
-        let Checkpoint(State::Adaptive(mut state)) = adaptive() else { unreachable!() };
+        let Checkpoint(State::Adaptive { mut state, bands }) = adaptive() else { unreachable!() };
         state.pending = vec![1];
-        let bytes = Checkpoint(State::Adaptive(state)).to_bytes(&[7; 32]);
+        let bytes = Checkpoint(State::Adaptive { state, bands }).to_bytes(&[7; 32]);
         assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], 0), Err(CheckpointError::Malformed));
     }
 }

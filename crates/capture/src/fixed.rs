@@ -2,6 +2,7 @@
 
 use crate::checkpoint::{Checkpoint, FixedState, State};
 use crate::{Exposer, Exposure, Progress, Workers};
+use radsight_adaptive::Stop;
 use radsight_pinhole::{BandWeights, CameraRay, PixelAverage, Rays};
 use radsight_render::Ray;
 use rayon::prelude::*;
@@ -50,6 +51,7 @@ impl Exposer<'_> {
             estimated_error: None,
             pixels_done: known(&values[..(pixels * bands) as usize]),
             is_partial: cells_done < cells,
+            stopped: (cells_done < cells).then_some(Stop::Time),
             pixels: None,
         }
     }

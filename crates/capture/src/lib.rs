@@ -21,10 +21,10 @@ mod region;
 mod sparse;
 mod sparse_estimate;
 
-pub use adaptive::MAX_SAMPLES;
 pub use background::Background;
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use derivative::{Derivative, DerivativeSamples, Motion, ParameterStep, PartMotion, RANDOMISATIONS};
+pub use radsight_adaptive::{ErrorTarget, MAX_SAMPLES, Stop};
 pub use region::{LitRegion, Region};
 
 use radsight_pinhole::{BandWeights, Rays};
@@ -88,6 +88,9 @@ pub struct Exposure {
     pub pixels_done: u64,
     /// Whether the work was stopped before its end.
     pub is_partial: bool,
+    /// Why the requested error was not reached; `None` if it was, or with a fixed number of rays
+    /// that was not stopped.
+    pub stopped: Option<Stop>,
     /// Statistics of each pixel, where the error was estimated.
     pub pixels: Option<PixelStatistics>,
     /// With it the exposure can be resumed, up to its end or to a smaller error.

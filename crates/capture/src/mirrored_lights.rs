@@ -14,7 +14,7 @@ use crate::domain::Domain;
 use crate::ellipse::{Ellipse, LinearMap};
 use crate::plane_images::{PlaneImage, PlaneImages, stratified};
 use glam::{DMat2, DVec2, DVec3};
-use radsight_pinhole::{CameraRay, Hole, Rays};
+use radsight_pinhole::{CameraRay, Rays};
 use radsight_render::{MirroredLight, Ray, RayWorker, RenderPlan, Renderer};
 use radsight_sampling::{choose, unit_disk};
 use rayon::prelude::*;
@@ -86,7 +86,7 @@ impl PixelImages {
         let (domain, camera) = (Domain::of(rays.hole()), rays.camera());
         let none =
             PixelImages { domain, images: Vec::new(), in_plane_mirrors: Vec::new(), plane: PlaneImages::default() };
-        if rays.hole() == Hole::Pattern {
+        if !rays.hole().has_points() {
             return none;
         }
         let position = camera.position_m() / camera.scene_unit_m();

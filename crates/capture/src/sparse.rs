@@ -9,13 +9,15 @@
 //! An audit finds the remaining errors: rays of some interpolated pixels, which are unbiased, must
 //! agree on average with the interpolation. The position of the lattice depends on the seed.
 
-use crate::adaptive::{AdaptiveSampler, Estimate, GOLDEN_RATIO, MAX_PASSES, MAX_SAMPLES, Pixel, SELECTION_BIAS};
+use crate::adaptive::{AdaptiveSampler, Estimate, MAX_PASSES, Pixel, SELECTION_BIAS, Sums};
 use crate::checkpoint::AdaptiveState;
 use crate::edges::Edges;
 use crate::lattice::Lattice;
 use crate::sparse_estimate::SparseEstimate;
-use radsight_pinhole::Hole;
-use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
+use radsight_adaptive::{
+    ErrorTarget, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, selection_threshold,
+};
+use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 use std::sync::atomic::Ordering;
 
@@ -87,7 +89,8 @@ impl AdaptiveSampler<'_> {
     /// Exposes some pixels and interpolates the others, until the requested error is reached.
     /// `None` if this does not pay, with no samples kept, or if it was stopped: then some pixels
     /// have samples and others have none, and the checkpoint is empty.
-    pub(crate) fn sparse(&self, state: &mut AdaptiveState, error: f64) -> Option<Estimate> {
+    pub(crate) fn sparse(&self, state: &mut AdaptiveState, target: ErrorTarget) -> Option<(Estimate, Option<Stop>)> {
+        let most = target.most_samples.min(MAX_SAMPLES);
         let mut sparse = self.lattice().filter(|sparse| !sparse.is_dense())?;
         self.is_on_lattice.store(true, Ordering::Relaxed);
         let mut audits = 0;
@@ -101,9 +104,9 @@ impl AdaptiveSampler<'_> {
             if mean <= 0.0 {
                 break;
             }
-            let allowed = (error * mean / SELECTION_BIAS).powi(2);
+            let allowed = (target.error * mean / SELECTION_BIAS).powi(2);
             let refined = cells_to_refine(&sparse, &estimate, allowed);
-            let needed = samples_to_double(&estimate, allowed);
+            let needed = samples_to_double(&estimate, allowed, most);
             state.passes += 1;
             if refined.is_empty() && needed.is_empty() {
                 let cells_to_refine =
@@ -114,7 +117,7 @@ impl AdaptiveSampler<'_> {
                 }
                 if cells_to_refine.is_empty() {
                     self.is_on_lattice.store(false, Ordering::Relaxed);
-                    return Some(fill_interpolated(state, &sparse, &estimate));
+                    return Some((fill_interpolated(state, &sparse, &estimate), Some(Stop::Rays)));
                 }
                 sparse.refine(cells_to_refine);
                 continue;
@@ -125,13 +128,13 @@ impl AdaptiveSampler<'_> {
             }
             for pending in needed {
                 state.pending = pending;
-                self.double(state);
+                double(self, state);
             }
         }
         self.is_on_lattice.store(false, Ordering::Relaxed);
         let given_up = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
         self.discarded.fetch_add(given_up, Ordering::Relaxed);
-        *state = std::mem::take(state).restarted();
+        *state = AdaptiveState::new(state.pixels.len());
         None
     }
 
@@ -139,7 +142,7 @@ impl AdaptiveSampler<'_> {
     fn lattice(&self) -> Option<Sparse> {
         let exposer = self.exposer;
         let (rays, camera) = (exposer.rays, exposer.rays.camera());
-        let is_plain = self.bands == 0 && rays.hole() != Hole::Pattern && rays.cells() == camera.pixel_count();
+        let is_plain = self.bands == 0 && rays.hole().has_points() && rays.cells() == camera.pixel_count();
         if !is_plain || !exposer.by_row.is_empty() || exposer.weights.has_mosaic() {
             return None;
         }
@@ -314,16 +317,16 @@ fn cells_to_refine(sparse: &Sparse, estimate: &SparseEstimate, allowed: f64) -> 
 
 /// The nodes whose samples are to be doubled. A node that needs several doublings is in several
 /// lists.
-fn samples_to_double(estimate: &SparseEstimate, allowed: f64) -> Vec<Vec<usize>> {
+fn samples_to_double(estimate: &SparseEstimate, allowed: f64, most: u32) -> Vec<Vec<usize>> {
     let [_, bias] = estimate.squared_errors();
     let target = (allowed - bias.min(INTERPOLATION_FRACTION * allowed)) * estimate.values.len() as f64;
     let errors: Vec<PixelError> = estimate.nodes.iter().map(|(_, error)| *error).collect();
-    let needed = doublings(&errors, target / errors.len() as f64, MAX_SAMPLES);
+    let needed = doublings(&errors, target / errors.len() as f64, most);
     // What is needed beyond one doubling is extrapolated, so one doubling less is done at a time.
     let list = |times: usize| -> Vec<usize> {
         let least = if times == 0 { 0.0 } else { times as f64 + 1.0 };
         let nodes = estimate.nodes.iter().zip(&needed);
-        let is_chosen = |node: usize, needed: f64| needed > least + (node as f64 * GOLDEN_RATIO).fract();
+        let is_chosen = |node: usize, needed: f64| needed > least + selection_threshold(node);
         nodes.filter(|((node, _), needed)| is_chosen(*node, **needed)).map(|((node, _), _)| *node).collect()
     };
     (0..3).map(list).take_while(|list| !list.is_empty()).collect()
@@ -343,7 +346,8 @@ fn fill_interpolated(state: &mut AdaptiveState, sparse: &Sparse, estimate: &Spar
         errors.push(PixelError { squared: unit * squared, gain: 0.5, samples: pixel.samples });
         if sparse.nodes[index] == 0 {
             let sum = estimate.values[index].max(0.0) * f64::from(samples);
-            *pixel = Pixel { samples, sum, last: squared, before: 2.0 * squared, ..Pixel::default() };
+            let sums = Sums { whole: sum, ..Sums::default() };
+            *pixel = Pixel { samples, sums, last: squared, before: 2.0 * squared };
         }
     }
     Estimate { pixels: errors, mean }

@@ -2,7 +2,7 @@
 
 use crate::adaptive::{ERROR_WINDOW, GAIN_WINDOW, Pixel, gain, unit_error};
 use crate::lattice::Lattice;
-use radsight_sampling::PixelError;
+use radsight_adaptive::PixelError;
 
 /// Squared interpolation error of a level relative to the squared residual of the previous level.
 /// With the stride, it falls by 16² for a smooth function of four points and by 4² for one with a

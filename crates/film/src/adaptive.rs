@@ -1,7 +1,7 @@
 //! Adaptive sampling of pictures.
 //!
 //! The samples of a pixel are doubled where that lowers the error of the picture most
-//! ([`doublings`]), until the estimated error is the requested one. The estimate uses half the
+//! ([`refine`]), until the estimated error is the requested one. The estimate uses half the
 //! difference h between the means of the two halves of a pixel's samples. If the squared error of a
 //! mean falls by a factor g with each doubling, so does h², and the squared error of both halves
 //! together is h²·g/(1 − g). For independent samples g = ½ and the factor is 1; for a
@@ -16,15 +16,14 @@
 use crate::interpolated::{self, Interpolation};
 use crate::part::radiance;
 use crate::residual::{Assessment, Residuals};
-use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
+use radsight_adaptive::{
+    Certainty, ErrorEstimate, ErrorTarget, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource,
+    SamplingState, Selection, Stop, begin, ray_number, refine,
+};
 use radsight_render::{RayWorker, Renderer};
-use radsight_sampling::{PixelError, doublings};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Samples of every pixel before the first error estimate.
-const FIRST_SAMPLES: u32 = 4;
 
 /// Number of pixels that are finished together; rounded to whole rows.
 const BLOCK: usize = 1 << 14;
@@ -43,12 +42,6 @@ const BRIGHT_LIMIT: f64 = 10.0;
 /// Fraction of the squared error allotted to the pixels' own noise where irradiance is cached.
 const NOISE_FRACTION: f64 = 0.4;
 
-/// Where a few pixels have most of the noise, its estimate is uncertain. The target is then lowered
-/// by this factor until the estimate plus one standard error is within the requested error, down to
-/// `MIN_TARGET` times that.
-const TARGET_STEP: f64 = 0.7;
-const MIN_TARGET: f64 = 0.03;
-
 /// Distance of a ray that hits nothing, as in Radiance.
 const NO_HIT_DISTANCE: f64 = 1e10;
 
@@ -58,42 +51,12 @@ pub enum SamplingBudget {
     /// A fixed number.
     Samples(u32),
     /// As few as the error allows.
-    Error {
-        /// Requested error of the picture, `sqrt(mean(d²/(v² + (0.01·m)²)))` over the bands of all
-        /// pixels: d is the error of a value v, m the typical value of the band. Includes the noise
-        /// of the pixels, and noise and interpolation bias of cached irradiance.
-        error: f64,
-        /// Maximum number of samples of a pixel, at most [`MAX_SAMPLES`].
-        most: u32,
-    },
+    Error(ErrorTarget),
     /// As in Radiance: smooth regions are interpolated.
     Interpolated(Interpolation),
 }
 
-/// The samples of one pixel so far.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pixel {
-    sum: [f64; 3],
-    samples: u32,
-    /// Half the difference between the means of the halves, for the last two doublings.
-    last: [f32; 3],
-    before: [f32; 3],
-}
-
-impl Pixel {
-    fn mean(&self) -> [f64; 3] {
-        self.sum.map(|sum| sum / f64::from(self.samples.max(1)))
-    }
-
-    /// Adds the second half of the samples.
-    fn double(&mut self, second_half: [f64; 3]) {
-        self.before = self.last;
-        self.last =
-            std::array::from_fn(|band| ((second_half[band] - self.sum[band]) / f64::from(2 * self.samples)) as f32);
-        self.sum = std::array::from_fn(|band| self.sum[band] + second_half[band]);
-        self.samples *= 2;
-    }
-}
+type Pixel = PixelSamples<[f64; 3]>;
 
 /// The quality of a picture, estimated from its own samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,15 +74,6 @@ pub struct Estimate {
     pub cache: Option<f64>,
     /// Why the work ended before the requested error was reached.
     pub stopped: Option<Stop>,
-}
-
-/// Why a picture has more error than requested.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
-    /// The maximum number of rays per pixel was reached.
-    Rays,
-    /// The time limit was reached.
-    Time,
 }
 
 /// Whether there is time left for a block, given the fraction of the picture that is finished after
@@ -153,6 +107,11 @@ impl Finished {
         let mean = self.errors / self.pixels;
         let spread = (self.squares / self.pixels - mean * mean).max(0.0);
         [mean, spread * PIXELS_PER_ESTIMATE / self.pixels]
+    }
+
+    /// Keeps the first reason; lack of time counts most.
+    fn add_stop(&mut self, stop: Option<Stop>) {
+        self.stopped = if stop == Some(Stop::Time) { stop } else { self.stopped.or(stop) };
     }
 
     fn add_cached(&mut self, assessment: &Assessment) {
@@ -189,7 +148,7 @@ pub struct Film<'r> {
     renderer: &'r Renderer,
     camera: ViewCamera,
     budget: SamplingBudget,
-    pixels: Vec<Pixel>,
+    state: SamplingState<[f64; 3]>,
     /// Added in squares to the bands of a pixel where an error is relative to them.
     floors: [f64; 3],
     finished: Finished,
@@ -217,24 +176,24 @@ impl<'r> Film<'r> {
     /// typical value.
     #[must_use]
     pub fn new(renderer: &'r Renderer, camera: ViewCamera, budget: SamplingBudget) -> Film<'r> {
-        let pixels = vec![Pixel::default(); camera.columns() * camera.rows()];
+        let pixels = camera.columns() * camera.rows();
         let finished = Finished::default();
         let mut frame = Film {
             renderer,
             camera,
             budget,
-            pixels,
+            state: SamplingState::new(pixels),
             floors: [0.0; 3],
             finished,
             errors: Vec::new(),
             extra_rays: Vec::new(),
             time_left: None,
         };
-        if let SamplingBudget::Error { .. } = budget {
-            frame.errors = vec![f32::NAN; frame.pixels.len()];
-            frame.extra_rays = vec![0; frame.pixels.len()];
-            frame.begin();
-            frame.floors = typical(&frame.pixels).map(|band| DARK_FRACTION * band);
+        if let SamplingBudget::Error(_) = budget {
+            frame.errors = vec![f32::NAN; pixels];
+            frame.extra_rays = vec![0; pixels];
+            begin(&FilmRays { renderer, camera: &camera, has_time: &|| true }, &mut frame.state);
+            frame.floors = typical(&frame.state.pixels).map(|band| DARK_FRACTION * band);
         }
         frame
     }
@@ -273,13 +232,15 @@ impl<'r> Film<'r> {
                 return interpolated::block(self.renderer, &self.camera, interpolation, &block);
             }
             SamplingBudget::Samples(samples) => self.trace_all(range.clone(), samples.clamp(1, MAX_SAMPLES)),
-            SamplingBudget::Error { error, most } => return self.finish_to_error(&range, error, most.min(MAX_SAMPLES)),
+            SamplingBudget::Error(target) => return self.finish_to_error(&range, target),
         }
-        self.pixels[range].iter().map(|pixel| pixel.mean().map(|band| band as f32)).collect()
+        self.state.pixels[range].iter().map(|pixel| pixel.mean().map(|band| band as f32)).collect()
     }
 
     /// Finishes pixels to a requested error.
-    fn finish_to_error(&mut self, range: &Range<usize>, error: f64, most: u32) -> Vec<[f32; 3]> {
+    fn finish_to_error(&mut self, range: &Range<usize>, target: ErrorTarget) -> Vec<[f32; 3]> {
+        let ErrorTarget { error, most_samples } = target;
+        let most = most_samples.min(MAX_SAMPLES);
         let is_cached = self.renderer.irradiance_noise().is_some();
         let share = if is_cached { NOISE_FRACTION } else { 1.0 };
         let pooled = self.reduce_noise(range, share * error * error, most);
@@ -298,41 +259,32 @@ impl<'r> Film<'r> {
             let mean = pixel.mean();
             std::array::from_fn(|band| (mean[band] + correction[band]).max(0.0) as f32)
         };
-        self.pixels[range.clone()].iter().zip(corrections).map(corrected).collect()
+        self.state.pixels[range.clone()].iter().zip(corrections).map(corrected).collect()
     }
 
     /// Doubles samples until the pixels' own squared noise plus one standard error is `squared`;
     /// returns what is left.
     fn reduce_noise(&mut self, range: &Range<usize>, squared: f64, most: u32) -> Vec<PixelError> {
-        let mut target = squared;
-        loop {
-            let pooled = self.pool(range);
-            let needed = doublings(&pooled, target, most);
-            let chosen: Vec<usize> =
-                range.clone().zip(needed).filter(|(_, needed)| *needed > 0.0).map(|(pixel, _)| pixel).collect();
-            if chosen.is_empty() {
-                let mut found = Finished::default();
-                pooled.iter().for_each(|pixel| found.add(pixel.squared, pixel.samples));
-                let [mean, variance] = found.noise();
-                if mean > squared {
-                    self.finished.stopped = self.finished.stopped.or(Some(Stop::Rays));
-                } else if mean + variance.sqrt() > squared && target > MIN_TARGET * squared {
-                    target *= TARGET_STEP;
-                    continue;
-                }
-                return pooled;
-            }
-            if !self.has_time(range) {
-                return pooled;
-            }
-            self.double(&chosen);
-        }
+        let mut state = std::mem::take(&mut self.state);
+        let (this, finished) = (&*self, range.end as f64 / state.pixels.len() as f64);
+        let has_time = || this.time_left.as_ref().is_none_or(|time_left| time_left(finished));
+        let rays = FilmRays { renderer: this.renderer, camera: &this.camera, has_time: &has_time };
+        let target = NoiseTarget {
+            most_samples: most,
+            certainty: Certainty::StandardError { pixels_per_estimate: PIXELS_PER_ESTIMATE },
+            ..NoiseTarget::new(squared, Selection::Every)
+        };
+        let estimate = |pixels: &[Pixel]| BlockErrors { pixels: this.pool(pixels, range), first: range.start };
+        let (left, stop) = refine(&rays, &mut state, &target, estimate);
+        self.state = state;
+        self.finished.add_stop(stop);
+        left.pixels
     }
 
     /// Corrects cached irradiance until the estimated sum of its squared errors is at most
     /// `allowed`.
     fn correct(&mut self, range: &Range<usize>, allowed: f64, most: u32) -> Assessment {
-        let units = self.pixels[range.clone()].iter().map(|pixel| self.units(pixel)).collect();
+        let units = self.state.pixels[range.clone()].iter().map(|pixel| self.units(pixel)).collect();
         let mut residuals = Residuals::new(range.clone(), self.camera.columns(), units);
         let mut wanted = residuals.first_pixels();
         loop {
@@ -341,7 +293,7 @@ impl<'r> Film<'r> {
             let is_enough = assessment.upper() <= allowed;
             wanted = if is_enough { Vec::new() } else { assessment.wanted(allowed) };
             if !is_enough && wanted.is_empty() {
-                self.finished.stopped = self.finished.stopped.or(Some(Stop::Rays));
+                self.finished.add_stop(Some(Stop::Rays));
             }
             if wanted.is_empty() || !self.has_time(range) {
                 for index in range.clone() {
@@ -354,10 +306,10 @@ impl<'r> Film<'r> {
 
     /// Whether there is time left for a block; records it if there is not.
     fn has_time(&mut self, range: &Range<usize>) -> bool {
-        let share = range.end as f64 / self.pixels.len() as f64;
+        let share = range.end as f64 / self.state.pixels.len() as f64;
         let has_time = self.time_left.as_ref().is_none_or(|time_left| time_left(share));
         if !has_time {
-            self.finished.stopped = Some(Stop::Time);
+            self.finished.add_stop(Some(Stop::Time));
         }
         has_time
     }
@@ -386,8 +338,9 @@ impl<'r> Film<'r> {
     pub fn samples(&self) -> Option<Vec<u32>> {
         let is_interpolated = matches!(self.budget, SamplingBudget::Interpolated(_));
         let further = |index: usize| self.extra_rays.get(index).copied().unwrap_or(0);
-        (!is_interpolated)
-            .then(|| self.pixels.iter().enumerate().map(|(index, pixel)| pixel.samples + further(index)).collect())
+        (!is_interpolated).then(|| {
+            self.state.pixels.iter().enumerate().map(|(index, pixel)| pixel.samples + further(index)).collect()
+        })
     }
 
     /// Distances along the rays through the centres of the pixels of some rows, through mirrors and
@@ -403,61 +356,27 @@ impl<'r> Film<'r> {
                 || self.renderer.worker(),
                 |worker, pixel| {
                     let ray = self.camera.central_ray(pixel % columns, pixel / columns);
-                    ray.map_or(NO_HIT_DISTANCE, |ray| distance(worker, (pixel as u64) << SEQUENCE_LOG2, &ray)) as f32
+                    ray.map_or(NO_HIT_DISTANCE, |ray| distance(worker, ray_number(pixel, 0), &ray)) as f32
                 },
             )
             .collect()
     }
 
-    fn begin(&mut self) {
-        let (renderer, camera) = (self.renderer, self.camera);
-        self.pixels.par_iter_mut().enumerate().with_min_len(64).for_each_init(
-            || renderer.worker(),
-            |worker, (index, pixel)| {
-                pixel.samples = 1;
-                pixel.sum = sum(worker, &camera, renderer, index, 0..1);
-                while pixel.samples < FIRST_SAMPLES {
-                    pixel.double(sum(worker, &camera, renderer, index, pixel.samples..2 * pixel.samples));
-                }
-            },
-        );
-    }
-
     fn trace_all(&mut self, range: Range<usize>, samples: u32) {
-        let (renderer, camera, first) = (self.renderer, self.camera, range.start);
-        self.pixels[range].par_iter_mut().enumerate().with_min_len(16).for_each_init(
-            || renderer.worker(),
-            |worker, (index, pixel)| {
-                pixel.samples = samples;
-                pixel.sum = sum(worker, &camera, renderer, first + index, 0..samples);
-            },
+        let (rays, first) =
+            (FilmRays { renderer: self.renderer, camera: &self.camera, has_time: &|| true }, range.start);
+        self.state.pixels[range].par_iter_mut().enumerate().with_min_len(16).for_each_init(
+            || rays.worker(),
+            |worker, (index, pixel)| *pixel = Pixel::of(rays.sums(worker, first + index, 0..samples), samples),
         );
-    }
-
-    fn double(&mut self, chosen: &[usize]) {
-        let (renderer, camera, pixels) = (self.renderer, self.camera, &self.pixels);
-        let second_halves: Vec<[f64; 3]> = chosen
-            .par_iter()
-            .with_min_len(4)
-            .map_init(
-                || renderer.worker(),
-                |worker, &index| {
-                    let samples = pixels[index].samples;
-                    sum(worker, &camera, renderer, index, samples..2 * samples)
-                },
-            )
-            .collect();
-        for (&index, second_half) in chosen.iter().zip(second_halves) {
-            self.pixels[index].double(second_half);
-        }
     }
 
     /// The estimated errors of the pixels of a block.
-    fn pool(&self, range: &Range<usize>) -> Vec<PixelError> {
-        let gain = self.gain(range);
+    fn pool(&self, pixels: &[Pixel], range: &Range<usize>) -> Vec<PixelError> {
+        let gain = self.gain(&pixels[range.clone()]);
         let error = |index: usize| {
-            let pixel = &self.pixels[index];
-            let squared = self.relative(pixel, self.squared_error(range, index, gain));
+            let pixel = &pixels[index];
+            let squared = self.relative(pixel, self.squared_error((pixels, range), index, gain));
             PixelError { squared, gain, samples: pixel.samples }
         };
         range.clone().into_par_iter().with_min_len(1024).map(error).collect()
@@ -479,9 +398,9 @@ impl<'r> Film<'r> {
     /// contributes the ratio of its second square to the sum of both. If the squares are those of
     /// two normally distributed numbers with variance ratio g, the means of these ratios have the
     /// ratio √g.
-    fn gain(&self, range: &Range<usize>) -> f64 {
+    fn gain(&self, block: &[Pixel]) -> f64 {
         let (mut last, mut before) = (0.0, 0.0);
-        for pixel in &self.pixels[range.clone()] {
+        for pixel in block {
             let squares = [pixel.last, pixel.before].map(|bands| self.relative(pixel, bands.map(square)));
             let weight = 1.0 / (NEGLIGIBLE_ERROR + squares[0] + squares[1]);
             last += weight * squares[0];
@@ -492,16 +411,16 @@ impl<'r> Film<'r> {
 
     /// The estimated squared errors of a pixel's bands, from its own samples and those of its
     /// neighbours in the block.
-    fn squared_error(&self, range: &Range<usize>, index: usize, gain: f64) -> [f64; 3] {
+    fn squared_error(&self, (pixels, range): (&[Pixel], &Range<usize>), index: usize, gain: f64) -> [f64; 3] {
         let columns = self.camera.columns();
         let (first, last) = (range.start / columns, range.end / columns - 1);
         let (column, row) = (index % columns, index / columns);
-        let samples = f64::from(self.pixels[index].samples);
-        let own = self.pixels[index].mean();
+        let samples = f64::from(pixels[index].samples);
+        let own = pixels[index].mean();
         let (mut sums, mut weights, mut steps) = ([0.0; 3], 0.0, [0.0_f64; 3]);
         for y in row.saturating_sub(1).max(first)..=(row + 1).min(last) {
             for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
-                let other = &self.pixels[y * columns + x];
+                let other = &pixels[y * columns + x];
                 let weight = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
                 // Scaled to the number of samples of this pixel.
                 let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
@@ -534,20 +453,56 @@ const NEGLIGIBLE_ERROR: f64 = 1e-6;
 /// smooth integrand, and independent samples.
 const GAINS: [f64; 2] = [0.35, 0.5];
 
-/// Sum of the radiances of some rays of a pixel. Every pixel has its own scramble of the sequence.
-fn sum(
-    worker: &mut RayWorker<'_>,
-    camera: &ViewCamera,
-    renderer: &Renderer,
-    pixel: usize,
-    samples: Range<u32>,
-) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for sample in samples {
-        let value = radiance(worker, renderer, camera, pixel, sample);
-        sum = std::array::from_fn(|band| sum[band] + value[band]);
+/// The rays of a film's pixels, for the adaptive sampler.
+struct FilmRays<'f, 'r> {
+    renderer: &'r Renderer,
+    camera: &'f ViewCamera,
+    /// Whether there is time left.
+    has_time: &'f (dyn Fn() -> bool + Sync),
+}
+
+impl<'r> PixelSource for FilmRays<'_, 'r> {
+    type Sums = [f64; 3];
+    type Worker = RayWorker<'r>;
+
+    fn worker(&self) -> RayWorker<'r> {
+        self.renderer.worker()
     }
-    sum
+
+    /// Sum of the radiances of some rays of a pixel.
+    fn sums(&self, worker: &mut RayWorker<'r>, pixel: usize, samples: Range<u32>) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for sample in samples {
+            let value = radiance(worker, self.renderer, self.camera, pixel, sample);
+            sum = std::array::from_fn(|band| sum[band] + value[band]);
+        }
+        sum
+    }
+
+    fn stops(&self) -> bool {
+        !(self.has_time)()
+    }
+
+    /// Passes are finished, so that threads do not change the picture.
+    fn pauses(&self) -> bool {
+        false
+    }
+}
+
+/// The estimated errors of a block of pixels.
+struct BlockErrors {
+    pixels: Vec<PixelError>,
+    first: usize,
+}
+
+impl ErrorEstimate for BlockErrors {
+    fn pixels(&self) -> &[PixelError] {
+        &self.pixels
+    }
+
+    fn first_pixel(&self) -> usize {
+        self.first
+    }
 }
 
 fn distance(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> f64 {

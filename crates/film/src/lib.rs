@@ -15,13 +15,12 @@ mod adaptive;
 mod interpolated;
 mod part;
 mod residual;
-mod sequence;
 mod single;
 mod view_camera;
 
-pub use adaptive::{Estimate, Film, SamplingBudget, Stop, TimeLeft};
+pub use adaptive::{Estimate, Film, SamplingBudget, TimeLeft};
 pub use interpolated::Interpolation;
 pub use part::{SampledPixel, sampled_tile};
-pub use sequence::MAX_SAMPLES;
+pub use radsight_adaptive::{ErrorTarget, MAX_SAMPLES, Stop};
 pub use single::average;
 pub use view_camera::{CameraRay, ViewCamera};

@@ -1,7 +1,7 @@
 //! A rectangle of a picture whose other parts are rendered elsewhere.
 
-use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
 use crate::view_camera::{ViewCamera, traced};
+use radsight_adaptive::{MAX_SAMPLES, ray_number};
 use radsight_render::{RayWorker, Renderer};
 use radsight_sampling::RaySampler;
 use rayon::prelude::*;
@@ -73,7 +73,7 @@ pub(crate) fn radiance(
     sample: u32,
 ) -> [f64; 3] {
     let (column, row) = (pixel % camera.columns(), pixel / camera.columns());
-    let index = ((pixel as u64) << SEQUENCE_LOG2) | u64::from(sample);
+    let index = ray_number(pixel, sample);
     let sampler = RaySampler::new(renderer.plan().seed(), index);
     let ray = camera.ray(column, row, &sampler);
     ray.and_then(|ray| traced(worker, index, &ray)).map_or([0.0; 3], |traced| traced.value)

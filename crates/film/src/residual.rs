@@ -16,8 +16,8 @@
 //! Rays are allocated where they lower the estimated error or its uncertainty most. Large blocks of
 //! pixels are divided into cells; one pixel represents each cell until more are needed.
 
-use crate::sequence::SEQUENCE_LOG2;
 use crate::view_camera::{ViewCamera, traced_both};
+use radsight_adaptive::SEQUENCE_LOG2;
 use radsight_render::Renderer;
 use radsight_sampling::RaySampler;
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! Adaptive sampling of a single ray.
 
 use crate::SamplingBudget;
-use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
+use radsight_adaptive::{ErrorTarget, MAX_SAMPLES, ray_number};
 use radsight_render::{Ray, RayWorker, Traced};
 
 /// Samples before the first error estimate: more than for pixels, since there are no neighbours.
@@ -16,7 +16,7 @@ pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, budget: Sampl
     if matches!(budget, SamplingBudget::Samples(1) | SamplingBudget::Interpolated(_)) {
         return worker.trace(number, ray);
     }
-    let first = number << SEQUENCE_LOG2;
+    let first = ray_number(number as usize, 0);
     let mut traced = worker.trace(first, ray);
     let mut sum = traced.value;
     let mut spectrum = traced.spectrum;
@@ -36,9 +36,9 @@ pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, budget: Sampl
             samples = wanted.clamp(1, MAX_SAMPLES);
             sum_up(&mut sum, 1..samples);
         }
-        SamplingBudget::Error { error, most } => {
+        SamplingBudget::Error(ErrorTarget { error, most_samples }) => {
             let mut before = f64::INFINITY;
-            while samples < most.min(MAX_SAMPLES) {
+            while samples < most_samples.min(MAX_SAMPLES) {
                 let mut second_half = [0.0; 3];
                 sum_up(&mut second_half, samples..2 * samples);
                 samples *= 2;

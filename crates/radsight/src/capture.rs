@@ -1,12 +1,13 @@
 //! Captures of a scene with a real camera.
 
 use crate::error::{Error, Report};
+use crate::error_budget::ErrorBudget;
 use crate::file_loader::FileLoader;
 use crate::renderer::check_materials;
 use crate::report_page;
 use crate::scene::{LIGHT_RING, Scene};
 use radsight_camera::CameraFile;
-use radsight_capture::{Exposer, Exposure, PixelStatistics, Progress, Silent};
+use radsight_capture::{Checkpoint, ErrorTarget, Exposer, Exposure, PixelStatistics, Progress, Silent};
 use radsight_diag::{Diagnostic, SourceMap};
 use radsight_loader::{FileKind, Loader};
 use radsight_pinhole::Rays;
@@ -32,8 +33,7 @@ const USUAL_ERROR: f64 = 0.005;
 pub struct Capture {
     file: CameraFile,
     options: RenderOptions,
-    error: f64,
-    samples: Option<u32>,
+    budget: ErrorBudget,
 }
 
 /// An exposed image.
@@ -58,6 +58,8 @@ pub struct CapturedImage {
     pub exposure_j_per_m2: Vec<f64>,
     /// Estimated rms error of the pixels, relative to the mean exposure, if it was estimated.
     pub estimated_error: Option<f64>,
+    /// Whether the limit of rays per pixel stopped the work before the requested error was reached.
+    pub is_stopped: bool,
     /// Number of camera rays.
     pub rays: u64,
     /// Standard error and number of rays of each pixel, if the error was estimated.
@@ -120,7 +122,9 @@ impl Capture {
                 let message = "[flicker] is not supported by the library, only by the program \"radsight capture\"";
                 Err(Error::Camera(Report::new(vec![Diagnostic::error(message)], sources)))
             }
-            Ok(file) => Ok(Capture { file, options: RenderOptions::default(), error: USUAL_ERROR, samples: None }),
+            Ok(file) => {
+                Ok(Capture { file, options: RenderOptions::default(), budget: ErrorBudget::error(USUAL_ERROR) })
+            }
             Err(errors) => Err(Error::Camera(Report::new(errors, sources))),
         }
     }
@@ -128,15 +132,21 @@ impl Capture {
     /// The requested error of the exposure: rms over the pixels, relative to the mean. Default
     /// 0.005.
     #[must_use]
-    pub fn error(mut self, error: f64) -> Capture {
-        (self.error, self.samples) = (error, None);
-        self
+    pub fn error(self, error: f64) -> Capture {
+        self.budget(ErrorBudget::error(error))
     }
 
     /// The number of rays per pixel, instead of an error.
     #[must_use]
-    pub fn samples(mut self, samples: u32) -> Capture {
-        self.samples = Some(samples);
+    pub fn samples(self, samples: u32) -> Capture {
+        self.budget(ErrorBudget::samples(samples))
+    }
+
+    /// The sampling budget, as of a [`Renderer`](crate::Renderer): an error relative to the mean
+    /// exposure, or a number of rays per pixel.
+    #[must_use]
+    pub fn budget(mut self, budget: ErrorBudget) -> Capture {
+        self.budget = budget;
         self
     }
 
@@ -180,12 +190,9 @@ impl Capture {
             .map_err(|errors| Error::Scene(Report::new(errors, scene.sources.clone())))?;
         let weights = self.file.band_weights_for(plan.bands()).map_err(|error| Error::Bands(error.to_string()))?;
         let renderer = radsight_render::Renderer::new(plan);
-        let rays = Rays::new(&self.file.camera, self.samples.unwrap_or(1), self.options.seed);
+        let rays = Rays::new(&self.file.camera, self.fixed_samples().unwrap_or(1), self.options.seed);
         let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &[] };
-        let exposure = match self.samples {
-            Some(_) => exposer.with_samples(None, progress),
-            None => exposer.to_error(self.error, None, progress),
-        };
+        let exposure = self.sampled(&exposer, None, progress);
         check_materials(renderer.plan(), &scene.sources)?;
         Ok(self.image(exposure, report_page::record(&renderer, &self.options)))
     }
@@ -193,11 +200,13 @@ impl Capture {
     /// Checks the options.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
-        if self.samples == Some(0) {
-            return wrong("samples", "0".to_owned(), "at least 1");
-        }
-        if !(self.error > 0.0 && self.error.is_finite()) {
-            return wrong("error", self.error.to_string(), "a relative error above 0, such as 0.005");
+        match (self.budget.asked_error(), self.fixed_samples()) {
+            (None, None) => return wrong("budget", "a preview".to_owned(), "an error or a number of samples"),
+            (_, Some(0)) => return wrong("samples", "0".to_owned(), "at least 1"),
+            (Some(error), _) if !(error > 0.0 && error.is_finite()) => {
+                return wrong("error", error.to_string(), "a relative error above 0, such as 0.005");
+            }
+            _ => {}
         }
         Ok(())
     }
@@ -212,16 +221,29 @@ impl Capture {
         &self.options
     }
 
-    pub(crate) fn asked_error(&self) -> f64 {
-        self.error
+    /// Exposes with the budget. Only exposures to an error continue from `start`.
+    pub(crate) fn sampled(
+        &self,
+        exposer: &Exposer<'_>,
+        start: Option<Checkpoint>,
+        progress: &dyn Progress,
+    ) -> Exposure {
+        match self.budget.target() {
+            Some(target) => exposer.to_error(target, start, progress),
+            None => exposer.with_samples(None, progress),
+        }
+    }
+
+    pub(crate) fn error_target(&self) -> Option<ErrorTarget> {
+        self.budget.target()
     }
 
     pub(crate) fn fixed_samples(&self) -> Option<u32> {
-        self.samples
+        self.budget.asked_samples()
     }
 
     pub(crate) fn image(&self, exposure: Exposure, mut record: RunRecord) -> CapturedImage {
-        let asked = self.samples.is_none().then_some(self.error);
+        let asked = self.budget.asked_error();
         record.error = report_page::reached(exposure.estimated_error, None, asked);
         record.rays = Some(exposure.rays);
         CapturedImage {
@@ -229,6 +251,7 @@ impl Capture {
             rows: self.file.camera.rows() as usize,
             exposure_j_per_m2: exposure.values,
             estimated_error: exposure.estimated_error,
+            is_stopped: exposure.stopped.is_some(),
             rays: exposure.rays,
             pixels: exposure.pixels,
             seed: self.options.seed,

@@ -1,6 +1,6 @@
 //! Splits a requested error between the irradiance cache and the pixels.
 
-use radsight_film::{Interpolation, MAX_SAMPLES, SamplingBudget};
+use radsight_film::{ErrorTarget, Interpolation, MAX_SAMPLES, SamplingBudget};
 use radsight_render::{Gathering, LightDivision, RenderOptions};
 
 /// Error below which the limits of rays per pixel and per cache point are raised.
@@ -35,14 +35,15 @@ const RECORD_SHARE: f64 = 0.75;
 /// Radiance's default of `-pj`. A picture with a requested error averages over whole pixels.
 const USUAL_JITTER: f64 = 0.67;
 
-/// The requested quality of a picture.
+/// The requested quality of a picture or of a capture: a relative error, a number of rays per
+/// pixel, or a preview.
 ///
 /// ```
 /// use radsight::{ErrorBudget, RenderOptions, SamplingBudget};
 /// let mut options = RenderOptions { ambient_bounces: 2, ..RenderOptions::default() };
 /// let pixels = ErrorBudget::error(0.02).apply(&mut options);
 /// // The cache is filled for a part of the error; pixels estimate the rest.
-/// assert!(matches!(pixels, SamplingBudget::Error { error, .. } if error == 0.02));
+/// assert!(matches!(pixels, SamplingBudget::Error(ErrorTarget { error, .. }) if error == 0.02));
 /// assert!(options.gathering.noise <= 0.03);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,8 +51,8 @@ pub struct ErrorBudget(Asked);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Asked {
-    /// Relative error, and the largest number of rays per pixel at the coarse error.
-    Error(f64, u32),
+    /// Its limit of samples is that at the coarse error.
+    Error(ErrorTarget),
     Samples(u32),
     Preview(Interpolation),
 }
@@ -70,7 +71,29 @@ impl ErrorBudget {
     /// A requested relative error: rms over the bands of all pixels, relative to their values.
     #[must_use]
     pub fn error(error: f64) -> ErrorBudget {
-        ErrorBudget(Asked::Error(error, ErrorBudget::MOST_SAMPLES))
+        ErrorBudget(Asked::Error(ErrorTarget::new(error)))
+    }
+
+    /// The same with at most so many rays per pixel; a number of rays or a preview is unchanged.
+    /// The limit of a picture holds for an error of 0.02 or more; for a lower one it grows with the
+    /// inverse square of the error.
+    ///
+    /// ```
+    /// use radsight::{ErrorBudget, Renderer, Scene, View};
+    /// let scene = Scene::from_text("void glow white 0 0 4 1 1 1 0  white sphere ball 0 0 4 0 9 0 .1")?;
+    /// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 3 -vv 3")?;
+    /// let budget = ErrorBudget::error(0.02).at_most(16);
+    /// let image = Renderer::new(&scene)?.budget(budget).render(&view, 16, 16)?;
+    /// assert!(image.samples().unwrap().iter().all(|samples| *samples <= 16));
+    /// assert!(image.report().is_stopped); // the ball's edge needs more
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    #[must_use]
+    pub fn at_most(mut self, samples: u32) -> ErrorBudget {
+        if let Asked::Error(target) = &mut self.0 {
+            target.most_samples = samples.clamp(1, ErrorBudget::MOST_SAMPLES);
+        }
+        self
     }
 
     /// A number of rays per pixel.
@@ -89,17 +112,28 @@ impl ErrorBudget {
     #[must_use]
     pub fn of(budget: SamplingBudget) -> ErrorBudget {
         ErrorBudget(match budget {
-            SamplingBudget::Error { error, most } => Asked::Error(error, most),
+            SamplingBudget::Error(target) => Asked::Error(target),
             SamplingBudget::Samples(samples) => Asked::Samples(samples),
             SamplingBudget::Interpolated(interpolation) => Asked::Preview(interpolation),
         })
+    }
+
+    /// The requested number of rays per pixel, if any.
+    #[must_use]
+    pub fn asked_samples(&self) -> Option<u32> {
+        if let Asked::Samples(samples) = self.0 { Some(samples) } else { None }
+    }
+
+    /// The target of an exposure; `None` for a number of rays or a preview.
+    pub(crate) fn target(&self) -> Option<ErrorTarget> {
+        if let Asked::Error(target) = self.0 { Some(target) } else { None }
     }
 
     /// The requested error, if any.
     #[must_use]
     pub fn asked_error(&self) -> Option<f64> {
         match self.0 {
-            Asked::Error(error, _) => Some(error),
+            Asked::Error(target) => Some(target.error),
             Asked::Samples(_) | Asked::Preview(_) => None,
         }
     }
@@ -127,7 +161,7 @@ impl ErrorBudget {
     pub fn apply(&self, options: &mut RenderOptions) -> SamplingBudget {
         let gathering = &mut options.gathering;
         match self.0 {
-            Asked::Error(error, most) => {
+            Asked::Error(ErrorTarget { error, most_samples }) => {
                 gathering.noise = NOISE_SHARE * error;
                 gathering.allocation_floor = ALLOCATION_FLOOR;
                 if gathering.accuracy > 0.0 && gathering.divisions > 1 {
@@ -137,8 +171,8 @@ impl ErrorBudget {
                 gathering.caustic_error = (CAUSTIC_NOISES * gathering.noise).min(Gathering::MAX_INTERPOLATION_ERROR);
                 gathering.accuracy = gathering.accuracy.min((REACH_SHARE * error.sqrt()).max(NEAR_ENOUGH));
                 let finer = (COARSE_ERROR / error).max(1.0).powi(2);
-                let most = (finer * f64::from(most)).min(MAX_SAMPLES.into()) as u32;
-                SamplingBudget::Error { error, most }
+                let most_samples = (finer * f64::from(most_samples)).min(MAX_SAMPLES.into()) as u32;
+                SamplingBudget::Error(ErrorTarget { error, most_samples })
             }
             Asked::Samples(samples) => SamplingBudget::Samples(samples),
             Asked::Preview(interpolation) => {

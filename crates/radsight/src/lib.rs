@@ -71,7 +71,7 @@ pub use part_move::PartMove;
 pub use radsight_brdf::{BrdfSample, Density, Lobes};
 pub use radsight_capture::{Derivative, PixelStatistics, Progress, Silent};
 pub use radsight_diag::{Diagnostic, Severity};
-pub use radsight_film::{Estimate, Interpolation, SamplingBudget};
+pub use radsight_film::{ErrorTarget, Estimate, Interpolation, SamplingBudget};
 pub use radsight_loader::{FileKind, LoadError, Loaded, Loader, MemoryLoader};
 pub use radsight_render::Quantity as TracedQuantity;
 pub use radsight_render::{CacheError, Contribution, FirstHit, Ray, RenderOptions, Traced};

@@ -9,7 +9,7 @@ use crate::irradiance_cache::CacheFilling;
 use crate::{Scene, View, report_page};
 use radsight_capture::{Progress, Silent};
 use radsight_diag::SourceMap;
-use radsight_film::{Film, SamplingBudget, ViewCamera};
+use radsight_film::{ErrorTarget, Film, SamplingBudget, ViewCamera};
 use radsight_picture::Header;
 use radsight_render::{Gathering, Ray, RaySpacing, RayWorker, RenderOptions, RenderPlan, Traced, Uncached};
 use radsight_sampling::{DimensionSet, RaySampler};
@@ -211,7 +211,7 @@ impl Renderer {
         let (asked, used) = (self.budget.asked_error(), options.clone());
         let side = self.budget.prepass_spacing();
         let sources = self.scene.sources.clone();
-        if let SamplingBudget::Error { .. } = pixels {
+        if let SamplingBudget::Error(_) = pixels {
             self.prepare(options.clone())?.guide_paths(&camera.prepass_rays(side), camera.spread(side));
         }
         if self.gather(&options, || camera.prepass_rays(side), camera.spread(side), progress)?.is_none() {
@@ -505,7 +505,7 @@ fn header(view: &str) -> Header {
 fn check_budget(budget: SamplingBudget) -> Result<(), Error> {
     let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
     match budget {
-        SamplingBudget::Error { error, .. } if !(error > 0.0 && error.is_finite()) => {
+        SamplingBudget::Error(ErrorTarget { error, .. }) if !(error > 0.0 && error.is_finite()) => {
             wrong("error", error.to_string(), "a relative error above 0, such as 0.02")
         }
         SamplingBudget::Samples(samples) if !(1..=radsight_film::MAX_SAMPLES).contains(&samples) => {

@@ -20,10 +20,8 @@
 //! ```
 #![forbid(unsafe_code)]
 
-mod allocation;
 mod warp;
 
-pub use allocation::{PixelError, doublings};
 pub use warp::{choose, cosine_hemisphere, unit_disk};
 
 /// Number of points after which the sequence is scrambled anew; `sobol_burley` has no more.

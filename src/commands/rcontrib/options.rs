@@ -205,7 +205,7 @@ impl Options {
         if used == 0 {
             used = self.take_switch(&words[0])?;
         }
-        if let Some(SamplingBudget::Error { .. }) = self.sampling_budget {
+        if let Some(SamplingBudget::Error(_)) = self.sampling_budget {
             return Err(Failure::usage("rcontrib: option \"--error\" is not supported, expected --samples or -ad"));
         }
         Ok(used)

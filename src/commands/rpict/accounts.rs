@@ -8,7 +8,7 @@ use crate::output::{check_writable, write_file, write_image_file};
 use crate::render_args::number;
 use crate::run_record::Stopwatch;
 use crate::trust::{Existing, OutputName, Trust};
-use radsight_film::{Film, SamplingBudget};
+use radsight_film::{ErrorTarget, Film, SamplingBudget};
 use radsight_picture::{Header, Image};
 use radsight_render::Renderer;
 use radsight_report::{ErrorEstimate, RunRecord};
@@ -52,7 +52,7 @@ impl Accounts {
             return wrong("--error-map, --ray-map and --record cannot be combined with recovered rows (-r, -ro)");
         }
         match options.pixels {
-            SamplingBudget::Error { .. } => {}
+            SamplingBudget::Error(_) => {}
             _ if self.error_map.is_some() => return wrong("--error-map needs --error"),
             SamplingBudget::Interpolated(_) if self.ray_map.is_some() => {
                 return wrong("--ray-map needs --error or --samples");
@@ -102,7 +102,7 @@ fn record(options: &Options, renderer: &Renderer, film: &Film<'_>, stopwatch: &S
     let mut record = stopwatch.record(renderer.plan(), &options.command);
     record.command.extend(options.scenes.iter().cloned());
     let asked = match options.sampling_budget {
-        Some(SamplingBudget::Error { error, .. }) => Some(error),
+        Some(SamplingBudget::Error(ErrorTarget { error, .. })) => Some(error),
         _ => None,
     };
     record.error = film.estimate().map(|estimate| ErrorEstimate {

@@ -3,7 +3,7 @@
 use super::options::Options;
 use crate::listed_options::{color_line, seed_line};
 use glam::DVec3;
-use radsight_film::SamplingBudget;
+use radsight_film::{ErrorTarget, SamplingBudget};
 use radsight_picture::ViewKind;
 
 /// The current options, one per line, as Radiance prints them, followed by radsight's own.
@@ -24,7 +24,7 @@ pub(super) fn text(options: &Options) -> String {
 fn budget_line(options: &Options, name: &str) -> Option<String> {
     match (options.sampling_budget?, name) {
         (SamplingBudget::Samples(samples), "--samples") => Some(format!("--samples {samples}\t\t\t# rays a pixel")),
-        (SamplingBudget::Error { error, .. }, "--error") => {
+        (SamplingBudget::Error(ErrorTarget { error, .. }), "--error") => {
             Some(format!("--error {error}\t\t\t# estimated error of the picture"))
         }
         _ => None,

@@ -120,7 +120,7 @@ impl Picture {
     fn gather_irradiance(&self, options: &Options, renderer: &mut Renderer, ambient: &mut AmbientFile) -> Outcome {
         let side = options.prepass_spacing();
         let (rays, spread) = (self.lens.prepass_rays(side), self.lens.spread(side));
-        if let SamplingBudget::Error { .. } = options.pixels {
+        if let SamplingBudget::Error(_) = options.pixels {
             renderer.guide_paths(&rays, spread);
         }
         ambient.gather(renderer, &rays, spread)?;
@@ -184,7 +184,7 @@ fn rays_through(pixels: usize, frame: &Film<'_>, options: &Options) -> f64 {
     let of_each = match options.pixels {
         SamplingBudget::Samples(samples) => f64::from(samples),
         SamplingBudget::Interpolated(_) => 1.0,
-        SamplingBudget::Error { .. } => frame.estimate().map_or(0.0, |estimate| estimate.rays),
+        SamplingBudget::Error(_) => frame.estimate().map_or(0.0, |estimate| estimate.rays),
     };
     of_each * pixels as f64
 }

@@ -16,7 +16,7 @@ use crate::sampling_args;
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
 use crate::view_args;
-use radsight::{ErrorBudget, Interpolation, SamplingBudget};
+use radsight::{ErrorBudget, ErrorTarget, Interpolation, SamplingBudget};
 use radsight_options::Settings;
 use radsight_picture::ViewOptions;
 use radsight_pinhole::stream::NumberFormat;
@@ -139,7 +139,7 @@ impl Options {
         if options.recover.is_some() && options.format != OutputFormat::Pixels {
             return Err(Failure::usage("rpict: -ff cannot continue a picture (-r, -ro)"));
         }
-        if options.time_limit.is_some() && !matches!(options.pixels, SamplingBudget::Error { .. }) {
+        if options.time_limit.is_some() && !matches!(options.pixels, SamplingBudget::Error(_)) {
             return Err(Failure::usage("rpict: --time-limit needs --error"));
         }
         options.accounts.check(&options)?;
@@ -162,7 +162,7 @@ impl Options {
         let pixels = (self.size[0] as u64).saturating_mul(self.size[1] as u64);
         match self.pixels {
             SamplingBudget::Samples(samples) => pixels as f64 * f64::from(samples),
-            SamplingBudget::Error { error, .. } => expected_rays::to_error(pixels, error),
+            SamplingBudget::Error(ErrorTarget { error, .. }) => expected_rays::to_error(pixels, error),
             SamplingBudget::Interpolated(_) => pixels as f64,
         }
     }
@@ -316,7 +316,7 @@ mod tests {
             assert_eq!(parsed(words).pixels, expected, "{words}");
         }
         assert_eq!(parsed("rpict --samples 9 -ps 8 a.oct").pixels, SamplingBudget::Samples(9));
-        assert!(matches!(parsed("rpict -ps 8 --error .1 a.oct").pixels, SamplingBudget::Error { .. }));
+        assert!(matches!(parsed("rpict -ps 8 --error .1 a.oct").pixels, SamplingBudget::Error(_)));
     }
 
     #[test]

@@ -6,12 +6,10 @@ use crate::domain::Domain;
 use crate::fixed::radiance;
 use crate::{Exposer, Workers};
 use glam::DVec2;
+use radsight_adaptive::ray_number;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::TAU;
 use std::ops::Range;
-
-/// Number of samples of one randomisation, as a power of two: the length of a sequence.
-const SEQUENCE_LOG2: u32 = 16;
 
 /// Sequences of each pixel: outlines, and for each randomisation those inside the domain and those
 /// on its rim.
@@ -33,7 +31,7 @@ impl ParameterStep<'_> {
     pub(super) fn index(&self, sequence: u64, pixel: u64, sample: u32) -> u64 {
         let cells = self.center.rays.camera().pixel_count();
         let block = (u64::from(self.stream) * SEQUENCES + sequence) * cells + pixel;
-        block << SEQUENCE_LOG2 | u64::from(sample)
+        ray_number(block as usize, sample)
     }
 
     /// Sums of samples of dE/dθ and of E of a pixel.

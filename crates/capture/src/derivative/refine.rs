@@ -5,10 +5,12 @@ use super::outline::outlines;
 use super::pixel_derivative::StepWorkers;
 use super::{DerivativeSamples, ParameterStep, RANDOMISATIONS};
 use crate::Progress;
-use crate::adaptive::{GOLDEN_RATIO, window_means};
+use crate::adaptive::window_means;
 use crate::domain::Domain;
-use radsight_pinhole::Hole;
-use radsight_sampling::{PixelError, doublings};
+use radsight_adaptive::{
+    ErrorEstimate, NoiseTarget, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState, Selection, begin,
+    double, refine,
+};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,15 +33,33 @@ pub struct Derivative {
     pub outline_pixels: usize,
 }
 
-/// Samples of one pixel so far.
-#[derive(Clone, Copy, Debug)]
-struct PixelSums {
+/// Sums over the samples of one pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct StepSums {
     /// Of the derivative, by randomisation.
-    sums: [f64; RANDOMISATIONS as usize],
+    slopes: [f64; RANDOMISATIONS as usize],
     /// Of the exposure.
     exposure: f64,
-    /// Of each randomisation.
-    samples: u32,
+}
+
+/// Samples of one pixel so far, of each randomisation.
+type Pixel = PixelSamples<StepSums>;
+
+impl SampleSums for StepSums {
+    /// The error follows from the randomisations.
+    type HalfDifference = ();
+    type Mean = f64;
+
+    fn add(&mut self, other: &StepSums) {
+        self.slopes.iter_mut().zip(other.slopes).for_each(|(sum, added)| *sum += added);
+        self.exposure += other.exposure;
+    }
+
+    fn half_difference(_first: &StepSums, _second: &StepSums, _samples: u32) {}
+
+    fn mean(&self, samples: u32) -> f64 {
+        self.slopes.iter().sum::<f64>() / f64::from(RANDOMISATIONS * samples)
+    }
 }
 
 /// Largest number of samples of a randomisation.
@@ -70,19 +90,11 @@ const STEP_LATTICE: usize = 7;
 /// Its largest number of samples of a randomisation.
 const STEP_SAMPLES: u32 = 64;
 
-impl PixelSums {
-    const NONE: PixelSums = PixelSums { sums: [0.0; RANDOMISATIONS as usize], exposure: 0.0, samples: 0 };
-
-    fn mean(&self) -> f64 {
-        self.sums.iter().sum::<f64>() / f64::from(RANDOMISATIONS * self.samples.max(1))
-    }
-
-    /// Squared standard error of the mean.
-    fn squared_error(&self) -> f64 {
-        let (mean, samples) = (self.mean(), f64::from(self.samples.max(1)));
-        let squares: f64 = self.sums.iter().map(|sum| (sum / samples - mean).powi(2)).sum();
-        squares / f64::from(RANDOMISATIONS * (RANDOMISATIONS - 1))
-    }
+/// Squared standard error of the mean.
+fn squared_error(pixel: &Pixel) -> f64 {
+    let (mean, samples) = (pixel.mean(), f64::from(pixel.samples.max(1)));
+    let squares: f64 = pixel.sums.slopes.iter().map(|sum| (sum / samples - mean).powi(2)).sum();
+    squares / f64::from(RANDOMISATIONS * (RANDOMISATIONS - 1))
 }
 
 pub(super) fn derivative(
@@ -91,7 +103,7 @@ pub(super) fn derivative(
     progress: &dyn Progress,
 ) -> Option<Derivative> {
     let rays = step.center.rays;
-    if rays.hole() == Hole::Pattern {
+    if !rays.hole().has_points() {
         return None;
     }
     let domain = Domain::of(rays.hole());
@@ -99,24 +111,24 @@ pub(super) fn derivative(
     let flow = |(pixel, outline): (usize, &Option<_>)| Flow::following(step, domain, pixel as u64, (*outline)?);
     let flows: Vec<Option<Flow>> = outlines.par_iter().enumerate().map(flow).collect();
     let sampler = Sampler { step, flows: &flows, progress, traced: AtomicU64::new(0) };
-    let mut pixels = vec![PixelSums::NONE; flows.len()];
-    let all: Vec<usize> = (0..pixels.len()).collect();
+    let mut state = SamplingState::new(flows.len());
+    begin(&sampler, &mut state);
     match samples {
-        DerivativeSamples::ToError(error) => sampler.refine(&mut pixels, &all, error),
+        DerivativeSamples::ToError(error) => sampler.refine(&mut state, error),
         DerivativeSamples::PerPixel(samples) => {
-            while pixels.first().is_some_and(|pixel| pixel.samples * RANDOMISATIONS < samples) {
-                sampler.double(&mut pixels, &all);
-                if progress.stops() {
-                    break;
-                }
+            let enough = |state: &SamplingState<StepSums>| state.pixels[0].samples * RANDOMISATIONS >= samples;
+            while !state.pixels.is_empty() && !enough(&state) && !progress.stops() {
+                state.pending = (0..flows.len()).collect();
+                double(&sampler, &mut state);
             }
         }
     }
+    let pixels = state.pixels;
     if progress.stops() {
         return None;
     }
     let squared = squared_errors(&pixels, rays.camera().columns() as usize);
-    let values: Vec<f64> = pixels.iter().map(PixelSums::mean).collect();
+    let values: Vec<f64> = pixels.iter().map(Pixel::mean).collect();
     let size = signal(&pixels, &squared, step.step).sqrt();
     let relative = |squared: f64| if squared > 0.0 { squared.sqrt() / size } else { 0.0 };
     Some(Derivative {
@@ -138,74 +150,28 @@ struct Sampler<'a> {
 
 impl Sampler<'_> {
     /// Doubles samples where that lowers the error most, until the error is reached.
-    fn refine(&self, pixels: &mut [PixelSums], all: &[usize], error: f64) {
+    fn refine(&self, state: &mut SamplingState<StepSums>, error: f64) {
         let columns = self.step.center.rays.camera().columns() as usize;
-        self.double(pixels, all);
-        for _ in 0..MAX_PASSES {
-            let squared = squared_errors(pixels, columns);
-            let target = error * error * signal(pixels, &squared, self.step.step);
-            let of_pixel = |(pixel, squared): (&PixelSums, &f64)| PixelError {
-                squared: *squared,
-                gain: GAIN,
-                samples: pixel.samples,
-            };
-            let errors: Vec<PixelError> = pixels.iter().zip(&squared).map(of_pixel).collect();
-            let needed = doublings(&errors, target, MAX_SAMPLES);
-            let is_chosen = |(index, needed): &(usize, f64)| *needed > (*index as f64 * GOLDEN_RATIO).fract();
-            let mut chosen: Vec<usize> =
-                needed.iter().copied().enumerate().filter(is_chosen).map(|(index, _)| index).collect();
-            if chosen.is_empty() {
-                // All need too small a fraction of a doubling to be chosen: the one that needs most.
-                chosen.extend(
-                    (0..needed.len())
-                        .filter(|&index| needed[index] > 0.0)
-                        .max_by(|&a, &b| needed[a].total_cmp(&needed[b])),
-                );
-            }
-            if chosen.is_empty() || self.progress.stops() {
-                break;
-            }
-            self.double(pixels, &chosen);
-        }
-    }
-
-    /// Doubles the samples of some pixels; those without samples get the first ones.
-    fn double(&self, pixels: &mut [PixelSums], chosen: &[usize]) {
-        let before: &[PixelSums] = pixels;
-        let added: Vec<PixelSums> = chosen
-            .par_iter()
-            .with_min_len(4)
-            .map_init(
-                || self.step.step_workers(),
-                |workers, &pixel| {
-                    if self.progress.stops() { PixelSums::NONE } else { self.added(workers, pixel, before[pixel]) }
-                },
-            )
-            .collect();
-        for (&pixel, added) in chosen.iter().zip(added) {
-            pixels[pixel].sums.iter_mut().zip(added.sums).for_each(|(sum, added)| *sum += added);
-            pixels[pixel].exposure += added.exposure;
-            pixels[pixel].samples += added.samples;
-        }
-    }
-
-    fn added(&self, workers: &mut StepWorkers<'_>, pixel: usize, before: PixelSums) -> PixelSums {
-        let samples = before.samples.max(FIRST_SAMPLES);
-        self.sums(self.step, workers, pixel, before.samples..before.samples + samples)
+        let target = NoiseTarget {
+            most_samples: MAX_SAMPLES,
+            most_passes: MAX_PASSES,
+            ..NoiseTarget::new(error * error, Selection::FractionOrFirst)
+        };
+        refine(self, state, &target, |pixels| DerivativeErrors::new(pixels, columns, self.step.step));
     }
 
     /// Samples of a pixel with this step.
-    fn sums(
+    fn sums_of_step(
         &self,
         step: &ParameterStep<'_>,
         workers: &mut StepWorkers<'_>,
         pixel: usize,
         range: Range<u32>,
-    ) -> PixelSums {
+    ) -> StepSums {
         let flow = self.flows[pixel].as_ref();
         let samples = range.len() as u32;
-        let mut added = PixelSums { samples, ..PixelSums::NONE };
-        for (randomisation, sum) in (0..).zip(&mut added.sums) {
+        let mut added = StepSums::default();
+        for (randomisation, sum) in (0..).zip(&mut added.slopes) {
             let [slope, exposure] = step.sum(workers, (pixel as u64, flow), randomisation, range.clone());
             *sum = slope;
             added.exposure += exposure;
@@ -218,7 +184,7 @@ impl Sampler<'_> {
 
     /// Mean squared error due to the finite step, from a lattice of pixels. Products of the
     /// differences of independent randomisations have no noise in the mean.
-    fn squared_step_error(&self, pixels: &[PixelSums]) -> f64 {
+    fn squared_step_error(&self, pixels: &[Pixel]) -> f64 {
         let Some(doubled) = self.step.doubled() else { return 0.0 };
         let squares: Vec<f64> = (0..pixels.len())
             .into_par_iter()
@@ -228,10 +194,11 @@ impl Sampler<'_> {
                 |[near, far], pixel| {
                     let range = 0..pixels[pixel].samples.min(STEP_SAMPLES);
                     let [near, far] = [(self.step, near), (&doubled, far)]
-                        .map(|(step, workers)| self.sums(step, workers, pixel, range.clone()));
-                    let mut difference = far;
-                    difference.sums.iter_mut().zip(near.sums).for_each(|(far, near)| *far = (*far - near) / 3.0);
-                    difference.mean().powi(2) - difference.squared_error()
+                        .map(|(step, workers)| self.sums_of_step(step, workers, pixel, range.clone()));
+                    let mut slopes = far.slopes;
+                    slopes.iter_mut().zip(near.slopes).for_each(|(far, near)| *far = (*far - near) / 3.0);
+                    let difference = Pixel::of(StepSums { slopes, exposure: 0.0 }, range.len() as u32);
+                    difference.mean().powi(2) - squared_error(&difference)
                 },
             )
             .collect();
@@ -239,12 +206,61 @@ impl Sampler<'_> {
     }
 }
 
+impl<'a> PixelSource for Sampler<'a> {
+    type Sums = StepSums;
+    type Worker = StepWorkers<'a>;
+
+    fn worker(&self) -> StepWorkers<'a> {
+        self.step.step_workers()
+    }
+
+    fn sums(&self, workers: &mut StepWorkers<'a>, pixel: usize, samples: Range<u32>) -> StepSums {
+        self.sums_of_step(self.step, workers, pixel, samples)
+    }
+
+    /// Without doublings: the error follows from the randomisations.
+    fn first(&self, workers: &mut StepWorkers<'a>, pixel: usize) -> Pixel {
+        Pixel::of(self.sums(workers, pixel, 0..FIRST_SAMPLES), FIRST_SAMPLES)
+    }
+
+    fn stops(&self) -> bool {
+        self.progress.stops()
+    }
+}
+
+/// The errors of the pixels' derivatives.
+struct DerivativeErrors {
+    pixels: Vec<PixelError>,
+    /// Mean square of the derivative.
+    signal: f64,
+}
+
+impl DerivativeErrors {
+    fn new(pixels: &[Pixel], columns: usize, step: f64) -> DerivativeErrors {
+        let squared = squared_errors(pixels, columns);
+        let of_pixel =
+            |(pixel, squared): (&Pixel, &f64)| PixelError { squared: *squared, gain: GAIN, samples: pixel.samples };
+        let errors = pixels.iter().zip(&squared).map(of_pixel).collect();
+        DerivativeErrors { pixels: errors, signal: signal(pixels, &squared, step) }
+    }
+}
+
+impl ErrorEstimate for DerivativeErrors {
+    fn pixels(&self) -> &[PixelError] {
+        &self.pixels
+    }
+
+    fn unit(&self) -> f64 {
+        self.signal
+    }
+}
+
 /// Squared standard error of each pixel: its own, and that of its window for equally many samples.
-fn squared_errors(pixels: &[PixelSums], columns: usize) -> Vec<f64> {
-    let own: Vec<f64> = pixels.iter().map(PixelSums::squared_error).collect();
+fn squared_errors(pixels: &[Pixel], columns: usize) -> Vec<f64> {
+    let own: Vec<f64> = pixels.iter().map(squared_error).collect();
     let of_one: Vec<f64> = own.iter().zip(pixels).map(|(own, pixel)| own * f64::from(pixel.samples)).collect();
     let near = window_means(&of_one, columns, WINDOW);
-    let pooled = |((own, near), pixel): ((&f64, &f64), &PixelSums)| {
+    let pooled = |((own, near), pixel): ((&f64, &f64), &Pixel)| {
         OWN_WEIGHT * own + (1.0 - OWN_WEIGHT) * near / f64::from(pixel.samples.max(1))
     };
     own.iter().zip(&near).zip(pixels).map(pooled).collect()
@@ -252,9 +268,9 @@ fn squared_errors(pixels: &[PixelSums], columns: usize) -> Vec<f64> {
 
 /// Mean square of the derivative without its noise, to which errors relate. A derivative that
 /// changes next to nothing over the step counts as if it changed [`LEAST_CHANGE`].
-fn signal(pixels: &[PixelSums], squared_errors: &[f64], step: f64) -> f64 {
-    let square = mean_square(pixels.iter().map(PixelSums::mean));
-    let exposure = |pixel: &PixelSums| pixel.exposure / f64::from(RANDOMISATIONS * pixel.samples.max(1));
+fn signal(pixels: &[Pixel], squared_errors: &[f64], step: f64) -> f64 {
+    let square = mean_square(pixels.iter().map(Pixel::mean));
+    let exposure = |pixel: &Pixel| pixel.sums.exposure / f64::from(RANDOMISATIONS * pixel.samples.max(1));
     let least = (LEAST_CHANGE / step).powi(2) * mean_square(pixels.iter().map(exposure));
     // Where noise dominates, the difference says nothing.
     (square - mean(squared_errors)).max(0.1 * square).max(least)

@@ -4,7 +4,7 @@ use crate::capture::Capture;
 use crate::error::Error;
 use crate::part_move::{PartMove, change_only_what_meets_them, move_parts, moved_surfaces, regions, without};
 use radsight_camera::CameraFile;
-use radsight_capture::{Background, Checkpoint, Exposer, Exposure, LitRegion, Progress, Region};
+use radsight_capture::{Background, Checkpoint, ErrorTarget, Exposer, Exposure, LitRegion, Progress, Region};
 use radsight_diag::Diagnostic;
 use radsight_ir::{Scene, SurfaceHandle, ValidScene};
 use radsight_pinhole::{BandWeights, PinholeModel, Rays};
@@ -208,10 +208,7 @@ impl<S: SeriesScenes> Series<'_, S> {
     ) -> Result<Exposure, S::Failure> {
         let (rays, weights) = self.rays(capture.camera_file(), renderer.plan())?;
         let exposer = Exposer { renderer, rays: &rays, weights: &weights, by_row: &[] };
-        let mut exposure = match self.settings.fixed_samples() {
-            Some(_) => exposer.with_samples(None, self.progress),
-            None => exposer.to_error(self.settings.asked_error(), start, self.progress),
-        };
+        let mut exposure = self.settings.sampled(&exposer, start, self.progress);
         let brighter = brightness(capture.camera_file(), self.lead.camera_file());
         if brighter != 1.0 {
             let errors = exposure.pixels.iter_mut().flat_map(|pixels| &mut pixels.standard_errors);
@@ -225,8 +222,8 @@ impl<S: SeriesScenes> Series<'_, S> {
         let moves = poses.iter().map(|pose| &self.pictures[pose[0]].moves);
         let moved = moved_surfaces(&self.scene, moves.clone().flatten()).map_err(|error| self.wrong(error))?;
         let options = self.settings.options();
+        let Some(target) = self.settings.error_target() else { return Ok(None) };
         let is_local = options.ambient_bounces == 0
-            && self.settings.fixed_samples().is_none()
             && self.lead.camera_file().camera.pinhole_model() != PinholeModel::Diffraction
             && change_only_what_meets_them(&self.scene, &moved);
         if !is_local || moved.is_empty() {
@@ -246,8 +243,8 @@ impl<S: SeriesScenes> Series<'_, S> {
         let (rays, weights) = self.rays(self.lead.camera_file(), renderer.plan())?;
         let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &[] };
         let share = (poses.len() as f64).cbrt().recip().max(LEAST_BACKGROUND_ERROR);
-        let error = share * self.settings.asked_error();
-        let background = Background::expose(&exposer, &told, &within, error, self.progress);
+        let target = ErrorTarget { error: share * target.error, ..target };
+        let background = Background::expose(&exposer, &told, &within, target, self.progress);
         self.scenes.check(renderer.plan())?;
         Ok(background.map(|background| Shared { background, moved }))
     }

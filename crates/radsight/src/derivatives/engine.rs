@@ -59,10 +59,7 @@ pub fn expose_derivatives<S: SeriesScenes>(
     let center = Side::new(capture, file, Renderer::new(plan))?;
     let study = Study { scenes, capture, scene, center, error, progress };
     let exposer = study.center.exposer(&study.center);
-    let exposure = match capture.fixed_samples() {
-        Some(_) => exposer.with_samples(None, progress),
-        None => exposer.to_error(capture.asked_error(), None, progress),
-    };
+    let exposure = capture.sampled(&exposer, None, progress);
     let mut derivatives = Vec::new();
     for (stream, parameter) in (0..).zip(parameters) {
         match study.derivative(parameter, stream)? {
