@@ -4,6 +4,7 @@ use crate::Found;
 use crate::Shutter;
 use crate::flicker_section;
 use crate::matrix_file::{self, MatrixFile};
+use crate::parallel_section::{self, PARALLEL};
 use crate::section::{Range, Section, load_beside};
 use radsight_diag::{Diagnostic, SourceMap, hint_nearest};
 use radsight_loader::Loader;
@@ -45,9 +46,19 @@ fn read_keys(
         true => Some([1.0; 2]),
         false => section.numbers::<2>("pixel_pitch_um", Range::Positive, "[13.75, 16.0]", sources, found),
     };
+    let is_parallel = parallel_section::is_parallel(section);
     let projection = projection(section, sources, found);
-    let lens = lens(section, sources, found);
+    let lens = if is_parallel { None } else { lens(section, sources, found) };
+    let telecentric = match is_parallel {
+        true => parallel_section::read(section, (pixels, pitch_um), sources, found),
+        false => {
+            parallel_section::refuse(section, sources, found);
+            None
+        }
+    };
     let (focal_mm, diameter_mm, model) = match section.has("lens_focal_length_mm") {
+        // Of a pinhole, which the lens replaces.
+        _ if is_parallel => (Some(1.0), Some(1.0), Some(PinholeModel::Finite)),
         true => {
             let lens = lens.as_ref();
             let distance = lens.map(|lens| lens.image_distance_m() * 1e3);
@@ -81,6 +92,7 @@ fn read_keys(
     warn(&asked, section, sources, found);
     let diffracting = diffraction(section, model?, sources, found);
     PinholeCamera::new(&asked)
+        .and_then(|camera| telecentric.map_or(Ok(camera.clone()), |lens| camera.with_telecentric_lens(lens)))
         .and_then(|camera| lens.map_or(Ok(camera.clone()), |lens| camera.with_lens(lens)))
         .and_then(|camera| matrix.map_or(Ok(camera.clone()), |file| camera.with_matrix(file.matrix)))
         .and_then(|camera| projection.map_or(Ok(camera.clone()), |model| camera.with_matrix(projected(&asked, model))))
@@ -92,6 +104,7 @@ fn read_keys(
                 CameraError::ZeroVector { .. } | CameraError::UpParallel => "up",
                 CameraError::NoWavelength => "pinhole_model",
                 CameraError::BandsApart { .. } => "band_wavelengths_nm",
+                CameraError::TooWide { .. } => "f_number",
                 // What is left is an underflow: a quantity above 0 in its own unit that is 0 in the
                 // SI unit.
                 _ => "",
@@ -119,13 +132,14 @@ fn matrix(
 
 /// The projection of a camera without a calibration; none for a perspective one.
 fn projection(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> Option<Distortion> {
-    const NAMES: [&str; 5] = ["perspective", "equidistant", "orthographic", "stereographic", "cylindrical"];
+    const NAMES: [&str; 6] =
+        ["perspective", "equidistant", "orthographic", "stereographic", "cylindrical", PARALLEL];
     if section.has("camera_matrix") {
         return None;
     }
     let name = section.optional_string("projection", sources, found)?;
     match name.value {
-        "perspective" => None,
+        "perspective" | PARALLEL => None,
         "equidistant" => Some(Distortion::Fisheye([0.0; 4])),
         "orthographic" => Some(Distortion::Orthographic),
         "stereographic" => Some(Distortion::Stereographic),
@@ -246,7 +260,7 @@ fn warn(asked: &CameraDescription, section: &Section<'_>, sources: &SourceMap, f
     let mut warn = |key, message: String| {
         found.warnings.push(Diagnostic::warning(message).at(section.span_of(key, sources)));
     };
-    if !section.has("lens_focal_length_mm") && asked.pinhole_diameter_m > 0.5 * asked.focal_distance_m {
+    if section.has("pinhole_diameter_mm") && asked.pinhole_diameter_m > 0.5 * asked.focal_distance_m {
         let message = "the pinhole is more than half as wide as its distance from the sensor: is the unit right?";
         warn("pinhole_diameter_mm", message.to_owned());
     }

@@ -39,6 +39,7 @@ mod flicker_section;
 mod lobe_pattern;
 mod matrix_file;
 mod number_table;
+mod parallel_section;
 mod replaced_keys;
 mod rig;
 mod rig_section;

@@ -110,6 +110,21 @@ impl<'a> Section<'a> {
         self.table.contains_key(key)
     }
 
+    /// The text of a string, without a message where it is none.
+    pub(crate) fn text(&self, key: &'static str) -> Option<&'a str> {
+        match self.table.get(key)?.get_ref() {
+            DeValue::String(text) => Some(text.as_ref()),
+            _ => None,
+        }
+    }
+
+    /// Refuses a key for a reason of its own.
+    pub(crate) fn refuse(&self, key: &'static str, message: String, sources: &SourceMap, found: &mut Found) {
+        if self.get(key).is_some() {
+            found.errors.push(Diagnostic::error(message).at(self.span_of(key, sources)));
+        }
+    }
+
     fn span(&self, value: &Spanned<DeValue<'_>>, sources: &SourceMap) -> Span {
         sources.span(self.source, value.span().start, value.span().end)
     }

@@ -8,6 +8,16 @@ impl CameraFile {
     pub fn summary(&self) -> String {
         let camera = &self.camera;
         let [across, along] = camera.pixel_pitch_m().map(|pitch| 1e6 * pitch);
+        if let Some(lens) = camera.telecentric_lens() {
+            return format!(
+                "telecentric lens of f-number {}, magnification {}, pixels of {} by {} µm, exposure time {} ms",
+                rounded(lens.f_number),
+                rounded(lens.magnification),
+                rounded(across),
+                rounded(along),
+                rounded(1e3 * camera.exposure_s())
+            );
+        }
         let optics = match camera.lens() {
             Some(_) => "thin lens".to_owned(),
             None => format!("pinhole of {} mm", rounded(1e3 * camera.pinhole_diameter_m())),

@@ -326,6 +326,49 @@ fn a_lens_stands_in_the_place_of_the_hole() {
     assert!(errors.contains("unknown key \"pinhole_diameter_mm\""), "{errors}");
 }
 
+const TELECENTRIC: &str = r#"[camera]
+position_m = [0.0, 0.0, 0.11]
+direction = [0.0, 0.0, -1.0]
+up = [0.0, 1.0, 0.0]
+pixels = [200, 150]
+pixel_pitch_um = [5.0, 5.0]
+projection = "parallel"
+field_width_mm = 10.0
+f_number = 8.0
+focus_distance_m = 0.11
+exposure_ms = 2.0
+"#;
+
+#[test]
+fn a_parallel_view_has_the_field_and_the_aperture_of_a_telecentric_lens() {
+    let (file, warnings) = read(TELECENTRIC).unwrap();
+    assert_eq!(warnings, "");
+    let lens = file.camera.telecentric_lens().expect("a telecentric lens");
+    assert!((lens.magnification - 0.1).abs() < 1e-12 && lens.f_number == 8.0 && lens.focus_distance_m == 0.11);
+    assert!(file.summary().starts_with("telecentric lens of f-number 8, magnification 0.1,"));
+    // sin θ = m/(2 N), on the side of the scene.
+    let angle = (0.1_f64 / 16.0).asin().to_degrees();
+    let by_angle = TELECENTRIC.replace("f_number = 8.0", &format!("aperture_half_angle_deg = {angle}"));
+    let (file, _) = read(&by_angle).unwrap();
+    assert!((file.camera.telecentric_lens().unwrap().f_number - 8.0).abs() < 1e-9);
+}
+
+#[test]
+fn keys_that_do_not_fit_a_parallel_view_are_shown_with_their_reason() {
+    let pinhole = TELECENTRIC.replace("exposure_ms", "focal_distance_mm = 8.0\npinhole_model = \"point\"\nexposure_ms");
+    let shown = errors(&pinhole);
+    assert!(shown.contains("focal_distance_mm does not apply to projection \"parallel\": field_width_mm gives"), "{shown}");
+    assert!(shown.contains("pinhole_model does not apply") && shown.matches("error").count() == 2, "{shown}");
+    let both = TELECENTRIC.replace("f_number = 8.0", "f_number = 8.0\naperture_half_angle_deg = 1.0");
+    assert!(errors(&both).contains("both give the aperture"), "{}", errors(&both));
+    let wide = TELECENTRIC.replace("f_number = 8.0", "f_number = 0.4");
+    assert!(errors(&wide).contains("numerical aperture of the lens is 1.25: expected less than 1"), "{}", errors(&wide));
+    let none = TELECENTRIC.replace("field_width_mm = 10.0\n", "");
+    assert!(errors(&none).contains("has no \"field_width_mm\""), "{}", errors(&none));
+    let elsewhere = format!("{CAMERA}field_width_mm = 3.0\n");
+    assert!(errors(&elsewhere).contains("field_width_mm applies to projection = \"parallel\" only"));
+}
+
 #[test]
 fn a_calibrated_camera_gives_size_pitch_and_distortion() {
     let matrix = "image_width: 320\nimage_height: 240\ncamera_matrix: {data: [500, 0, 160, 0, 510, 121, 0, 0, 1]}\n\
