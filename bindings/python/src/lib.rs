@@ -8,6 +8,7 @@ mod array_view;
 mod batcher;
 mod camera;
 mod capture;
+mod derivatives;
 mod errors;
 mod image;
 mod job;
@@ -35,6 +36,9 @@ fn _radsight(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<image::Image>()?;
     module.add_class::<capture::Capture>()?;
     module.add_class::<capture::CapturedImage>()?;
+    module.add_class::<derivatives::CaptureDerivatives>()?;
+    module.add_class::<derivatives::ExposureDerivatives>()?;
+    module.add_class::<derivatives::FisherInformation>()?;
     module.add_class::<series::CaptureSeries>()?;
     module.add_class::<series::SeriesPicture>()?;
     module.add_function(wrap_pyfunction!(series::series_pictures, module)?)?;
