@@ -62,12 +62,26 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 pub(crate) struct Commands {
     /// Folders with a script run.sh, which writes its files to $OUT and finds Radiance's function
-    /// files in $RADLIB
+    /// files in $RADLIB; or with projects of rad; or folders of folders with scripts
     #[arg(required = true, value_name = "FOLDER")]
     pub(crate) folders: Vec<PathBuf>,
-    /// Rays per pixel of the truth
-    #[arg(long, value_name = "N", default_value_t = 256)]
-    pub(crate) truth: u32,
+    /// Replace an assignment of all projects of rad; without a value, remove it
+    #[arg(long = "rad", value_name = "VARIABLE=VALUE", default_values = ["RESOLUTION=128", "AMBFILE=", "PGMAP=", "PCMAP="])]
+    pub(crate) assignments: Vec<String>,
+    /// Renderings of each picture by each program, in turns; times are medians. Long ones are
+    /// rendered once
+    #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) repeat: u32,
+    /// Processor time for the truth of a picture, seconds; an existing truth is refined
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
+    pub(crate) truth_budget: f64,
+    /// Rms error of blocks at which a truth is sufficient
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
+    pub(crate) truth_noise: f64,
+    /// Folder of prepared scenes, pictures and truths, which are used again [default: bench in the
+    /// folder above this program's]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) folder: Option<PathBuf>,
 }
 
 /// `radsight-bench rooms`.

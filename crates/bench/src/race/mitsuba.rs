@@ -1,7 +1,7 @@
 //! Mitsuba 3, through a Python script that translates the common subset of scenes.
 
+use super::halves::put;
 use super::program::{Program, Series, Setting, Team, read_picture};
-use super::reference::put;
 use super::scene::{Scene, words};
 use crate::cost::measure;
 use crate::error::BenchError;

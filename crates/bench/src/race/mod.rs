@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod catalog;
+mod halves;
 mod mitsuba;
 mod own;
 mod page;
@@ -21,12 +22,12 @@ use crate::taken::Taken;
 use crate::{machine, scaling};
 use accuracy::Accuracy;
 use catalog::{Places, SCENES, chosen};
+pub(crate) use halves::{Halves, put};
 use mitsuba::{Mitsuba, VARIANTS};
 use own::Own;
 pub(crate) use program::{Program, read_picture};
 use program::{Team, reading};
 pub(crate) use real::{Real, RealKind};
-pub(crate) use reference::put;
 use reference::{Criterion, Reference};
 use result::{CSV_HEADING, Clock, Entrant, Run, SceneResult, Summary};
 pub(crate) use scene::Scene;
