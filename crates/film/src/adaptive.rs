@@ -1,25 +1,18 @@
 //! Adaptive sampling of pictures.
 //!
 //! The samples of a pixel are doubled where that lowers the error of the picture most
-//! ([`refine`]), until the estimated error is the requested one. The estimate uses half the
-//! difference h between the means of the two halves of a pixel's samples. If the squared error of a
-//! mean falls by a factor g with each doubling, so does h², and the squared error of both halves
-//! together is h²·g/(1 − g). For independent samples g = ½ and the factor is 1; for a
-//! low-discrepancy sequence both are smaller. A single difference says little, so the squares of
-//! neighbours are averaged, including those of the previous doubling; g is estimated for a whole
-//! block. What no sample has hit yet, such as the corner of a lamp, is assumed to be like the
-//! neighbour that differs most.
+//! ([`refine`]), until the estimated error is the requested one (`noise.rs`).
 //!
 //! Where irradiance is cached, its error counts as well. It is estimated and corrected by
 //! independent paths (`residual.rs`).
 
 use crate::interpolated::{self, Interpolation};
+use crate::noise::{Estimate, Finished, Pixel, PixelNoise};
 use crate::part::radiance;
 use crate::residual::{Assessment, Residuals};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
 use radsight_adaptive::{
-    Certainty, ErrorEstimate, ErrorTarget, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource,
-    SamplingState, Selection, Stop, begin, ray_number, refine,
+    ErrorTarget, MAX_SAMPLES, PixelError, PixelSource, SamplingState, Stop, begin, ray_number, refine,
 };
 use radsight_render::{RayWorker, Renderer};
 use rayon::prelude::*;
@@ -31,13 +24,6 @@ const BLOCK: usize = 1 << 14;
 /// Number of rows that are finished together with interpolation, which also needs some samples of
 /// adjacent rows. A multiple of every cell size.
 const INTERPOLATED_ROWS: usize = 64;
-
-/// Relative errors are relative to `sqrt(v² + (DARK_FRACTION·m)²)` with a pixel's value v and the
-/// typical value m of the picture, so darker pixels need no more accuracy.
-const DARK_FRACTION: f64 = 0.01;
-
-/// The typical value limits pixels to this multiple of the median.
-const BRIGHT_LIMIT: f64 = 10.0;
 
 /// Fraction of the squared error allotted to the pixels' own noise where irradiance is cached.
 const NOISE_FRACTION: f64 = 0.4;
@@ -56,92 +42,9 @@ pub enum SamplingBudget {
     Interpolated(Interpolation),
 }
 
-type Pixel = PixelSamples<[f64; 3]>;
-
-/// The quality of a picture, estimated from its own samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// The remaining error, as defined by [`SamplingBudget::Error`].
-    pub error: f64,
-    /// Half width of its 95 % confidence interval.
-    pub uncertainty: f64,
-    /// Mean number of rays per pixel.
-    pub rays: f64,
-    /// The part of the error due to noise of the pixels' own rays. Its square and that of `cache`
-    /// add up to that of `error`.
-    pub noise: f64,
-    /// The part due to cached irradiance; `None` where none is cached.
-    pub cache: Option<f64>,
-    /// Why the work ended before the requested error was reached.
-    pub stopped: Option<Stop>,
-}
-
 /// Whether there is time left for a block, given the fraction of the picture that is finished after
 /// it.
 pub type TimeLeft<'t> = dyn Fn(f64) -> bool + Sync + 't;
-
-/// Sums over finished pixels.
-#[derive(Clone, Copy, Debug, Default)]
-struct Finished {
-    pixels: f64,
-    rays: f64,
-    /// Of squared errors due to noise, and of their squares.
-    errors: f64,
-    squares: f64,
-    /// Of squared errors due to cached irradiance, and the variance of that sum; `None` where none
-    /// is cached.
-    cached: Option<[f64; 2]>,
-    stopped: Option<Stop>,
-}
-
-impl Finished {
-    fn add(&mut self, error: f64, samples: u32) {
-        self.pixels += 1.0;
-        self.rays += f64::from(samples);
-        self.errors += error;
-        self.squares += error * error;
-    }
-
-    /// The mean squared error due to noise, and its variance.
-    fn noise(&self) -> [f64; 2] {
-        let mean = self.errors / self.pixels;
-        let spread = (self.squares / self.pixels - mean * mean).max(0.0);
-        [mean, spread * PIXELS_PER_ESTIMATE / self.pixels]
-    }
-
-    /// Keeps the first reason; lack of time counts most.
-    fn add_stop(&mut self, stop: Option<Stop>) {
-        self.stopped = if stop == Some(Stop::Time) { stop } else { self.stopped.or(stop) };
-    }
-
-    fn add_cached(&mut self, assessment: &Assessment) {
-        let [squared, variance] = self.cached.unwrap_or_default();
-        self.cached = Some([squared + assessment.squared.max(0.0), variance + assessment.variance]);
-    }
-
-    fn estimate(&self) -> Option<Estimate> {
-        let [cached, cached_variance] = self.cached.unwrap_or_default().map(|sum| sum / self.pixels);
-        let [noise, noise_variance] = self.noise();
-        let variance = noise_variance + cached_variance / self.pixels;
-        let error = (noise + cached).sqrt();
-        let uncertainty = (error * error + CONFIDENCE * variance.sqrt()).sqrt() - error;
-        (self.pixels > 0.0).then(|| Estimate {
-            error,
-            uncertainty,
-            rays: self.rays / self.pixels,
-            noise: noise.sqrt(),
-            cache: self.cached.map(|_| cached.sqrt()),
-            stopped: self.stopped,
-        })
-    }
-}
-
-/// Half width of a 95 % confidence interval, in standard deviations of a normal distribution.
-const CONFIDENCE: f64 = 1.96;
-
-/// Number of pixels per independent estimate, since each is a mean over its neighbours: the inverse
-/// of the sum of their squared weights.
-const PIXELS_PER_ESTIMATE: f64 = 7.1;
 
 /// A picture that is being rendered.
 pub struct Film<'r> {
@@ -149,8 +52,7 @@ pub struct Film<'r> {
     camera: ViewCamera,
     budget: SamplingBudget,
     state: SamplingState<[f64; 3]>,
-    /// Added in squares to the bands of a pixel where an error is relative to them.
-    floors: [f64; 3],
+    noise: PixelNoise,
     finished: Finished,
     /// Squared relative errors of the finished pixels, if an error was requested.
     errors: Vec<f32>,
@@ -183,7 +85,7 @@ impl<'r> Film<'r> {
             camera,
             budget,
             state: SamplingState::new(pixels),
-            floors: [0.0; 3],
+            noise: PixelNoise::new(&[], camera.columns()),
             finished,
             errors: Vec::new(),
             extra_rays: Vec::new(),
@@ -193,7 +95,7 @@ impl<'r> Film<'r> {
             frame.errors = vec![f32::NAN; pixels];
             frame.extra_rays = vec![0; pixels];
             begin(&FilmRays { renderer, camera: &camera, has_time: &|| true }, &mut frame.state);
-            frame.floors = typical(&frame.state.pixels).map(|band| DARK_FRACTION * band);
+            frame.noise = PixelNoise::new(&frame.state.pixels, camera.columns());
         }
         frame
     }
@@ -248,7 +150,7 @@ impl<'r> Film<'r> {
         let assessment = is_cached.then(|| self.correct(range, error * error * range.len() as f64 - noise, most));
         let (mut corrections, mut of_pixels) = (vec![[0.0; 3]; range.len()], vec![0.0; range.len()]);
         if let Some(assessment) = assessment {
-            self.finished.add_cached(&assessment);
+            self.finished.add_cached([assessment.squared, assessment.variance]);
             (corrections, of_pixels) = (assessment.corrections, assessment.of_pixels);
         }
         for ((index, pixel), of_cache) in range.clone().zip(&pooled).zip(of_pixels) {
@@ -269,13 +171,9 @@ impl<'r> Film<'r> {
         let (this, finished) = (&*self, range.end as f64 / state.pixels.len() as f64);
         let has_time = || this.time_left.as_ref().is_none_or(|time_left| time_left(finished));
         let rays = FilmRays { renderer: this.renderer, camera: &this.camera, has_time: &has_time };
-        let target = NoiseTarget {
-            most_samples: most,
-            certainty: Certainty::StandardError { pixels_per_estimate: PIXELS_PER_ESTIMATE },
-            ..NoiseTarget::new(squared, Selection::Every)
-        };
-        let estimate = |pixels: &[Pixel]| BlockErrors { pixels: this.pool(pixels, range), first: range.start };
-        let (left, stop) = refine(&rays, &mut state, &target, estimate);
+        let target = PixelNoise::target(squared, most);
+        let noise = this.noise;
+        let (left, stop) = refine(&rays, &mut state, &target, |pixels| noise.of_rows(pixels, range));
         self.state = state;
         self.finished.add_stop(stop);
         left.pixels
@@ -284,7 +182,7 @@ impl<'r> Film<'r> {
     /// Corrects cached irradiance until the estimated sum of its squared errors is at most
     /// `allowed`.
     fn correct(&mut self, range: &Range<usize>, allowed: f64, most: u32) -> Assessment {
-        let units = self.state.pixels[range.clone()].iter().map(|pixel| self.units(pixel)).collect();
+        let units = self.state.pixels[range.clone()].iter().map(|pixel| self.noise.units(pixel)).collect();
         let mut residuals = Residuals::new(range.clone(), self.camera.columns(), units);
         let mut wanted = residuals.first_pixels();
         loop {
@@ -312,12 +210,6 @@ impl<'r> Film<'r> {
             self.finished.add_stop(Some(Stop::Time));
         }
         has_time
-    }
-
-    /// The values to which the errors of a pixel's bands are relative.
-    fn units(&self, pixel: &Pixel) -> [f64; 3] {
-        let mean = pixel.mean();
-        std::array::from_fn(|band| mean[band].hypot(self.floors[band]).max(f64::MIN_POSITIVE.sqrt()))
     }
 
     /// The quality of the finished pixels; `None` if no error was requested.
@@ -370,88 +262,7 @@ impl<'r> Film<'r> {
             |worker, (index, pixel)| *pixel = Pixel::of(rays.sums(worker, first + index, 0..samples), samples),
         );
     }
-
-    /// The estimated errors of the pixels of a block.
-    fn pool(&self, pixels: &[Pixel], range: &Range<usize>) -> Vec<PixelError> {
-        let gain = self.gain(&pixels[range.clone()]);
-        let error = |index: usize| {
-            let pixel = &pixels[index];
-            let squared = self.relative(pixel, self.squared_error((pixels, range), index, gain));
-            PixelError { squared, gain, samples: pixel.samples }
-        };
-        range.clone().into_par_iter().with_min_len(1024).map(error).collect()
-    }
-
-    /// The mean squared error of a pixel's bands, relative to their values.
-    fn relative(&self, pixel: &Pixel, squares: [f64; 3]) -> f64 {
-        let of_band = |band: usize| {
-            let [value, floor] = [pixel.mean()[band], self.floors[band]];
-            squares[band] / (value * value + floor * floor).max(f64::MIN_POSITIVE)
-        };
-        (of_band(0) + of_band(1) + of_band(2)) / 3.0
-    }
-
-    /// The factor by which doubling samples reduces squared errors in a block, from the last two
-    /// doublings of its pixels.
-    ///
-    /// A single square says little, and a few large ones would hide the majority, so each pixel
-    /// contributes the ratio of its second square to the sum of both. If the squares are those of
-    /// two normally distributed numbers with variance ratio g, the means of these ratios have the
-    /// ratio √g.
-    fn gain(&self, block: &[Pixel]) -> f64 {
-        let (mut last, mut before) = (0.0, 0.0);
-        for pixel in block {
-            let squares = [pixel.last, pixel.before].map(|bands| self.relative(pixel, bands.map(square)));
-            let weight = 1.0 / (NEGLIGIBLE_ERROR + squares[0] + squares[1]);
-            last += weight * squares[0];
-            before += weight * squares[1];
-        }
-        if before > 0.0 { (last / before).powi(2).clamp(GAINS[0], GAINS[1]) } else { GAINS[1] }
-    }
-
-    /// The estimated squared errors of a pixel's bands, from its own samples and those of its
-    /// neighbours in the block.
-    fn squared_error(&self, (pixels, range): (&[Pixel], &Range<usize>), index: usize, gain: f64) -> [f64; 3] {
-        let columns = self.camera.columns();
-        let (first, last) = (range.start / columns, range.end / columns - 1);
-        let (column, row) = (index % columns, index / columns);
-        let samples = f64::from(pixels[index].samples);
-        let own = pixels[index].mean();
-        let (mut sums, mut weights, mut steps) = ([0.0; 3], 0.0, [0.0_f64; 3]);
-        for y in row.saturating_sub(1).max(first)..=(row + 1).min(last) {
-            for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
-                let other = &pixels[y * columns + x];
-                let weight = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
-                // Scaled to the number of samples of this pixel.
-                let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
-                for (band, sum) in sums.iter_mut().enumerate() {
-                    *sum += scale * (square(other.last[band]) + gain * square(other.before[band]));
-                }
-                weights += weight;
-                for (step, (own, other)) in steps.iter_mut().zip(own.iter().zip(other.mean())) {
-                    *step = step.max((own - other).abs());
-                }
-            }
-        }
-        let unseen = |band: usize| UNSEEN_PROBABILITY * (steps[band] / samples).powi(2);
-        std::array::from_fn(|band| sums[band] / weights * gain / (1.0 - gain) + unseen(band))
-    }
 }
-
-fn square(difference: f32) -> f64 {
-    f64::from(difference) * f64::from(difference)
-}
-
-/// A feature that a neighbour sees may cover about 1/N of this pixel without being hit by any of
-/// its N samples. This is its assumed probability.
-const UNSEEN_PROBABILITY: f64 = 0.1;
-
-/// Pixels with squared relative errors well below this say little about the rate of convergence.
-const NEGLIGIBLE_ERROR: f64 = 1e-6;
-
-/// Limits of the factor by which doubling reduces squared errors: a low-discrepancy sequence of a
-/// smooth integrand, and independent samples.
-const GAINS: [f64; 2] = [0.35, 0.5];
 
 /// The rays of a film's pixels, for the adaptive sampler.
 struct FilmRays<'f, 'r> {
@@ -489,36 +300,6 @@ impl<'r> PixelSource for FilmRays<'_, 'r> {
     }
 }
 
-/// The estimated errors of a block of pixels.
-struct BlockErrors {
-    pixels: Vec<PixelError>,
-    first: usize,
-}
-
-impl ErrorEstimate for BlockErrors {
-    fn pixels(&self) -> &[PixelError] {
-        &self.pixels
-    }
-
-    fn first_pixel(&self) -> usize {
-        self.first
-    }
-}
-
 fn distance(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> f64 {
     traced(worker, index, ray).map_or(NO_HIT_DISTANCE, |traced| traced.effective_distance.min(NO_HIT_DISTANCE))
-}
-
-/// The mean of each band over the pixels that are not black in it, with bright pixels limited.
-fn typical(pixels: &[Pixel]) -> [f64; 3] {
-    std::array::from_fn(|band| {
-        let mut values: Vec<f64> = pixels.iter().map(|pixel| pixel.mean()[band]).filter(|value| *value > 0.0).collect();
-        if values.is_empty() {
-            return 0.0;
-        }
-        let center = values.len() / 2;
-        let (_, median, _) = values.select_nth_unstable_by(center, f64::total_cmp);
-        let most = BRIGHT_LIMIT * *median;
-        values.iter().map(|value| value.min(most)).sum::<f64>() / values.len() as f64
-    })
 }

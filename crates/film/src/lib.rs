@@ -13,13 +13,15 @@
 
 mod adaptive;
 mod interpolated;
+mod noise;
 mod part;
 mod residual;
 mod single;
 mod view_camera;
 
-pub use adaptive::{Estimate, Film, SamplingBudget, TimeLeft};
+pub use adaptive::{Film, SamplingBudget, TimeLeft};
 pub use interpolated::Interpolation;
+pub use noise::{Estimate, PixelErrors, PixelNoise};
 pub use part::{SampledPixel, sampled_tile};
 pub use radsight_adaptive::{ErrorTarget, MAX_SAMPLES, Stop};
 pub use single::average;

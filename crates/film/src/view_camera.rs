@@ -129,6 +129,15 @@ impl ViewCamera {
         self.ray_at(place, [across, along], sampler)
     }
 
+    /// The ray through a point of the view, (0, 0) the lower left corner and (1, 1) the upper right,
+    /// and a point of the unit square for the aperture, without motion. An aperture with depth has
+    /// that of its middle.
+    #[must_use]
+    pub fn ray_through(&self, place: [f64; 2], aperture: [f64; 2]) -> Option<CameraRay> {
+        let ray = self.view_ray(&self.view, place)?;
+        if self.aperture > 0.0 { self.through_aperture(&ray, aperture, 0.5) } else { Some(ray) }
+    }
+
     /// The point of the view of a sample of a pixel.
     fn place(&self, column: usize, row: usize, [x, y]: [f64; 2]) -> [f64; 2] {
         self.pixel_place(column, row, [0.5 + self.jittered(x), 0.5 + self.jittered(y)])

@@ -1,0 +1,269 @@
+//! The noise of a picture's pixels, estimated from their own samples and those of their
+//! neighbours.
+//!
+//! The estimate uses half the difference h between the means of the two halves of a pixel's
+//! samples. If the squared error of a mean falls by a factor g with each doubling, so does h², and
+//! the squared error of both halves together is h²·g/(1 − g). For independent samples g = ½ and the
+//! factor is 1; for a low-discrepancy sequence both are smaller. A single difference says little,
+//! so the squares of neighbours are averaged, including those of the previous doubling; g is
+//! estimated for a whole block. What no sample has hit yet, such as the corner of a lamp, is
+//! assumed to be like the neighbour that differs most.
+
+use radsight_adaptive::{Certainty, ErrorEstimate, NoiseTarget, PixelError, PixelSamples, Selection, Stop};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Relative errors are relative to `sqrt(v² + (DARK_FRACTION·m)²)` with a pixel's value v and the
+/// typical value m of the picture, so darker pixels need no more accuracy.
+const DARK_FRACTION: f64 = 0.01;
+
+/// The typical value limits pixels to this multiple of the median.
+const BRIGHT_LIMIT: f64 = 10.0;
+
+/// The samples of a pixel.
+pub(crate) type Pixel = PixelSamples<[f64; 3]>;
+
+/// Estimates the errors of pixels relative to their values.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelNoise {
+    columns: usize,
+    /// Added in squares to the bands of a pixel where an error is relative to them.
+    floors: [f64; 3],
+}
+
+impl PixelNoise {
+    /// For a picture with so many columns, whose pixels have their first samples.
+    #[must_use]
+    pub fn new(pixels: &[Pixel], columns: usize) -> PixelNoise {
+        PixelNoise { columns, floors: typical(pixels).map(|band| DARK_FRACTION * band) }
+    }
+
+    /// The target of a mean squared error; no pixel gets more than `most_samples`.
+    #[must_use]
+    pub fn target(squared: f64, most_samples: u32) -> NoiseTarget {
+        NoiseTarget {
+            most_samples,
+            certainty: Certainty::StandardError { pixels_per_estimate: PIXELS_PER_ESTIMATE },
+            ..NoiseTarget::new(squared, Selection::Every)
+        }
+    }
+
+    /// The values to which the errors of a pixel's bands are relative.
+    pub(crate) fn units(&self, pixel: &Pixel) -> [f64; 3] {
+        let mean = pixel.mean();
+        std::array::from_fn(|band| mean[band].hypot(self.floors[band]).max(f64::MIN_POSITIVE.sqrt()))
+    }
+
+    /// The errors of some rows of pixels, estimated from these rows alone.
+    #[must_use]
+    pub fn of_rows(&self, pixels: &[Pixel], range: &Range<usize>) -> PixelErrors {
+        let gain = self.gain(&pixels[range.clone()]);
+        let error = |index: usize| {
+            let pixel = &pixels[index];
+            let squared = self.relative(pixel, self.squared_error((pixels, range), index, gain));
+            PixelError { squared, gain, samples: pixel.samples }
+        };
+        let errors = range.clone().into_par_iter().with_min_len(1024).map(error).collect();
+        PixelErrors { pixels: errors, first: range.start }
+    }
+
+    /// The mean squared error of a pixel's bands, relative to their values.
+    fn relative(&self, pixel: &Pixel, squares: [f64; 3]) -> f64 {
+        let of_band = |band: usize| {
+            let [value, floor] = [pixel.mean()[band], self.floors[band]];
+            squares[band] / (value * value + floor * floor).max(f64::MIN_POSITIVE)
+        };
+        (of_band(0) + of_band(1) + of_band(2)) / 3.0
+    }
+
+    /// The factor by which doubling samples reduces squared errors in a block, from the last two
+    /// doublings of its pixels.
+    ///
+    /// A single square says little, and a few large ones would hide the majority, so each pixel
+    /// contributes the ratio of its second square to the sum of both. If the squares are those of
+    /// two normally distributed numbers with variance ratio g, the means of these ratios have the
+    /// ratio √g.
+    fn gain(&self, block: &[Pixel]) -> f64 {
+        let (mut last, mut before) = (0.0, 0.0);
+        for pixel in block {
+            let squares = [pixel.last, pixel.before].map(|bands| self.relative(pixel, bands.map(square)));
+            let weight = 1.0 / (NEGLIGIBLE_ERROR + squares[0] + squares[1]);
+            last += weight * squares[0];
+            before += weight * squares[1];
+        }
+        if before > 0.0 { (last / before).powi(2).clamp(GAINS[0], GAINS[1]) } else { GAINS[1] }
+    }
+
+    /// The estimated squared errors of a pixel's bands, from its own samples and those of its
+    /// neighbours in these rows.
+    fn squared_error(&self, (pixels, range): (&[Pixel], &Range<usize>), index: usize, gain: f64) -> [f64; 3] {
+        let columns = self.columns;
+        let (first, last) = (range.start / columns, range.end / columns - 1);
+        let (column, row) = (index % columns, index / columns);
+        let samples = f64::from(pixels[index].samples);
+        let own = pixels[index].mean();
+        let (mut sums, mut weights, mut steps) = ([0.0; 3], 0.0, [0.0_f64; 3]);
+        for y in row.saturating_sub(1).max(first)..=(row + 1).min(last) {
+            for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
+                let other = &pixels[y * columns + x];
+                let weight = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
+                // Scaled to the number of samples of this pixel.
+                let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
+                for (band, sum) in sums.iter_mut().enumerate() {
+                    *sum += scale * (square(other.last[band]) + gain * square(other.before[band]));
+                }
+                weights += weight;
+                for (step, (own, other)) in steps.iter_mut().zip(own.iter().zip(other.mean())) {
+                    *step = step.max((own - other).abs());
+                }
+            }
+        }
+        let unseen = |band: usize| UNSEEN_PROBABILITY * (steps[band] / samples).powi(2);
+        std::array::from_fn(|band| sums[band] / weights * gain / (1.0 - gain) + unseen(band))
+    }
+}
+
+fn square(difference: f32) -> f64 {
+    f64::from(difference) * f64::from(difference)
+}
+
+/// A feature that a neighbour sees may cover about 1/N of this pixel without being hit by any of
+/// its N samples. This is its assumed probability.
+const UNSEEN_PROBABILITY: f64 = 0.1;
+
+/// Pixels with squared relative errors well below this say little about the rate of convergence.
+const NEGLIGIBLE_ERROR: f64 = 1e-6;
+
+/// Limits of the factor by which doubling reduces squared errors: a low-discrepancy sequence of a
+/// smooth integrand, and independent samples.
+const GAINS: [f64; 2] = [0.35, 0.5];
+
+/// The estimated errors of a block of pixels.
+#[derive(Clone, Debug)]
+pub struct PixelErrors {
+    pub(crate) pixels: Vec<PixelError>,
+    first: usize,
+}
+
+impl PixelErrors {
+    /// The quality of these pixels, without cached irradiance.
+    #[must_use]
+    pub fn estimate(&self, stop: Option<Stop>) -> Option<Estimate> {
+        let mut finished = Finished::default();
+        self.pixels.iter().for_each(|pixel| finished.add(pixel.squared, pixel.samples));
+        finished.add_stop(stop);
+        finished.estimate()
+    }
+
+    /// The standard error of each pixel relative to its value, rms over the bands.
+    #[must_use]
+    pub fn relative_errors(&self) -> Vec<f32> {
+        self.pixels.iter().map(|pixel| (pixel.squared as f32).sqrt()).collect()
+    }
+}
+
+impl ErrorEstimate for PixelErrors {
+    fn pixels(&self) -> &[PixelError] {
+        &self.pixels
+    }
+
+    fn first_pixel(&self) -> usize {
+        self.first
+    }
+}
+
+/// The quality of a picture, estimated from its own samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The remaining error, as defined by [`SamplingBudget::Error`].
+    pub error: f64,
+    /// Half width of its 95 % confidence interval.
+    pub uncertainty: f64,
+    /// Mean number of rays per pixel.
+    pub rays: f64,
+    /// The part of the error due to noise of the pixels' own rays. Its square and that of `cache`
+    /// add up to that of `error`.
+    pub noise: f64,
+    /// The part due to cached irradiance; `None` where none is cached.
+    pub cache: Option<f64>,
+    /// Why the work ended before the requested error was reached.
+    pub stopped: Option<Stop>,
+}
+
+/// Sums over finished pixels.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Finished {
+    pixels: f64,
+    rays: f64,
+    /// Of squared errors due to noise, and of their squares.
+    errors: f64,
+    squares: f64,
+    /// Of squared errors due to cached irradiance, and the variance of that sum; `None` where none
+    /// is cached.
+    cached: Option<[f64; 2]>,
+    stopped: Option<Stop>,
+}
+
+impl Finished {
+    pub(crate) fn add(&mut self, error: f64, samples: u32) {
+        self.pixels += 1.0;
+        self.rays += f64::from(samples);
+        self.errors += error;
+        self.squares += error * error;
+    }
+
+    /// The mean squared error due to noise, and its variance.
+    fn noise(&self) -> [f64; 2] {
+        let mean = self.errors / self.pixels;
+        let spread = (self.squares / self.pixels - mean * mean).max(0.0);
+        [mean, spread * PIXELS_PER_ESTIMATE / self.pixels]
+    }
+
+    /// Keeps the first reason; lack of time counts most.
+    pub(crate) fn add_stop(&mut self, stop: Option<Stop>) {
+        self.stopped = if stop == Some(Stop::Time) { stop } else { self.stopped.or(stop) };
+    }
+
+    /// Adds the squared errors of cached irradiance of some pixels, and their variance.
+    pub(crate) fn add_cached(&mut self, [squared, variance]: [f64; 2]) {
+        let [before, variance_before] = self.cached.unwrap_or_default();
+        self.cached = Some([before + squared.max(0.0), variance_before + variance]);
+    }
+
+    pub(crate) fn estimate(&self) -> Option<Estimate> {
+        let [cached, cached_variance] = self.cached.unwrap_or_default().map(|sum| sum / self.pixels);
+        let [noise, noise_variance] = self.noise();
+        let variance = noise_variance + cached_variance / self.pixels;
+        let error = (noise + cached).sqrt();
+        let uncertainty = (error * error + CONFIDENCE * variance.sqrt()).sqrt() - error;
+        (self.pixels > 0.0).then(|| Estimate {
+            error,
+            uncertainty,
+            rays: self.rays / self.pixels,
+            noise: noise.sqrt(),
+            cache: self.cached.map(|_| cached.sqrt()),
+            stopped: self.stopped,
+        })
+    }
+}
+
+/// Half width of a 95 % confidence interval, in standard deviations of a normal distribution.
+const CONFIDENCE: f64 = 1.96;
+
+/// Number of pixels per independent estimate, since each is a mean over its neighbours: the inverse
+/// of the sum of their squared weights.
+const PIXELS_PER_ESTIMATE: f64 = 7.1;
+
+/// The mean of each band over the pixels that are not black in it, with bright pixels limited.
+fn typical(pixels: &[Pixel]) -> [f64; 3] {
+    std::array::from_fn(|band| {
+        let mut values: Vec<f64> = pixels.iter().map(|pixel| pixel.mean()[band]).filter(|value| *value > 0.0).collect();
+        if values.is_empty() {
+            return 0.0;
+        }
+        let center = values.len() / 2;
+        let (_, median, _) = values.select_nth_unstable_by(center, f64::total_cmp);
+        let most = BRIGHT_LIMIT * *median;
+        values.iter().map(|value| value.min(most)).sum::<f64>() / values.len() as f64
+    })
+}
