@@ -134,7 +134,7 @@ impl Renderer {
         Ok(Image { image, seconds: begun.elapsed().as_secs_f64() })
     }
 
-    /// Render what a camera of one's own sees, with as many rays a pixel as ``samples`` says (16 without it).
+    /// Render what a camera of one's own sees, to ``error`` or with ``samples`` rays per pixel (16 without both).
     ///
     /// Parameters
     /// ----------

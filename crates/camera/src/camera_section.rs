@@ -132,8 +132,7 @@ fn matrix(
 
 /// The projection of a camera without a calibration; none for a perspective one.
 fn projection(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> Option<Distortion> {
-    const NAMES: [&str; 6] =
-        ["perspective", "equidistant", "orthographic", "stereographic", "cylindrical", PARALLEL];
+    const NAMES: [&str; 6] = ["perspective", "equidistant", "orthographic", "stereographic", "cylindrical", PARALLEL];
     if section.has("camera_matrix") {
         return None;
     }

@@ -357,12 +357,19 @@ fn a_parallel_view_has_the_field_and_the_aperture_of_a_telecentric_lens() {
 fn keys_that_do_not_fit_a_parallel_view_are_shown_with_their_reason() {
     let pinhole = TELECENTRIC.replace("exposure_ms", "focal_distance_mm = 8.0\npinhole_model = \"point\"\nexposure_ms");
     let shown = errors(&pinhole);
-    assert!(shown.contains("focal_distance_mm does not apply to projection \"parallel\": field_width_mm gives"), "{shown}");
+    assert!(
+        shown.contains("focal_distance_mm does not apply to projection \"parallel\": field_width_mm gives"),
+        "{shown}"
+    );
     assert!(shown.contains("pinhole_model does not apply") && shown.matches("error").count() == 2, "{shown}");
     let both = TELECENTRIC.replace("f_number = 8.0", "f_number = 8.0\naperture_half_angle_deg = 1.0");
     assert!(errors(&both).contains("both give the aperture"), "{}", errors(&both));
     let wide = TELECENTRIC.replace("f_number = 8.0", "f_number = 0.4");
-    assert!(errors(&wide).contains("numerical aperture of the lens is 1.25: expected less than 1"), "{}", errors(&wide));
+    assert!(
+        errors(&wide).contains("numerical aperture of the lens is 1.25: expected less than 1"),
+        "{}",
+        errors(&wide)
+    );
     let none = TELECENTRIC.replace("field_width_mm = 10.0\n", "");
     assert!(errors(&none).contains("has no \"field_width_mm\""), "{}", errors(&none));
     let elsewhere = format!("{CAMERA}field_width_mm = 3.0\n");

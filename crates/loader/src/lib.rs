@@ -93,6 +93,20 @@ pub enum LoadError {
     },
 }
 
+impl LoadError {
+    /// A file that a loader without folders does not have.
+    ///
+    /// ```
+    /// use radsight_loader::{FileKind, LoadError};
+    /// let error = LoadError::not_found("a.cal", FileKind::Function);
+    /// assert_eq!(error.to_string(), "cannot find function file \"a.cal\"");
+    /// ```
+    #[must_use]
+    pub fn not_found(name: &str, kind: FileKind) -> LoadError {
+        LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: String::new() }
+    }
+}
+
 impl FileKind {
     /// The kind in words, for messages.
     #[must_use]
@@ -188,7 +202,7 @@ impl Loader for MemoryLoader {
     fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
         match self.files.get(name) {
             Some(bytes) => Ok(Loaded { path: name.to_owned(), bytes: bytes.clone() }),
-            None => Err(LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: String::new() }),
+            None => Err(LoadError::not_found(name, kind)),
         }
     }
 

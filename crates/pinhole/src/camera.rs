@@ -367,7 +367,11 @@ impl PinholeCamera {
     pub fn is_plain_pinhole(&self) -> bool {
         let optics = &self.optics;
         let is_geometric = self.pinhole_model != PinholeModel::Diffraction;
-        is_geometric && optics.telecentric.is_none() && optics.lens.is_none() && optics.matrix.is_none() && optics.film.is_none()
+        is_geometric
+            && optics.telecentric.is_none()
+            && optics.lens.is_none()
+            && optics.matrix.is_none()
+            && optics.film.is_none()
     }
 
     /// The lens, if there is one.

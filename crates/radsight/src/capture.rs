@@ -1,5 +1,6 @@
 //! Captures of a scene with a real camera.
 
+use crate::camera::{Camera, CameraRay};
 use crate::error::{Error, Report};
 use crate::error_budget::ErrorBudget;
 use crate::file_loader::FileLoader;
@@ -10,10 +11,12 @@ use radsight_camera::CameraFile;
 use radsight_capture::{Checkpoint, ErrorTarget, Exposer, Exposure, PixelStatistics, Progress, Silent};
 use radsight_diag::{Diagnostic, SourceMap};
 use radsight_loader::{FileKind, Loader};
-use radsight_pinhole::Rays;
+use radsight_pinhole::{FilmRay, FilmRays, Rays};
 use radsight_render::{RenderOptions, RenderPlan};
 use radsight_report::RunRecord;
+use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Default relative error of the exposure.
 const USUAL_ERROR: f64 = 0.005;
@@ -34,6 +37,59 @@ pub struct Capture {
     file: CameraFile,
     options: RenderOptions,
     budget: ErrorBudget,
+    own_camera: Option<OwnCamera>,
+}
+
+/// A custom camera in the place of the file's.
+#[derive(Clone)]
+struct OwnCamera(Arc<dyn Camera + Send + Sync>);
+
+impl fmt::Debug for OwnCamera {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("OwnCamera")
+    }
+}
+
+impl FilmRays for OwnCamera {
+    fn ray(&self, film: [f64; 2], aperture: [f64; 2]) -> Option<FilmRay> {
+        let CameraRay { origin, direction, weight } = self.0.ray(film, aperture)?;
+        Some(FilmRay { origin, direction, weight })
+    }
+}
+
+/// The camera of a [`Capture`], for pictures: its pinhole or lens, distortion and sensor position.
+/// The weight of a ray is cos⁴θ.
+///
+/// ```
+/// use radsight::{Camera, Capture, MemoryLoader};
+/// let file = b"[camera]
+/// position_m = [0.0, 0.0, 0.5]
+/// direction = [0.0, 0.0, -1.0]
+/// up = [0.0, 1.0, 0.0]
+/// pixels = [40, 30]
+/// pixel_pitch_um = [10.0, 10.0]
+/// focal_distance_mm = 4.0
+/// pinhole_diameter_mm = 0.1
+/// exposure_ms = 10.0";
+/// let capture = Capture::from_text("camera.toml", file, &MemoryLoader::default())?;
+/// let ray = capture.camera().ray([0.5, 0.5], [0.5, 0.5]).unwrap();
+/// assert!(ray.direction.z == -1.0 && ray.weight == 1.0);
+/// # Ok::<(), radsight::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct CaptureCamera {
+    rays: Rays,
+}
+
+impl Camera for CaptureCamera {
+    fn ray(&self, [x, y]: [f64; 2], [u, v]: [f64; 2]) -> Option<CameraRay> {
+        let camera = self.rays.camera();
+        let [columns, rows] = [camera.columns(), camera.rows()].map(f64::from);
+        let [column, row] = [(x * columns).min(columns - 1.0).floor(), (y * rows).min(rows - 1.0).floor()];
+        let pixel = row as u64 * u64::from(camera.columns()) + column as u64;
+        let ray = self.rays.ray(pixel, [x * columns - column, y * rows - row, u, v]);
+        (ray.cos4 > 0.0).then_some(CameraRay { origin: ray.origin, direction: ray.direction, weight: ray.cos4 })
+    }
 }
 
 /// An exposed image.
@@ -71,6 +127,11 @@ pub struct CapturedImage {
 impl Capture {
     /// Loads a camera file; files that it names are found beside it.
     ///
+    /// ```no_run
+    /// let capture = radsight::Capture::load("fig14.toml")?;
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Load`], and [`Error::Camera`] with every mistake in it.
     pub fn load(path: impl AsRef<Path>) -> Result<Capture, Error> {
@@ -83,6 +144,11 @@ impl Capture {
     /// Loads a camera file and replaces some of its keys, as [`with_keys`](Capture::with_keys)
     /// does.
     ///
+    /// ```no_run
+    /// let slow = radsight::Capture::load_with_keys("fig14.toml", &[("camera.exposure_ms", "20.0")])?;
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`Capture::load`] and [`Capture::with_keys`].
     pub fn load_with_keys<K: AsRef<str>>(path: impl AsRef<Path>, keys: &[(K, K)]) -> Result<Capture, Error> {
@@ -93,6 +159,14 @@ impl Capture {
     }
 
     /// Parses a camera file with some of its keys, written as `table.key`, replaced or added.
+    ///
+    /// ```
+    /// use radsight::{Capture, MemoryLoader, example};
+    /// let keys = [("camera.pixels", "[8, 8]")];
+    /// let capture = Capture::with_keys("camera.toml", example::CAMERA, &keys, &MemoryLoader::default())?;
+    /// assert_eq!(capture.camera_file().camera.columns(), 8);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Key`] for an unknown key, and [`Error::Camera`] with every mistake in the changed
@@ -113,6 +187,12 @@ impl Capture {
 
     /// Parses a camera file. `name` denotes it in messages.
     ///
+    /// ```
+    /// use radsight::{Capture, MemoryLoader};
+    /// let error = Capture::from_text("camera.toml", b"[camera]\npixels = 3", &MemoryLoader::default()).unwrap_err();
+    /// assert!(error.to_string().contains("camera.toml:2"));
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Camera`] with every mistake in it.
     pub fn from_text(name: &str, text: &[u8], loader: &dyn Loader) -> Result<Capture, Error> {
@@ -122,21 +202,38 @@ impl Capture {
                 let message = "[flicker] is not supported by the library, only by the program \"radsight capture\"";
                 Err(Error::Camera(Report::new(vec![Diagnostic::error(message)], sources)))
             }
-            Ok(file) => {
-                Ok(Capture { file, options: RenderOptions::default(), budget: ErrorBudget::error(USUAL_ERROR) })
-            }
+            Ok(file) => Ok(Capture {
+                file,
+                options: RenderOptions::default(),
+                budget: ErrorBudget::error(USUAL_ERROR),
+                own_camera: None,
+            }),
             Err(errors) => Err(Error::Camera(Report::new(errors, sources))),
         }
     }
 
     /// The requested error of the exposure: rms over the pixels, relative to the mean. Default
     /// 0.005.
+    ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// let image = capture().error(0.1).expose(&scene())?;
+    /// assert!(image.estimated_error.unwrap() <= 0.1);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn error(self, error: f64) -> Capture {
         self.budget(ErrorBudget::error(error))
     }
 
     /// The number of rays per pixel, instead of an error.
+    ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// let image = capture().samples(4).expose(&scene())?;
+    /// assert_eq!(image.rays, 4 * 16 * 16);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn samples(self, samples: u32) -> Capture {
         self.budget(ErrorBudget::samples(samples))
@@ -144,6 +241,14 @@ impl Capture {
 
     /// The sampling budget, as of a [`Renderer`](crate::Renderer): an error relative to the mean
     /// exposure, or a number of rays per pixel.
+    ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// use radsight::ErrorBudget;
+    /// let image = capture().budget(ErrorBudget::error(0.001).at_most(8)).expose(&scene())?;
+    /// assert!(image.is_stopped && image.rays <= 8 * 16 * 16);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn budget(mut self, budget: ErrorBudget) -> Capture {
         self.budget = budget;
@@ -151,6 +256,12 @@ impl Capture {
     }
 
     /// The seed of the sample sequence and of the sensor's noise. Default 0.
+    ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// let [a, b] = [1, 2].map(|seed| capture().samples(2).seed(seed).expose(&scene()).unwrap());
+    /// assert_ne!(a.exposure_j_per_m2, b.exposure_j_per_m2);
+    /// ```
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Capture {
         self.options.seed = seed;
@@ -158,11 +269,75 @@ impl Capture {
     }
 
     /// All render options, mutable.
+    ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// let mut capture = capture().samples(4);
+    /// let direct = capture.expose(&scene())?;
+    /// capture.options_mut().ambient_bounces = 1;
+    /// assert!(capture.expose(&scene())?.mean_exposure() > direct.mean_exposure());
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     pub fn options_mut(&mut self) -> &mut RenderOptions {
         &mut self.options
     }
 
+    /// Exposes with a custom camera: a [`View`](crate::View) of any type, with or without a thin
+    /// lens, or rays of one's own. Pixels, exposure time, sensor and light ring remain those of the
+    /// file, and so does the exposure for a mean of weight times radiance of 1 W/(sr·m²), the
+    /// exposure time times `A/f²` of the file's pinhole or lens. The weight of a ray thus takes the
+    /// place of cos⁴θ.
+    ///
+    /// ```
+    /// use radsight::{Capture, MemoryLoader, Scene, View};
+    /// use std::sync::Arc;
+    /// let file = b"[camera]
+    /// position_m = [0.0, 0.0, 0.0]
+    /// direction = [0.0, 1.0, 0.0]
+    /// up = [0.0, 0.0, 1.0]
+    /// pixels = [16, 16]
+    /// pixel_pitch_um = [10.0, 10.0]
+    /// focal_distance_mm = 4.0
+    /// pinhole_diameter_mm = 0.1
+    /// exposure_ms = 10.0";
+    /// let capture = Capture::from_text("camera.toml", file, &MemoryLoader::default())?;
+    /// let fisheye = View::from_args("-vta -vp 0 0 0 -vd 0 1 0 -vh 120 -vv 120")?;
+    /// let capture = capture.with_camera(Arc::new(fisheye)).samples(4);
+    /// let scene = Scene::from_text("void glow white 0 0 4 2 2 2 0  white bubble room 0 0 4 0 0 0 9")?;
+    /// let image = capture.expose(&scene)?;
+    /// // 10 ms times 2 W/(sr m2) times the solid angle of the pinhole, without cos4.
+    /// let expected = 0.01 * 2.0 * std::f64::consts::PI * (0.05_f64 / 4.0).powi(2);
+    /// assert!((image.mean_exposure() / expected - 1.0).abs() < 1e-9);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_camera(mut self, camera: Arc<dyn Camera + Send + Sync>) -> Capture {
+        self.own_camera = Some(OwnCamera(camera));
+        self
+    }
+
+    /// The camera of the file, or the custom one, for
+    /// [`Renderer::render_camera`](crate::Renderer::render_camera).
+    ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// let image = radsight::Renderer::new(&scene())?.samples(4).render_camera(&capture().camera(), 16, 16)?;
+    /// assert!(image.pixel(8, 8)[0] > 0.9); // radiance times cos4
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    #[must_use]
+    pub fn camera(&self) -> CaptureCamera {
+        CaptureCamera { rays: self.rays() }
+    }
+
     /// Adds the camera file's light ring to a scene.
+    ///
+    /// ```no_run
+    /// use radsight::{Capture, Scene};
+    /// let capture = Capture::load("fig14.toml")?;
+    /// let scene = capture.with_ring(Scene::builder().files(["sheet-retro.rad"])?).build()?;
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn with_ring<'l>(&self, scene: crate::SceneBuilder<'l>) -> crate::SceneBuilder<'l> {
         match &self.file.rig {
@@ -173,6 +348,13 @@ impl Capture {
 
     /// Exposes the camera to a scene.
     ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// let image = capture().expose(&scene())?;
+    /// assert_eq!((image.columns, image.rows, image.exposure_j_per_m2.len()), (16, 16, 256));
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Option`], [`Error::Bands`], [`Error::Scene`] and [`Error::Material`].
     pub fn expose(&self, scene: &Scene) -> Result<CapturedImage, Error> {
@@ -182,6 +364,20 @@ impl Capture {
     /// The same with progress reports. `progress` receives the finished share and can stop the
     /// work; unfinished pixels are then 0.
     ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// struct Now;
+    /// impl radsight::Progress for Now {
+    ///     fn report(&self, _done: u64, _total: u64) {}
+    ///     fn stops(&self) -> bool {
+    ///         true
+    ///     }
+    /// }
+    /// let image = capture().expose_with_progress(&scene(), &Now)?;
+    /// assert!(image.is_stopped);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`Capture::expose`].
     pub fn expose_with_progress(&self, scene: &Scene, progress: &dyn Progress) -> Result<CapturedImage, Error> {
@@ -190,11 +386,27 @@ impl Capture {
             .map_err(|errors| Error::Scene(Report::new(errors, scene.sources.clone())))?;
         let weights = self.file.band_weights_for(plan.bands()).map_err(|error| Error::Bands(error.to_string()))?;
         let renderer = radsight_render::Renderer::new(plan);
-        let rays = Rays::new(&self.file.camera, self.fixed_samples().unwrap_or(1), self.options.seed);
+        let rays = self.rays();
         let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &[] };
         let exposure = self.sampled(&exposer, None, progress);
         check_materials(renderer.plan(), &scene.sources)?;
         Ok(self.image(exposure, report_page::record(&renderer, &self.options)))
+    }
+
+    /// The rays of the camera.
+    fn rays(&self) -> Rays {
+        let (camera, samples) = (&self.file.camera, self.fixed_samples().unwrap_or(1));
+        match &self.own_camera {
+            Some(own) => Rays::with_own(camera, Arc::new(own.clone()), samples, self.options.seed),
+            None => Rays::new(camera, samples, self.options.seed),
+        }
+    }
+
+    /// Refuses a custom camera where the parameters of the file's are needed.
+    pub(crate) fn check_camera(&self) -> Result<(), Error> {
+        let (option, value) = ("camera", "a custom camera".to_owned());
+        let expected = "the camera of the file, for a series or derivatives";
+        if self.own_camera.is_some() { Err(Error::Option { option, value, expected }) } else { Ok(()) }
     }
 
     /// Checks the options.
@@ -212,6 +424,11 @@ impl Capture {
     }
 
     /// The parsed camera file.
+    ///
+    /// ```
+    /// let file = radsight::example::capture();
+    /// assert_eq!(file.camera_file().camera.exposure_s(), 0.01);
+    /// ```
     #[must_use]
     pub fn camera_file(&self) -> &CameraFile {
         &self.file
@@ -262,12 +479,26 @@ impl Capture {
 
 impl CapturedImage {
     /// Mean exposure, J/m².
+    ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// let [once, twice] = [1, 2].map(|_| capture().samples(4).expose(&scene()).unwrap().mean_exposure());
+    /// assert!(once > 0.0 && once == twice); // J/m²
+    /// ```
     #[must_use]
     pub fn mean_exposure(&self) -> f64 {
         self.exposure_j_per_m2.iter().sum::<f64>() / self.exposure_j_per_m2.len().max(1) as f64
     }
 
     /// The grey values of the camera's sensor, top row first.
+    ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// let capture = capture();
+    /// let greys = capture.expose(&scene())?.greys(&capture)?;
+    /// assert!(greys.len() == 256 && greys[8 * 16 + 8] > greys[0]);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::NoSensor`].

@@ -69,12 +69,16 @@ impl ErrorBudget {
     pub const MOST_SAMPLES: u32 = MAX_SAMPLES;
 
     /// A requested relative error: rms over the bands of all pixels, relative to their values.
+    ///
+    /// ```
+    /// assert_eq!(radsight::ErrorBudget::error(0.02).asked_error(), Some(0.02));
+    /// ```
     #[must_use]
     pub fn error(error: f64) -> ErrorBudget {
         ErrorBudget(Asked::Error(ErrorTarget::new(error)))
     }
 
-    /// The same with at most so many rays per pixel; a number of rays or a preview is unchanged.
+    /// The same with a maximum number of rays per pixel; a number of rays or a preview is unchanged.
     /// The limit of a picture holds for an error of 0.02 or more; for a lower one it grows with the
     /// inverse square of the error.
     ///
@@ -97,18 +101,33 @@ impl ErrorBudget {
     }
 
     /// A number of rays per pixel.
+    ///
+    /// ```
+    /// assert_eq!(radsight::ErrorBudget::samples(16).asked_samples(), Some(16));
+    /// ```
     #[must_use]
     pub fn samples(samples: u32) -> ErrorBudget {
         ErrorBudget(Asked::Samples(samples))
     }
 
     /// Radiance's adaptive preview: smooth regions are interpolated between samples.
+    ///
+    /// ```
+    /// use radsight::{ErrorBudget, Interpolation};
+    /// let coarse = ErrorBudget::preview(Interpolation { spacing: 8.0, contrast: 0.1 });
+    /// assert_eq!(coarse.prepass_spacing(), 4);
+    /// ```
     #[must_use]
     pub fn preview(interpolation: Interpolation) -> ErrorBudget {
         ErrorBudget(Asked::Preview(interpolation))
     }
 
     /// The budget for a sampling budget given by a user.
+    ///
+    /// ```
+    /// use radsight::{ErrorBudget, SamplingBudget};
+    /// assert_eq!(ErrorBudget::of(SamplingBudget::Samples(3)), ErrorBudget::samples(3));
+    /// ```
     #[must_use]
     pub fn of(budget: SamplingBudget) -> ErrorBudget {
         ErrorBudget(match budget {
@@ -139,12 +158,21 @@ impl ErrorBudget {
     }
 
     /// The default side of the square in a pixel over which its rays are jittered, pixels (`-pj`).
+    ///
+    /// ```
+    /// use radsight::ErrorBudget;
+    /// assert_eq!([ErrorBudget::error(0.1), ErrorBudget::default()].map(|budget| budget.pixel_jitter()), [1.0, 0.67]);
+    /// ```
     #[must_use]
     pub fn pixel_jitter(&self) -> f64 {
         if let Asked::Preview(_) = self.0 { USUAL_JITTER } else { 1.0 }
     }
 
     /// The side in pixels of the squares that get one ray of the cache's pre-pass.
+    ///
+    /// ```
+    /// assert_eq!(radsight::ErrorBudget::default().prepass_spacing(), 2);
+    /// ```
     #[must_use]
     pub fn prepass_spacing(&self) -> usize {
         match self.0 {
@@ -157,6 +185,12 @@ impl ErrorBudget {
     /// the budget of the pixels. The noise of a cached value may exceed the error, since a pixel
     /// averages several values; interpolation bias grows as the square of the interpolation
     /// distance.
+    ///
+    /// ```
+    /// use radsight::{ErrorBudget, RenderOptions, SamplingBudget};
+    /// let pixels = ErrorBudget::samples(4).apply(&mut RenderOptions::default());
+    /// assert_eq!(pixels, SamplingBudget::Samples(4));
+    /// ```
     #[must_use]
     pub fn apply(&self, options: &mut RenderOptions) -> SamplingBudget {
         let gathering = &mut options.gathering;

@@ -36,11 +36,14 @@
 #![forbid(unsafe_code)]
 
 mod camera;
+mod camera_picture;
 mod capture;
 mod capture_series;
 mod derivatives;
 mod error;
 mod error_budget;
+#[doc(hidden)]
+pub mod example;
 mod file_loader;
 mod image;
 mod integrator;
@@ -56,7 +59,7 @@ mod series_file;
 mod view;
 
 pub use camera::{Camera, CameraRay};
-pub use capture::{Capture, CapturedImage};
+pub use capture::{Capture, CaptureCamera, CapturedImage};
 pub use capture_series::{CaptureSeries, SeriesExposure, SeriesPicture, SeriesScenes, expose_series};
 pub use derivatives::{
     CaptureDerivatives, ExposureDerivatives, FisherInformation, Parameter, ParameterDerivative, expose_derivatives,

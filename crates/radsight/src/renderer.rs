@@ -1,10 +1,10 @@
 //! Renders a scene.
 
-use crate::camera::{self, Camera};
+use crate::camera::Camera;
 use crate::error::{Error, Report};
 use crate::error_budget::ErrorBudget;
 use crate::image::{Image, Maps, RenderReport};
-use crate::integrator::{Integrator, PathIntegrator, RayQueries};
+use crate::integrator::{Integrator, PathIntegrator};
 use crate::irradiance_cache::CacheFilling;
 use crate::{Scene, View, report_page};
 use radsight_capture::{Progress, Silent};
@@ -12,24 +12,13 @@ use radsight_diag::SourceMap;
 use radsight_film::{ErrorTarget, Film, SamplingBudget, ViewCamera};
 use radsight_picture::Header;
 use radsight_render::{Gathering, Ray, RaySpacing, RayWorker, RenderOptions, RenderPlan, Traced, Uncached};
-use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Default number of rays per pixel of a custom camera.
-const USUAL_SAMPLES: u32 = 16;
-
-/// Approximate number of rays requested from a custom camera at once.
-const CAMERA_BATCH: usize = 4096;
 
 /// Number of rays between two progress reports.
 const RAYS_AT_A_TIME: usize = 1 << 17;
 
 /// Number of consecutive rays that a thread traces, where there are as many for each.
 const RAYS_OF_A_THREAD: usize = 1024;
-
-/// Number of bits of a ray's number that identify the sample of a pixel.
-const SEQUENCE_LOG2: u32 = 16;
 
 /// Renders a scene.
 ///
@@ -46,7 +35,7 @@ const SEQUENCE_LOG2: u32 = 16;
 pub struct Renderer {
     pub(crate) scene: Scene,
     pub(crate) options: RenderOptions,
-    budget: ErrorBudget,
+    pub(crate) budget: ErrorBudget,
     jitter: Option<f64>,
     /// The compiled renderer, and the options with which it was made.
     pub(crate) ready: Option<(RenderOptions, radsight_render::Renderer)>,
@@ -77,6 +66,11 @@ pub struct ModifierContribution {
 impl Renderer {
     /// A renderer with Radiance's defaults for pictures.
     ///
+    /// ```
+    /// # use radsight::example::scene;
+    /// assert!(radsight::Renderer::new(&scene()).is_ok());
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Scene`] for a material or light that cannot be rendered.
     pub fn new(scene: &Scene) -> Result<Renderer, Error> {
@@ -84,6 +78,10 @@ impl Renderer {
     }
 
     /// Radiance's defaults for pictures (`rpict -defaults`).
+    ///
+    /// ```
+    /// assert_eq!(radsight::Renderer::picture_options().gathering.divisions, 512); // -ad
+    /// ```
     #[must_use]
     pub fn picture_options() -> RenderOptions {
         let gathering = Gathering {
@@ -98,6 +96,16 @@ impl Renderer {
     }
 
     /// A renderer with given options.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// use radsight::RenderOptions;
+    /// let options = RenderOptions { ambient_bounces: 1, ..Renderer::picture_options() };
+    /// let image = Renderer::with_options(&scene(), options)?.samples(4).render(&view(), 8, 8)?;
+    /// # let _ = (image, RenderOptions::default());
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -118,6 +126,14 @@ impl Renderer {
     }
 
     /// Number of diffuse interreflections (`-ab`). Default 0.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let mut renderer = Renderer::new(&scene())?.ambient_bounces(1).samples(4);
+    /// assert!(renderer.render(&view(), 8, 8)?.report().cache_noise.is_some());
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn ambient_bounces(mut self, bounces: u32) -> Renderer {
         self.options.ambient_bounces = bounces;
@@ -125,6 +141,14 @@ impl Renderer {
     }
 
     /// Relative interpolation error of the irradiance cache (`-aa`); 0 disables it. Default 0.2.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let mut renderer = Renderer::new(&scene())?.ambient_bounces(1).ambient_accuracy(0.0).samples(4);
+    /// assert_eq!(renderer.render(&view(), 8, 8)?.report().cache_noise, None); // paths alone
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn ambient_accuracy(mut self, accuracy: f64) -> Renderer {
         self.options.gathering.accuracy = accuracy;
@@ -133,6 +157,13 @@ impl Renderer {
 
     /// Number of hemisphere samples per cache point, and of additional ones (`-ad`, `-as`). Default
     /// 512 and 128.
+    ///
+    /// ```
+    /// # use radsight::example::scene;
+    /// let mut renderer = radsight::Renderer::new(&scene())?.ambient_divisions(1024, 0);
+    /// assert_eq!(renderer.options_mut().gathering.divisions, 1024);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn ambient_divisions(mut self, divisions: u32, super_samples: u32) -> Renderer {
         self.options.gathering.divisions = divisions;
@@ -141,18 +172,43 @@ impl Renderer {
     }
 
     /// Refines until a picture's estimated relative error reaches this value, such as 0.02.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.error(0.1).render(&view(), 8, 8)?;
+    /// assert!(image.report().error.unwrap() <= 0.1);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn error(self, error: f64) -> Renderer {
         self.budget(ErrorBudget::error(error))
     }
 
     /// Traces this many rays per pixel.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.samples(16).render(&view(), 8, 8)?;
+    /// assert_eq!(image.samples().unwrap()[0], 16);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn samples(self, samples: u32) -> Renderer {
         self.budget(ErrorBudget::samples(samples))
     }
 
     /// The quality of pictures. Default: a preview, as with Radiance's defaults.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// use radsight::ErrorBudget;
+    /// let image = Renderer::new(&scene())?.budget(ErrorBudget::error(0.1).at_most(64)).render(&view(), 8, 8)?;
+    /// assert!(*image.samples().unwrap().iter().max().unwrap() <= 64);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn budget(mut self, budget: ErrorBudget) -> Renderer {
         self.budget = budget;
@@ -161,6 +217,14 @@ impl Renderer {
 
     /// Side of the square in a pixel over which its rays are jittered, pixels (`-pj`). Default: the
     /// whole pixel, or 0.67 in a preview.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.samples(4).pixel_jitter(0.0).render(&view(), 8, 8)?;
+    /// assert!(image.pixels().iter().all(|pixel| pixel[0] == 1.0 || pixel[0] < 0.3)); // no smooth edge
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn pixel_jitter(mut self, side: f64) -> Renderer {
         self.jitter = Some(side);
@@ -168,6 +232,13 @@ impl Renderer {
     }
 
     /// The seed of the sample sequence. Default 0.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let [a, b] = [1, 2].map(|seed| Renderer::new(&scene()).unwrap().samples(1).seed(seed).render(&view(), 8, 8).unwrap());
+    /// assert_ne!(a.pixels(), b.pixels());
+    /// ```
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Renderer {
         self.options.seed = seed;
@@ -175,11 +246,26 @@ impl Renderer {
     }
 
     /// All options, mutable.
+    ///
+    /// ```
+    /// # use radsight::example::scene;
+    /// let mut renderer = radsight::Renderer::new(&scene())?;
+    /// renderer.options_mut().max_depth = 4;
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     pub fn options_mut(&mut self) -> &mut RenderOptions {
         &mut self.options
     }
 
     /// Renders a view within a size; the picture keeps the view's aspect ratio.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.samples(4).render(&view(), 16, 8)?;
+    /// assert_eq!((image.columns(), image.rows()), (8, 8)); // square pixels
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Size`], [`Error::Option`], and [`Error::Material`] if a ray met an unusable
@@ -201,9 +287,10 @@ impl Renderer {
         rows: usize,
         progress: &dyn Progress,
     ) -> Result<Option<Image>, Error> {
-        let (columns, rows) = view.0.fit(columns, rows, 1.0);
+        let (columns, rows) = view.view.fit(columns, rows, 1.0);
         Image::check_size(columns, rows)?;
-        let mut camera = ViewCamera::new(view.0, columns, rows);
+        let mut camera = ViewCamera::new(view.view, columns, rows);
+        camera.aperture = view.aperture;
         camera.jitter = self.jitter.unwrap_or(self.budget.pixel_jitter());
         let mut options = self.options.clone();
         let pixels = self.budget.apply(&mut options);
@@ -246,8 +333,18 @@ impl Renderer {
         Ok(Some(image.with_accounts(maps, report_page::record(renderer, &used), asked)))
     }
 
-    /// Renders a custom camera with the number of rays per pixel from [`Renderer::samples`]
-    /// (default 16).
+    /// Renders a custom camera, or the one of a [`Capture`](crate::Capture::camera), to the error of
+    /// [`Renderer::error`] or with the number of rays per pixel from [`Renderer::samples`]. Without
+    /// both, as in a preview, each pixel has 16 rays. With an error, no irradiance is cached, so
+    /// the picture is unbiased.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.error(0.1).render_camera(&view().thin_lens(0.1), 8, 8)?;
+    /// assert!(image.report().error.unwrap() <= 0.1);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -272,6 +369,15 @@ impl Renderer {
 
     /// The same with a custom integrator.
     ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// use radsight::PathIntegrator;
+    /// let image = Renderer::new(&scene())?.samples(4).render_with(&PathIntegrator, &view(), 8, 8)?;
+    /// assert_eq!(image.pixel(4, 4), [1.0; 3]);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`Renderer::render`].
     pub fn render_with(
@@ -285,81 +391,17 @@ impl Renderer {
         Ok(image.expect("nobody stopped it"))
     }
 
-    fn render_until(
-        &mut self,
-        integrator: &dyn Integrator,
-        camera: &dyn Camera,
-        [columns, rows]: [usize; 2],
-        progress: &dyn Progress,
-    ) -> Result<Option<Image>, Error> {
-        Image::check_size(columns, rows)?;
-        let mut options = self.options.clone();
-        let samples = match self.budget.apply(&mut options) {
-            SamplingBudget::Samples(samples) => samples,
-            _ => USUAL_SAMPLES,
-        };
-        check_budget(SamplingBudget::Samples(samples))?;
-        let used = options.clone();
-        let (seed, sources) = (options.seed, self.scene.sources.clone());
-        let place = |pixel: usize, [x, y]: [f64; 2]| {
-            [((pixel % columns) as f64 + x) / columns as f64, ((pixel / columns) as f64 + y) / rows as f64]
-        };
-        let pixels = columns * rows;
-        let mut first = Vec::with_capacity(pixels);
-        for begin in (0..pixels).step_by(CAMERA_BATCH) {
-            let film: Vec<[f64; 2]> =
-                (begin..pixels.min(begin + CAMERA_BATCH)).map(|pixel| place(pixel, [0.5; 2])).collect();
-            let rays = camera.rays(&film, &vec![[0.5; 2]; film.len()]);
-            first.extend(rays.into_iter().map(|ray| ray.and_then(camera::checked).map(|(ray, _)| ray)));
-        }
-        if self.gather(&options, || first, RaySpacing::UNKNOWN, progress)?.is_none() {
-            return Ok(None);
-        }
-        let renderer = &*self.prepare(options)?;
-        let (at_once, done) = ((CAMERA_BATCH / samples as usize).max(1), AtomicU64::new(0));
-        let batches: Option<Vec<Vec<[f32; 3]>>> = (0..pixels.div_ceil(at_once))
-            .into_par_iter()
-            .map_init(
-                || renderer.worker(),
-                |worker, batch| {
-                    if progress.stops() {
-                        return None;
-                    }
-                    let range = batch * at_once..pixels.min((batch + 1) * at_once);
-                    let numbers = range.clone().flat_map(|pixel| {
-                        (0..samples).map(move |sample| (pixel as u64) << SEQUENCE_LOG2 | u64::from(sample))
-                    });
-                    let numbers: Vec<u64> = numbers.collect();
-                    let points = numbers.iter().map(|index| RaySampler::new(seed, *index).take(DimensionSet::CAMERA));
-                    let at = |index: &u64, [x, y, across, along]: [f64; 4]| {
-                        (place((index >> SEQUENCE_LOG2) as usize, [x, y]), [across, along])
-                    };
-                    let (film, aperture): (Vec<_>, Vec<_>) =
-                        numbers.iter().zip(points).map(|(index, point)| at(index, point)).unzip();
-                    let mut sums = vec![[0.0; 3]; range.len()];
-                    for (index, ray) in numbers.iter().zip(camera.rays(&film, &aperture)) {
-                        let Some((ray, weight)) = ray.and_then(camera::checked) else { continue };
-                        let value = integrator.radiance(&mut RayQueries::new(worker, seed, *index), &ray);
-                        let sum = &mut sums[(index >> SEQUENCE_LOG2) as usize - range.start];
-                        *sum = std::array::from_fn(|band| sum[band] + weight * value[band]);
-                    }
-                    let before = done.fetch_add(range.len() as u64, Ordering::Relaxed);
-                    progress.report(before + range.len() as u64, pixels as u64);
-                    let mean = |sum: [f64; 3]| sum.map(|band| (band / f64::from(samples)) as f32);
-                    Some(sums.into_iter().map(mean).collect())
-                },
-            )
-            .collect();
-        let Some(batches) = batches else { return Ok(None) };
-        let pixels = batches.concat();
-        check_materials(renderer.plan(), &sources)?;
-        let maps = Maps { relative_errors: None, samples: Some(vec![samples; columns * rows]) };
-        let image = Image::new(columns, pixels, header(""), report(renderer, None));
-        Ok(Some(image.with_accounts(maps, report_page::record(renderer, &used), None)))
-    }
-
     /// Traces rays: radiance (or irradiance, as the options request), first hit and effective
     /// distance of each. The index in the list identifies a ray.
+    ///
+    /// ```
+    /// # use radsight::example::scene;
+    /// use glam::DVec3;
+    /// use radsight::{Ray, Renderer};
+    /// let ahead = Ray::new(DVec3::ZERO, DVec3::Y).unwrap();
+    /// assert_eq!(Renderer::new(&scene())?.trace(&[ahead])?[0].value, [1.0; 3]);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Material`] if a ray met an unusable material.
@@ -372,6 +414,17 @@ impl Renderer {
     /// list. `of` converts each result on the thread that traced it, so that only what it returns
     /// is kept. `progress` receives the finished share and can stop the work; the result is then
     /// `None`.
+    ///
+    /// ```
+    /// # use radsight::example::scene;
+    /// use glam::DVec3;
+    /// use radsight::{Ray, Renderer};
+    /// let ahead = Ray::new(DVec3::ZERO, DVec3::Y).unwrap();
+    /// let mut renderer = Renderer::new(&scene())?;
+    /// let distances = renderer.trace_part(1000, &[ahead], |traced| traced.first_hit.unwrap().distance, &radsight::Silent)?;
+    /// assert!((distances.unwrap()[0] - 7.0).abs() < 1e-9);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Renderer::trace`].
@@ -408,6 +461,16 @@ impl Renderer {
 
     /// The contributions of modifiers with these names to each ray: the radiance of their emitters
     /// times its coefficient, as in `rcontrib`.
+    ///
+    /// ```
+    /// # use radsight::example::scene;
+    /// use glam::DVec3;
+    /// use radsight::{Ray, Renderer};
+    /// let ahead = Ray::new(DVec3::ZERO, DVec3::Y).unwrap();
+    /// let found = Renderer::new(&scene())?.contributions(&[ahead], &["sky", "white"])?;
+    /// assert_eq!((found[0][0].value, found[0][1].value), ([0.0; 3], [1.0; 3]));
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Renderer::trace`].
@@ -487,13 +550,13 @@ fn contributions_of(worker: &mut RayWorker<'_>, index: u64, ray: &Ray, modifiers
 }
 
 /// The error estimate of a picture, and the skipped work.
-fn report(renderer: &radsight_render::Renderer, estimate: Option<radsight_film::Estimate>) -> RenderReport {
+pub(crate) fn report(renderer: &radsight_render::Renderer, estimate: Option<radsight_film::Estimate>) -> RenderReport {
     let skipped = renderer.plan().decisions().iter().filter(|decision| decision.skip.is_some());
     let skipped = skipped.map(|decision| format!("{}: {}", decision.what, decision.why)).collect();
     RenderReport::new(estimate, renderer.irradiance_noise(), skipped)
 }
 
-fn header(view: &str) -> Header {
+pub(crate) fn header(view: &str) -> Header {
     let mut header = Header::new("RADIANCE");
     header.push_variable("SOFTWARE", concat!(" radsight ", env!("CARGO_PKG_VERSION")));
     if !view.is_empty() {
@@ -502,7 +565,7 @@ fn header(view: &str) -> Header {
     header
 }
 
-fn check_budget(budget: SamplingBudget) -> Result<(), Error> {
+pub(crate) fn check_budget(budget: SamplingBudget) -> Result<(), Error> {
     let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
     match budget {
         SamplingBudget::Error(ErrorTarget { error, .. }) if !(error > 0.0 && error.is_finite()) => {

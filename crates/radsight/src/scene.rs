@@ -32,6 +32,11 @@ impl Scene {
     /// Reads scene files and octrees. Files that they name are searched in the working folder, then
     /// beside the scenes.
     ///
+    /// ```no_run
+    /// let scene = radsight::Scene::load(["office.rad", "lamps.rad"])?;
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Load`] for a file that cannot be read, [`Error::Scene`] with every mistake in them.
     pub fn load<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Scene, Error> {
@@ -43,13 +48,24 @@ impl Scene {
 
     /// Reads scene text. Files that it names are searched in the working folder.
     ///
+    /// ```
+    /// let error = radsight::Scene::from_text("void plastic grey 0 0 3 1 1 1").unwrap_err();
+    /// assert!(error.to_string().contains(":1:"), "{error}");
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Scene`] with every mistake in it.
-    pub fn from_text(text: impl Into<Vec<u8>>) -> Result<Scene, Error> {
+    pub fn from_text(text: impl AsRef<[u8]>) -> Result<Scene, Error> {
         Scene::builder().text("<text>", text).build()
     }
 
     /// A scene from several sources, with custom materials and loader.
+    ///
+    /// ```
+    /// let scene = radsight::Scene::builder().text("empty.rad", "# nothing").build()?;
+    /// assert_eq!(scene.surface_count(), 0);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn builder() -> SceneBuilder<'static> {
         SceneBuilder {
@@ -61,12 +77,20 @@ impl Scene {
     }
 
     /// The warnings, with lines, carets and hints; empty if there are none.
+    ///
+    /// ```
+    /// assert!(radsight::example::scene().warnings().diagnostics.is_empty());
+    /// ```
     #[must_use]
     pub fn warnings(&self) -> Report {
         Report { diagnostics: self.warnings.clone(), sources: self.sources.clone() }
     }
 
     /// Number of surfaces; those of a mesh or an instance count once.
+    ///
+    /// ```
+    /// assert_eq!(radsight::example::scene().surface_count(), 3);
+    /// ```
     #[must_use]
     pub fn surface_count(&self) -> usize {
         self.scene.surfaces.len()
@@ -96,6 +120,11 @@ pub struct SceneBuilder<'l> {
 impl<'l> SceneBuilder<'l> {
     /// Adds scene files and octrees from disk.
     ///
+    /// ```no_run
+    /// let scene = radsight::Scene::builder().files(["office.rad"])?.build()?;
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Load`] for a file that cannot be read.
     pub fn files<P: AsRef<Path>>(mut self, paths: impl IntoIterator<Item = P>) -> Result<SceneBuilder<'l>, Error> {
@@ -108,9 +137,15 @@ impl<'l> SceneBuilder<'l> {
     }
 
     /// Adds scene text. `name` denotes it in messages.
+    ///
+    /// ```
+    /// let text = "void glow lamp 0 0 4 1 1 1 0  lamp sphere ball 0 0 4 0 0 0 1";
+    /// assert_eq!(radsight::Scene::builder().text("ball.rad", text).build()?.surface_count(), 1);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
-    pub fn text(mut self, name: &str, text: impl Into<Vec<u8>>) -> SceneBuilder<'l> {
-        self.inputs.push(Input::Text { name: name.to_owned(), text: text.into().into() });
+    pub fn text(mut self, name: &str, text: impl AsRef<[u8]>) -> SceneBuilder<'l> {
+        self.inputs.push(Input::Text { name: name.to_owned(), text: text.as_ref().into() });
         self
     }
 
@@ -131,6 +166,10 @@ impl<'l> SceneBuilder<'l> {
     }
 
     /// Reads and checks the scene.
+    ///
+    /// ```
+    /// assert!(radsight::Scene::builder().text("a.rad", "void plastic").build().is_err());
+    /// ```
     ///
     /// # Errors
     /// [`Error::Scene`] with every mistake in it.

@@ -1,5 +1,7 @@
 //! Each example runs to its end.
 
+#[path = "../examples/cameras.rs"]
+mod cameras;
 #[path = "../examples/capture_fig14.rs"]
 mod capture_fig14;
 #[path = "../examples/error_budget.rs"]
@@ -10,6 +12,8 @@ mod minimal;
 mod own_camera;
 #[path = "../examples/own_integrator.rs"]
 mod own_integrator;
+#[path = "../examples/own_loader.rs"]
+mod own_loader;
 #[path = "../examples/own_material.rs"]
 mod own_material;
 #[path = "../examples/rays.rs"]
@@ -48,4 +52,14 @@ fn own_integrator_sees_the_open_share_of_the_sky() {
 #[test]
 fn error_budget_is_kept() {
     error_budget::main().unwrap();
+}
+
+#[test]
+fn cameras_render_and_expose() {
+    cameras::main().unwrap();
+}
+
+#[test]
+fn own_loader_makes_files() {
+    own_loader::main().unwrap();
 }

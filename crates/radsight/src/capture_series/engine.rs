@@ -89,6 +89,7 @@ pub fn expose_series<S: SeriesScenes>(
 ) -> Result<(), S::Failure> {
     let Some(first) = pictures.first() else { return Ok(()) };
     first.capture.check()?;
+    first.capture.check_camera()?;
     let all: Vec<usize> = (0..pictures.len()).collect();
     for group in grouped(&all, |a, b| have_one_light(&pictures[a].capture, &pictures[b].capture)) {
         let lead = &pictures[group[0]].capture;

@@ -52,6 +52,7 @@ pub fn expose_derivatives<S: SeriesScenes>(
     progress: &dyn Progress,
 ) -> Result<Option<ExposureDerivatives>, S::Failure> {
     capture.check()?;
+    capture.check_camera()?;
     check(capture, parameters, error)?;
     let file = capture.camera_file();
     let scene = scenes.read(file)?;
@@ -83,6 +84,9 @@ fn check(capture: &Capture, parameters: &[Parameter], error: f64) -> Result<(), 
     match parameters.first() {
         Some(first) if capture.camera_file().camera.pinhole_model() == PinholeModel::Diffraction => {
             Err(first.wrong("an exposure with pinhole_model = \"diffraction\" has no derivatives"))
+        }
+        Some(first) if capture.camera_file().camera.telecentric_lens().is_some() => {
+            Err(first.wrong("an exposure with projection = \"parallel\" has no derivatives"))
         }
         _ => Ok(()),
     }

@@ -18,6 +18,14 @@ const RAYS_AT_A_TIME: usize = 1 << 15;
 impl RenderJob {
     /// Columns and rows of the whole picture. The size of a capture is that of its camera.
     ///
+    /// ```
+    /// # use radsight::example::view;
+    /// use radsight::{JobTarget, RenderJob};
+    /// let job = RenderJob::new(JobTarget::picture(&view(), 8, 8), 2);
+    /// assert_eq!(job.picture_size()?, [8, 8]);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::View`] and [`Error::Size`]; [`Error::Option`] for another target.
     pub fn picture_size(&self) -> Result<[usize; 2], Error> {
@@ -26,6 +34,14 @@ impl RenderJob {
     }
 
     /// The options for compiling the scene.
+    ///
+    /// ```
+    /// use radsight::{JobTarget, RenderJob};
+    /// let mut job = RenderJob::new(JobTarget::capture("camera.toml"), 64);
+    /// job.ambient_bounces = 2;
+    /// assert_eq!(job.render_options()?.ambient_bounces, 2);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Option`] for a number out of range.
@@ -51,6 +67,13 @@ impl RenderJob {
     /// Whether the job uses cached irradiance. The cache is filled once for the whole job by
     /// [`RenderJob::fill_irradiance_cache`] and loaded for each part: separate caches of the parts
     /// would have other values.
+    ///
+    /// ```
+    /// use radsight::{JobTarget, RenderJob};
+    /// let mut job = RenderJob::new(JobTarget::capture("camera.toml"), 64);
+    /// (job.ambient_bounces, job.ambient_accuracy) = (2, 0.2);
+    /// assert!(job.caches_irradiance());
+    /// ```
     #[must_use]
     pub fn caches_irradiance(&self) -> bool {
         self.ambient_bounces > 0 && self.ambient_accuracy > 0.0
@@ -183,7 +206,7 @@ impl RenderJob {
 
     fn view_camera(&self) -> Result<ViewCamera, Error> {
         let (view, columns, rows) = self.view()?;
-        let mut camera = ViewCamera::new(view.0, columns, rows);
+        let mut camera = ViewCamera::new(view.view, columns, rows);
         camera.jitter = 1.0;
         Ok(camera)
     }
@@ -193,7 +216,7 @@ impl RenderJob {
             return Err(wrong("target", "a capture or rays", "\"picture\""));
         };
         let view = View::from_args(view)?;
-        let (columns, rows) = view.0.fit(*columns, *rows, 1.0);
+        let (columns, rows) = view.view.fit(*columns, *rows, 1.0);
         Image::check_size(columns, rows)?;
         Ok((view, columns, rows))
     }
@@ -213,6 +236,15 @@ impl RenderJob {
 
 impl Renderer {
     /// Renders the part of a picture that a job requests, with the job's options.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::{JobTarget, RenderJob, Renderer};
+    /// let job = RenderJob::new(JobTarget::picture(&view(), 8, 8), 2);
+    /// let result = Renderer::new(&scene())?.run_job(&job)?;
+    /// assert_eq!(result.values.len(), 3 * 64);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`RenderJob::render`], and [`Error::Material`] where a ray met a material that is
@@ -244,6 +276,15 @@ impl Renderer {
     /// The irradiance cache of a whole job, for [`Renderer::only_irradiance_cache`] before its parts
     /// are run; `rays` are all rays of a job of rays. `None` if it was stopped.
     ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::{JobTarget, RenderJob, Renderer};
+    /// let mut job = RenderJob::new(JobTarget::picture(&view(), 8, 8), 2);
+    /// (job.ambient_bounces, job.ambient_accuracy) = (1, 0.2);
+    /// assert!(Renderer::new(&scene())?.irradiance_cache_for(&job, &[], &radsight::Silent)?.is_some());
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`RenderJob::fill_irradiance_cache`].
     pub fn irradiance_cache_for(
@@ -264,6 +305,15 @@ impl Renderer {
 impl Capture {
     /// Exposes the pixels that a job requests, with the job's options and samples. The scene of
     /// `renderer` must have the camera's light ring.
+    ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// use radsight::{JobTarget, RenderJob, Renderer, Silent};
+    /// let job = RenderJob::new(JobTarget::capture("camera.toml"), 4);
+    /// let result = capture().run_job(&mut Renderer::new(&scene())?, &job, &Silent)?;
+    /// assert_eq!(result.unwrap().values.len(), 256);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`RenderJob::expose`] and [`Capture::expose`]. `None` if the work was stopped.
