@@ -64,6 +64,18 @@ impl<'a> Arguments<'a> {
         self.given(word).map(Some).ok_or_else(|| self.unknown())
     }
 
+    /// As [`Arguments::last_options`], where `+a` stands for `-a` unless it is an option itself, as
+    /// in `gensky` and `gendaylit`.
+    pub(crate) fn last_signed_options(&mut self) -> Result<Option<GivenOption<'a>>, Error> {
+        let Some(word) = self.word() else { return Ok(None) };
+        let minus = word.strip_prefix('+').map(|rest| format!("-{rest}"));
+        let as_minus = || {
+            let option = self.options?.parse_word(&minus?)?.option;
+            Some(GivenOption { name: option.name, text: word.get(option.name.len()..).unwrap_or_default() })
+        };
+        self.given(word).or_else(as_minus).map(Some).ok_or_else(|| self.unknown())
+    }
+
     /// A word as an option of the table.
     fn given(&self, word: &'a str) -> Option<GivenOption<'a>> {
         let option = self.options?.parse_word(word)?.option;

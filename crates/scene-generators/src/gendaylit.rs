@@ -113,7 +113,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         coloured: false,
         locus: perez::LOCUS_BERLIN,
     };
-    while let Some(option) = arguments.last_options()? {
+    while let Some(option) = arguments.last_signed_options()? {
         match option.name {
             "-s" | "+s" => (options.cloudy, options.with_sun) = (false, option.name == "+s"),
             "-c" => (options.cloudy, options.with_sun) = (true, false),

@@ -100,7 +100,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         turbidity: 2.45,
         ground_reflectance: 0.2,
     };
-    while let Some(option) = arguments.last_options()? {
+    while let Some(option) = arguments.last_signed_options()? {
         read_option(&mut options, arguments, option.name)?;
     }
     // A time zone has precedence over -m.

@@ -25,6 +25,20 @@ fn cie_skies_equal_real_ones() {
     println!("gensky: {identical} of {lines} outputs are the same bytes");
 }
 
+/// The real programs take `+` for `-`, but not where it decides about the sun.
+#[test]
+fn a_plus_stands_for_a_minus() {
+    let Some(radiance) = Radiance::find() else { return };
+    let loader = TestLoader::default();
+    let sky = ["y 2020", "a 40", "o 70", "m 75", "r 5", "R 5", "t 3", "b 20", "B 20", "g .3", "c", "u", "i", "s"];
+    let daylit = ["a 40", "o 70", "m 75", "g .3", "i 60", "w", "C", "s", "O 1"];
+    let argvs = sky.map(|option| format!("gensky 6 21 12 +{option}"));
+    for argv in argvs.into_iter().chain(daylit.map(|option| format!("gendaylit 6 21 12 -W 800 100 +{option}"))) {
+        expect_same(&radiance, &words(&argv), b"", &loader);
+    }
+    expect_same(&radiance, &words("gendaylit 6 21 12 +P 6 .1"), b"", &loader);
+}
+
 fn hour(numbers: &mut Numbers) -> String {
     let hour = numbers.below(24);
     match numbers.below(5) {
