@@ -151,12 +151,12 @@ impl RenderJob {
         self.0.picture_size().map(|[columns, rows]| (columns, rows)).map_err(exception)
     }
 
-    /// Jobs for at most so many parts of about as many rows, or rays, each.
+    /// Jobs for at most `parts` parts, with about equal numbers of rows or rays.
     ///
     /// Parameters
     /// ----------
     /// parts : int
-    ///     How many at most.
+    ///     Maximum number of parts.
     /// size : (int, int), optional
     ///     Columns and rows of the whole picture, where the job does not know them: `Capture.size`, or (n, 1) for n rays.
     ///
@@ -169,7 +169,7 @@ impl RenderJob {
         jobs(self.0.split(parts, self.size(size)?))
     }
 
-    /// Jobs for rectangles of at most so many columns and rows.
+    /// Jobs for rectangles of at most `columns` by `rows` pixels.
     ///
     /// Parameters
     /// ----------
@@ -187,7 +187,7 @@ impl RenderJob {
         jobs(self.0.split_tiles([columns, rows], self.size(size)?))
     }
 
-    /// Jobs for at most so many rays each.
+    /// Jobs for at most `rays` rays each.
     ///
     /// Parameters
     /// ----------

@@ -44,10 +44,10 @@ pub trait PixelSource: Sync {
     /// Receives the state of paused work.
     fn save(&self, _state: &SamplingState<Self::Sums>) {}
 
-    /// So many further samples will be traced.
+    /// Receives the number of further samples that will be traced.
     fn plan(&self, _samples: u64) {}
 
-    /// So many samples of a pixel were traced.
+    /// Receives the number of samples that were traced.
     fn traced(&self, _samples: u32) {}
 }
 

@@ -103,17 +103,23 @@ impl RenderPlan {
             .add(format!("{functions} patterns and textures are evaluated ({textures} textures)"), "surfaces use them");
         let mixtures = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Mixture(_))).count();
         if mixtures > 0 {
-            decisions.add(format!("{mixtures} mixtures of materials are evaluated"), "surfaces use them");
+            let mixtures = counted(mixtures, "mixture of materials is", "mixtures of materials are");
+            decisions.add(format!("{mixtures} evaluated"), "surfaces use them");
         }
         let retro = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Retro(_))).count();
         if retro > 0 {
             decisions.add(
-                format!("{retro} materials are sampled as a retroreflecting lobe"),
+                format!("{} sampled as a retroreflecting lobe", counted(retro, "material is", "materials are")),
                 "their texture turns the normal to the viewer under a rough highlight",
             );
         }
         decisions.0
     }
+}
+
+/// A number of things, with the word for one or for several.
+fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
 }
 
 /// Decisions in the order of the report.
