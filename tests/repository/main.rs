@@ -10,6 +10,7 @@ mod crate_edges;
 mod dependencies;
 mod gallery;
 mod import_cycles;
+mod library_examples;
 mod option_words;
 mod signatures;
 mod sources;

@@ -25,6 +25,12 @@ impl Report {
     }
 
     /// File name, line and column (from 1) of a diagnostic; `None` if it has no span.
+    ///
+    /// ```
+    /// use radsight::{Error, Scene};
+    /// let Err(Error::Scene(report)) = Scene::from_text("void plastic\n") else { panic!("it is incomplete") };
+    /// assert!(report.position(&report.diagnostics[0]).is_some());
+    /// ```
     #[must_use]
     pub fn position(&self, diagnostic: &Diagnostic) -> Option<(&str, u32, u32)> {
         let span = diagnostic.span?;

@@ -27,12 +27,24 @@ impl Default for FileLoader {
 
 impl FileLoader {
     /// Searches these folders in order, as Radiance searches `RAYPATH`.
+    ///
+    /// ```
+    /// use radsight::FileLoader;
+    /// let loader = FileLoader::new(["lib".into(), "/usr/share/radiance".into()]);
+    /// assert_eq!(loader.candidates("a.cal")[1].to_str(), Some("/usr/share/radiance/a.cal"));
+    /// ```
     #[must_use]
     pub fn new(folders: impl IntoIterator<Item = PathBuf>) -> FileLoader {
         FileLoader { folders: folders.into_iter().collect(), home: None }
     }
 
     /// Sets the folder for `~/`.
+    ///
+    /// ```
+    /// use radsight::FileLoader;
+    /// let loader = FileLoader::default().home("/home/ann".into());
+    /// assert_eq!(loader.candidates("~/a.cal")[0].to_str(), Some("/home/ann/a.cal"));
+    /// ```
     #[must_use]
     pub fn home(self, home: PathBuf) -> FileLoader {
         FileLoader { home: Some(home), ..self }
@@ -40,6 +52,11 @@ impl FileLoader {
 
     /// The candidate paths of a name: a name with an explicit folder is looked up only there,
     /// others in each folder.
+    ///
+    /// ```
+    /// let loader = radsight::FileLoader::new(["lib".into()]);
+    /// assert_eq!(loader.candidates("./a.cal")[0].to_str(), Some("./a.cal"));
+    /// ```
     #[must_use]
     pub fn candidates(&self, name: &str) -> Vec<PathBuf> {
         let path = Path::new(name);
@@ -58,6 +75,11 @@ impl FileLoader {
 
     /// The first existing candidate; `None` if there is none.
     ///
+    /// ```
+    /// assert_eq!(radsight::FileLoader::default().find("no such file.cal")?, None);
+    /// # Ok::<(), radsight::LoadError>(())
+    /// ```
+    ///
     /// # Errors
     /// When the candidate is a folder.
     pub fn find(&self, name: &str) -> Result<Option<PathBuf>, LoadError> {
@@ -75,6 +97,10 @@ impl FileLoader {
     }
 
     /// The built-in function file with this name.
+    ///
+    /// ```
+    /// assert!(radsight::FileLoader::default().built_in("rayinit.cal", radsight::FileKind::Function).is_ok());
+    /// ```
     ///
     /// # Errors
     /// When there is none.

@@ -42,6 +42,11 @@ impl Image {
 
     /// Checks the size of an image.
     ///
+    /// ```
+    /// use radsight::Image;
+    /// assert!(Image::check_size(640, 480).is_ok() && Image::check_size(0, 480).is_err());
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Size`] for no pixels, and for more than [`Image::MOST_PIXELS`].
     pub fn check_size(columns: usize, rows: usize) -> Result<(), Error> {
@@ -74,12 +79,29 @@ impl Image {
     }
 
     /// Red, green and blue radiance of each pixel, W/(sr·m²), top row first.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.samples(1).render(&view(), 8, 8)?;
+    /// let brightest = image.pixels().iter().map(|pixel| pixel[1]).fold(0.0, f32::max);
+    /// assert_eq!(brightest, 1.0);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn pixels(&self) -> &[[f32; 3]] {
         &self.pixels
     }
 
     /// The radiance of a pixel; row 0 is the top.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.samples(1).render(&view(), 8, 8)?;
+    /// assert_eq!(image.pixel(4, 4), [1.0; 3]);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Panics
     /// If the pixel is out of range.
@@ -91,12 +113,29 @@ impl Image {
 
     /// The relative standard error of each pixel, rms over its bands, top row first. `None` without
     /// a requested error.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.error(0.1).render(&view(), 8, 8)?;
+    /// let worst = image.relative_errors().unwrap().iter().copied().fold(0.0, f32::max);
+    /// assert!(worst < 1.0);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn relative_errors(&self) -> Option<&[f32]> {
         self.maps.relative_errors.as_deref()
     }
 
     /// Number of rays of each pixel, top row first; `None` if pixels are interpolated.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.samples(4).render(&view(), 8, 8)?;
+    /// assert_eq!(image.samples().unwrap(), [4; 64]);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn samples(&self) -> Option<&[u32]> {
         self.maps.samples.as_deref()
@@ -111,6 +150,14 @@ impl Image {
     }
 
     /// The error estimate.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.error(0.1).render(&view(), 8, 8)?;
+    /// assert!(image.report().error.unwrap() <= 0.1);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn report(&self) -> &RenderReport {
         &self.report
@@ -118,6 +165,15 @@ impl Image {
 
     /// Writes a file in the format of its extension: `.hdr .pic .exr .tif .tiff .pfm .npy .mtx
     /// .png`.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.samples(1).render(&view(), 8, 8)?;
+    /// image.save(std::env::temp_dir().join("radsight-example.hdr"))?;
+    /// assert!(image.save("picture.doc").is_err());
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Save`] for another extension, or a file that cannot be written.

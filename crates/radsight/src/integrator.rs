@@ -100,6 +100,17 @@ impl<'q, 'r> RayQueries<'q, 'r> {
 
     /// Traces a ray with the library's integrator. The first ray of a sample uses the sample points
     /// of the library's own images; further rays use independent points.
+    ///
+    /// ```
+    /// use radsight::{Integrator, Ray, RayQueries};
+    /// /// Half of the radiance.
+    /// struct Dim;
+    /// impl Integrator for Dim {
+    ///     fn radiance(&self, queries: &mut RayQueries<'_, '_>, ray: &Ray) -> [f64; 3] {
+    ///         queries.trace(ray).value.map(|band| 0.5 * band)
+    ///     }
+    /// }
+    /// ```
     #[must_use]
     pub fn trace(&mut self, ray: &Ray) -> Traced {
         let number = self.index ^ u64::from(self.asked) << FURTHER_RAYS_FROM;
@@ -108,6 +119,17 @@ impl<'q, 'r> RayQueries<'q, 'r> {
     }
 
     /// The first surface or distant source on a ray, including clear panes and mirrors.
+    ///
+    /// ```
+    /// use radsight::{Integrator, Ray, RayQueries};
+    /// /// 1 where a ray hits something.
+    /// struct Mask;
+    /// impl Integrator for Mask {
+    ///     fn radiance(&self, queries: &mut RayQueries<'_, '_>, ray: &Ray) -> [f64; 3] {
+    ///         [f64::from(u8::from(queries.first_hit(ray).is_some())); 3]
+    ///     }
+    /// }
+    /// ```
     #[must_use]
     pub fn first_hit(&mut self, ray: &Ray) -> Option<FirstHit> {
         self.trace(ray).first_hit
@@ -115,6 +137,17 @@ impl<'q, 'r> RayQueries<'q, 'r> {
 
     /// Four numbers in [0, 1): the next dimensions of a low-discrepancy sequence over the samples
     /// of a pixel.
+    ///
+    /// ```
+    /// use radsight::{Integrator, Ray, RayQueries};
+    /// /// Noise of the mean 1/2.
+    /// struct Noise;
+    /// impl Integrator for Noise {
+    ///     fn radiance(&self, queries: &mut RayQueries<'_, '_>, _ray: &Ray) -> [f64; 3] {
+    ///         [queries.random()[0]; 3]
+    ///     }
+    /// }
+    /// ```
     #[must_use]
     pub fn random(&mut self) -> [f64; 4] {
         let set = DimensionSet::render(self.asked);

@@ -43,6 +43,16 @@ impl Renderer {
     /// Loads an irradiance cache saved for the same scene and equivalent options, and returns its
     /// number of records. Rays for which it was gathered get the same results, bit for bit.
     ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let mut first = Renderer::new(&scene())?.ambient_bounces(1);
+    /// first.render(&view(), 8, 8)?;
+    /// let bytes = first.save_irradiance_cache().unwrap();
+    /// assert!(Renderer::new(&scene())?.ambient_bounces(1).load_irradiance_cache(bytes)? > 0);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Cache`] if it was saved for another scene or other options, also after a later
     /// change of options; as [`Renderer::new`].
@@ -64,12 +74,37 @@ impl Renderer {
     /// more, and follow paths where it has nothing. So parts of a list of rays get the answers of
     /// the whole list, where the cache was filled for that. Whether it fits is found when rays are
     /// traced.
+    ///
+    /// ```
+    /// # use radsight::example::scene;
+    /// use glam::DVec3;
+    /// use radsight::{Ray, Renderer};
+    /// let ahead = Ray::new(DVec3::ZERO, DVec3::Y).unwrap();
+    /// let stone = Ray::new(DVec3::new(4.0, 0.0, 0.0), DVec3::Y).unwrap();
+    /// let mut first = Renderer::new(&scene())?.ambient_bounces(1);
+    /// let cache = first.irradiance_cache_of(&[ahead, stone], &radsight::Silent)?.unwrap();
+    /// let mut second = Renderer::new(&scene())?.ambient_bounces(1);
+    /// second.only_irradiance_cache(cache);
+    /// assert_eq!(second.trace(&[ahead, stone])?[1].value, first.trace(&[ahead, stone])?[1].value);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     pub fn only_irradiance_cache(&mut self, bytes: Vec<u8>) {
         (self.loaded, self.filling, self.ready) = (Some(bytes), CacheFilling::Loaded, None);
     }
 
     /// Fills the irradiance cache for rays that [`Renderer::trace`] is to answer, and gives it as
     /// bytes; `None` where the options ask for none, or where `progress` stopped it.
+    ///
+    /// ```
+    /// # use radsight::example::scene;
+    /// use glam::DVec3;
+    /// use radsight::{Ray, Renderer};
+    /// let ahead = Ray::new(DVec3::ZERO, DVec3::Y).unwrap();
+    /// let below = Ray::new(DVec3::new(4.0, 0.0, 0.0), DVec3::Y).unwrap();
+    /// let mut renderer = Renderer::new(&scene())?.ambient_bounces(1);
+    /// assert!(renderer.irradiance_cache_of(&[ahead, below], &radsight::Silent)?.is_some());
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Renderer::trace`].

@@ -32,6 +32,10 @@ impl PartMove {
     /// Moves the surfaces with this name (with `*` at its end: this prefix) by `xform` options:
     /// `-t`, `-rx`, `-ry`, `-rz`, `-i`. Angles are in degrees, lengths in scene units.
     ///
+    /// ```
+    /// assert!(radsight::PartMove::new("washer", "-rz 30 -t .01 0 0").is_ok());
+    /// ```
+    ///
     /// # Errors
     /// A description of the mistake, including transforms that are not rigid.
     pub fn new(surfaces: &str, words: &str) -> Result<PartMove, String> {
@@ -49,6 +53,11 @@ impl PartMove {
     }
 
     /// Whether this surface belongs to the part.
+    ///
+    /// ```
+    /// let moved = radsight::PartMove::new("washer_*", "-rz 30").unwrap();
+    /// assert!(moved.is_of("washer_top") && !moved.is_of("sheet"));
+    /// ```
     #[must_use]
     pub fn is_of(&self, surface: &str) -> bool {
         match self.surfaces.strip_suffix('*') {

@@ -38,6 +38,14 @@ impl<L: Loader> RecordingLoader<L> {
     }
 
     /// The same files as names and contents.
+    ///
+    /// ```
+    /// use radsight::{FileKind, Loader, MemoryLoader, RecordingLoader};
+    /// let recorder = RecordingLoader::new(MemoryLoader::default().with("a.cal", "a = 1;").with("b.cal", "b = 2;"));
+    /// recorder.load("a.cal", FileKind::Function)?;
+    /// assert_eq!(recorder.named_files(), [("a.cal".to_owned(), b"a = 1;".to_vec())]);
+    /// # Ok::<(), radsight::LoadError>(())
+    /// ```
     #[must_use]
     pub fn named_files(&self) -> Vec<(String, Vec<u8>)> {
         let files = self.files.lock().unwrap_or_else(PoisonError::into_inner);

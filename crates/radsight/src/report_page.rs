@@ -10,6 +10,14 @@ impl Image {
     /// It contains the luminance and radiance of each pixel, its standard error and number of rays
     /// if known, the skipped work, and the options. It contains no times: callers with a clock add
     /// them by [`Page::stage`].
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::Renderer;
+    /// let image = Renderer::new(&scene())?.samples(4).render(&view(), 8, 8)?;
+    /// assert!(image.report_page("ball").fact("room", "none").to_html().contains("ball"));
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn report_page(&self, title: &str) -> Page {
         let values = self.pixels().iter().flatten().copied().collect();
@@ -58,6 +66,13 @@ impl CapturedImage {
     /// A report page of the exposure, with the sensor's grey values if the camera has a sensor; see
     /// [`Image::report_page`].
     ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// let page = capture().samples(4).expose(&scene())?.report_page(&capture(), "ball")?;
+    /// assert!(page.to_html().contains("ball"));
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Size`] if the camera's size differs from the image's.
     pub fn report_page(&self, camera: &Capture, title: &str) -> Result<Page, Error> {
@@ -89,6 +104,12 @@ impl CapturedImage {
     }
 
     /// The page as HTML: one file that loads nothing. Its title is "radsight".
+    ///
+    /// ```
+    /// # use radsight::example::{capture, scene};
+    /// assert!(capture().samples(4).expose(&scene())?.report_html(&capture())?.starts_with("<!"));
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`CapturedImage::report_page`].

@@ -106,6 +106,13 @@ impl Parameter {
     }
 
     /// Its unit.
+    ///
+    /// ```
+    /// let parameter: radsight::Parameter = "pinhole.diameter".parse()?;
+    /// assert_eq!(parameter.name(), "pinhole.diameter");
+    /// assert!(!parameter.unit().is_empty());
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn unit(&self) -> &'static str {
         match &self.kind {

@@ -36,6 +36,18 @@ pub struct MergedJob {
 impl MergedJob {
     /// Merges parts in any order. A part may occur twice.
     ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::{JobTarget, RenderJob, Renderer};
+    /// let job = RenderJob::new(JobTarget::picture(&view(), 8, 8), 2);
+    /// let parts = job.split(2, [8, 8])?;
+    /// let mut renderer = Renderer::new(&scene())?;
+    /// let results = [renderer.run_job(&parts[1])?, renderer.run_job(&parts[0])?];
+    /// let merged = radsight::MergedJob::of(&results)?;
+    /// assert_eq!((merged.values.len(), merged.missing().len()), (3 * 64, 0));
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Part`] for no parts, parts of different jobs, and duplicate parts
     /// with different values.
@@ -114,6 +126,15 @@ impl MergedJob {
     /// `d²/(v² + (0.01·m)²)` over the bands of all pixels, d the standard error of a value v and m
     /// the mean of its band. For exposures: the rms standard error relative to the mean. `None`
     /// with one sample, without pixels, and for black pictures.
+    ///
+    /// ```
+    /// # use radsight::example::{scene, view};
+    /// use radsight::{JobTarget, RenderJob, Renderer};
+    /// let job = RenderJob::new(JobTarget::picture(&view(), 8, 8), 2);
+    /// let merged = radsight::MergedJob::of(&[Renderer::new(&scene())?.run_job(&job)?])?;
+    /// assert!(merged.relative_error().unwrap() < 1.0);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn relative_error(&self) -> Option<f64> {
         let is_there = |number: &usize| self.has_pixel[number / self.components];

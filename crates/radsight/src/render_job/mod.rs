@@ -199,12 +199,23 @@ impl JobTarget {
     }
 
     /// The camera file with this name.
+    ///
+    /// ```
+    /// use radsight::JobTarget;
+    /// assert!(matches!(JobTarget::capture("camera.toml"), JobTarget::Capture { .. }));
+    /// ```
     #[must_use]
     pub fn capture(camera: impl Into<String>) -> JobTarget {
         JobTarget::Capture { camera: camera.into() }
     }
 
     /// The radiance of the rays in the text file with this name.
+    ///
+    /// ```
+    /// use radsight::{JobTarget, RayQuantity};
+    /// let JobTarget::Trace { quantity, .. } = JobTarget::trace("sensors.txt") else { panic!("rays") };
+    /// assert_eq!(quantity, RayQuantity::Radiance);
+    /// ```
     #[must_use]
     pub fn trace(rays: impl Into<String>) -> JobTarget {
         JobTarget::Trace { rays: rays.into(), format: RayFormat::default(), quantity: RayQuantity::default() }
@@ -213,6 +224,12 @@ impl JobTarget {
 
 impl RenderJob {
     /// All pixels or rays, with seed 0 and without interreflection.
+    ///
+    /// ```
+    /// use radsight::{JobTarget, RenderJob};
+    /// let job = RenderJob::new(JobTarget::capture("camera.toml"), 64);
+    /// assert_eq!((job.samples, job.seed), (64, 0));
+    /// ```
     #[must_use]
     pub fn new(target: JobTarget, samples: u32) -> RenderJob {
         RenderJob {
@@ -234,6 +251,11 @@ impl RenderJob {
     }
 
     /// Reads a job; `name` is its name in messages.
+    ///
+    /// ```
+    /// use radsight::RenderJob;
+    /// assert!(RenderJob::from_json("job.json", b"{}").unwrap_err().to_string().contains("job.json"));
+    /// ```
     ///
     /// # Errors
     /// [`Error::Job`] with the position, and [`Error::Option`] for a number out of range.

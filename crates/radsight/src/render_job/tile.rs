@@ -28,6 +28,16 @@ impl Tile {
 impl RenderJob {
     /// The requested pixels of a picture of this size; rays are one row.
     ///
+    /// ```
+    /// use radsight::{JobTarget, RenderJob};
+    /// let mut job = RenderJob::new(JobTarget::capture("camera.toml"), 64);
+    /// job.rows = Some(4..6);
+    /// assert_eq!(job.tile_of([16, 12])?.pixels(), 32);
+    /// job.rows = Some(4..13);
+    /// assert!(job.tile_of([16, 12]).is_err());
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Option`] if the picture does not have them.
     pub fn tile_of(&self, [columns, rows]: [usize; 2]) -> Result<Tile, Error> {
@@ -43,6 +53,13 @@ impl RenderJob {
 
     /// Jobs for at most this number of parts of a picture of this size, with about the same number
     /// of rows or rays each.
+    ///
+    /// ```
+    /// use radsight::{JobTarget, RenderJob};
+    /// let parts = RenderJob::new(JobTarget::capture("camera.toml"), 64).split(3, [16, 12])?;
+    /// assert_eq!(parts[2].rows, Some(8..12));
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Option`] for no parts, and for rows or rays that do not exist.
@@ -64,6 +81,13 @@ impl RenderJob {
     }
 
     /// Jobs for rectangles of at most this size.
+    ///
+    /// ```
+    /// use radsight::{JobTarget, RenderJob};
+    /// let tiles = RenderJob::new(JobTarget::capture("camera.toml"), 64).split_tiles([8, 8], [16, 12])?;
+    /// assert_eq!((tiles.len(), tiles[3].columns.clone(), tiles[3].rows.clone()), (4, Some(8..16), Some(8..12)));
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Option`] for a rectangle without pixels, for a job of rays, and for pixels that the
@@ -88,6 +112,13 @@ impl RenderJob {
     }
 
     /// Jobs for ranges of at most this number of rays.
+    ///
+    /// ```
+    /// use radsight::{JobTarget, RenderJob};
+    /// let parts = RenderJob::new(JobTarget::trace("sensors.txt"), 1).split_rays(64, 100)?;
+    /// assert_eq!(parts[1].rays, Some(64..100));
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Option`] for no rays, for a job of a picture, and for rays that do not exist.
