@@ -10,6 +10,7 @@ const READERS: [&str; 7] = [
     ".option_before_files()",
     ".option_before_numbers()",
     ".last_options()",
+    ".last_signed_options()",
     ".meant(",
     "parse_option(",
     "parse_word(",

@@ -5,7 +5,10 @@ use crate::image::{Image, Maps};
 use crate::integrator::{Integrator, RayQueries};
 use crate::renderer::{check_budget, check_materials, header, report};
 use crate::{Error, Renderer, report_page};
-use radsight_adaptive::{ErrorTarget, PixelSource, SEQUENCE_LOG2, SamplingState, Stop, begin, ray_number, refine};
+use radsight_adaptive::{
+    ErrorTarget, FIRST_SAMPLES, PixelSamples, PixelSource, SEQUENCE_LOG2, SamplingState, Stop, begin, ray_number,
+    refine,
+};
 use radsight_capture::Progress;
 use radsight_film::{Estimate, PixelNoise, SamplingBudget};
 use radsight_render::{Ray, RaySpacing, RayWorker};
@@ -159,6 +162,17 @@ impl<'s> PixelSource for CameraRays<'s> {
             self.trace(worker, numbers, |_, value| sum = std::array::from_fn(|band| sum[band] + value[band]));
         }
         sum
+    }
+
+    /// Asks the camera once, since a call may be expensive.
+    fn first(&self, worker: &mut RayWorker<'s>, pixel: usize) -> PixelSamples<[f64; 3]> {
+        let numbers: [u64; FIRST_SAMPLES as usize] = std::array::from_fn(|sample| ray_number(pixel, sample as u32));
+        let mut values = [[0.0; 3]; FIRST_SAMPLES as usize];
+        self.trace(worker, &numbers, |number, value| values[(number - numbers[0]) as usize] = value);
+        let mut first = PixelSamples::of(values[0], 1);
+        first.double(&values[1]);
+        first.double(&std::array::from_fn(|band| values[2][band] + values[3][band]));
+        first
     }
 
     fn stops(&self) -> bool {

@@ -43,7 +43,7 @@ const USUAL_JITTER: f64 = 0.67;
 /// let mut options = RenderOptions { ambient_bounces: 2, ..RenderOptions::default() };
 /// let pixels = ErrorBudget::error(0.02).apply(&mut options);
 /// // The cache is filled for a part of the error; pixels estimate the rest.
-/// assert!(matches!(pixels, SamplingBudget::Error(ErrorTarget { error, .. }) if error == 0.02));
+/// assert!(matches!(pixels, SamplingBudget::Error(target) if target.error == 0.02));
 /// assert!(options.gathering.noise <= 0.03);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use crate::{Capture, MemoryLoader, Scene, View};
 #[must_use]
 pub fn scene() -> Scene {
     let text = "void glow white 0 0 4 1 1 1 0  white sphere ball 0 0 4 0 9 0 2
-                void plastic grey 0 0 5 .5 .5 .5 0 0  grey sphere stone 0 0 4 4 9 0 1
+                void plastic grey 0 0 5 .5 .5 .5 0 0  grey sphere stone 0 0 4 2.7 9 0 .5
                 void glow sky 0 0 4 .2 .2 .2 0  sky source dome 0 0 4 0 0 1 360";
     Scene::from_text(text).expect("the text is a scene")
 }

@@ -80,7 +80,7 @@ impl Renderer {
     /// use glam::DVec3;
     /// use radsight::{Ray, Renderer};
     /// let ahead = Ray::new(DVec3::ZERO, DVec3::Y).unwrap();
-    /// let stone = Ray::new(DVec3::new(4.0, 0.0, 0.0), DVec3::Y).unwrap();
+    /// let stone = Ray::new(DVec3::new(2.7, 0.0, 0.0), DVec3::Y).unwrap();
     /// let mut first = Renderer::new(&scene())?.ambient_bounces(1);
     /// let cache = first.irradiance_cache_of(&[ahead, stone], &radsight::Silent)?.unwrap();
     /// let mut second = Renderer::new(&scene())?.ambient_bounces(1);
@@ -100,7 +100,7 @@ impl Renderer {
     /// use glam::DVec3;
     /// use radsight::{Ray, Renderer};
     /// let ahead = Ray::new(DVec3::ZERO, DVec3::Y).unwrap();
-    /// let below = Ray::new(DVec3::new(4.0, 0.0, 0.0), DVec3::Y).unwrap();
+    /// let below = Ray::new(DVec3::new(2.7, 0.0, 0.0), DVec3::Y).unwrap();
     /// let mut renderer = Renderer::new(&scene())?.ambient_bounces(1);
     /// assert!(renderer.irradiance_cache_of(&[ahead, below], &radsight::Silent)?.is_some());
     /// # Ok::<(), radsight::Error>(())

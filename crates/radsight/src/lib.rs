@@ -58,6 +58,9 @@ mod scene;
 mod series_file;
 mod view;
 
+/// The vectors of rays: `radsight::glam::DVec3` fits whatever other version a program uses.
+pub use glam;
+
 pub use camera::{Camera, CameraRay};
 pub use capture::{Capture, CaptureCamera, CapturedImage};
 pub use capture_series::{CaptureSeries, SeriesExposure, SeriesPicture, SeriesScenes, expose_series};

@@ -250,7 +250,7 @@ impl Renderer {
     /// ```
     /// # use radsight::example::scene;
     /// let mut renderer = radsight::Renderer::new(&scene())?;
-    /// renderer.options_mut().max_depth = 4;
+    /// renderer.options_mut().seed = 7;
     /// # Ok::<(), radsight::Error>(())
     /// ```
     pub fn options_mut(&mut self) -> &mut RenderOptions {

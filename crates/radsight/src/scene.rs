@@ -49,7 +49,7 @@ impl Scene {
     /// Reads scene text. Files that it names are searched in the working folder.
     ///
     /// ```
-    /// let error = radsight::Scene::from_text("void plastic grey 0 0 3 1 1 1").unwrap_err();
+    /// let error = radsight::Scene::from_text("void plastic").unwrap_err();
     /// assert!(error.to_string().contains(":1:"), "{error}");
     /// ```
     ///

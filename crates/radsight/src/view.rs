@@ -92,7 +92,7 @@ impl View {
     /// The options of the view.
     ///
     /// ```
-    /// assert!(radsight::example::view().to_args().starts_with("-vtv"));
+    /// assert!(radsight::example::view().to_args().contains("-vh 40"));
     /// ```
     #[must_use]
     pub fn to_args(&self) -> String {
