@@ -13,11 +13,13 @@
 //! Where a lamp's image is large, as at a focus, random directions hit it often enough. Random rays
 //! count where the lamp's image is at least as large as a fraction of the cones from which they are
 //! drawn, and solutions count where it is smaller. The image's size is a function of the path, so
-//! every path belongs to exactly one of the two techniques.
+//! every path belongs to exactly one of the two techniques. Random rays are cheap, so each point has
+//! several: beside a focus, where searches rarely converge, they are the better technique.
 //!
 //! The solved path is traced like any other, but counts only if it takes the same chain and ends at
 //! that lamp. Paths that light sampling finds, straight or through bodies, are left to it.
 
+use crate::caustic_chain::ChainChoices;
 use crate::direct::DirectSampler;
 use crate::mis::{CausticPath, Lobe, MisState};
 use crate::retrace::MAX_LIGHTS;
@@ -26,11 +28,11 @@ use crate::specular_return::{RayBundle, TangentPlane};
 use crate::trace::PathIntegrator;
 use crate::trace::path_state::PathState;
 use glam::{DMat2, DVec2, DVec3};
-use radsight_accel::{PrimitiveId, Ray, is_flat};
+use radsight_accel::{PrimitiveId, Ray};
 use radsight_brdf::Density;
 use radsight_bsdf::{Bsdf, BsdfSample, PdfRequest};
-use radsight_compile::{Kind, Reflector, Shader};
-use radsight_ir::{Shape, SurfaceHandle};
+use radsight_compile::Reflector;
+use radsight_ir::SurfaceHandle;
 use radsight_light::{Light, LightForm};
 use radsight_sampling::{DimensionSet, choose, unit_disk};
 use radsight_texture::strongest;
@@ -40,23 +42,20 @@ use std::f64::consts::PI;
 /// is not a reflector, such as a pane in front of one.
 const UNIFORM_FRACTION: f64 = 0.125;
 
-/// Probability of ending a chain early at each of its surfaces.
-const STOP_PROBABILITY: f64 = 0.15;
-
-/// Probability of transmission at a surface that reflects and transmits.
-const TRANSMIT_PROBABILITY: f64 = 0.7;
-
-/// Maximum length of a chain.
-const MAX_EVENTS: usize = 8;
-
 /// Number of lights searched at one point.
 const LIGHTS_AT_A_POINT: usize = 4;
 
 /// Probability of a search behind a scattered ray, which is one of many.
-const SCATTERED_PROBABILITY: f64 = 0.25;
+const SCATTERED_PROBABILITY: f64 = 0.0625;
 
-/// Random rays find a lamp whose expected number of hits exceeds one in this many.
-const LARGE_IMAGE_TRIALS: f64 = 8.0;
+/// Random rays find a lamp whose expected number of hits exceeds one in this many. A random ray
+/// costs a tenth of a search, so each point has several.
+const LARGE_IMAGE_TRIALS: f64 = 32.0;
+const LARGE_IMAGE_DRAWS: u32 = 8;
+
+/// A chain whose throughput is below this is continued by Russian roulette: all chains cost the
+/// same, but those with several reflections inside glass carry hardly any light.
+const MIN_THROUGHPUT: f64 = 0.25;
 
 /// Newton's method: steps, halvings of a diverging step, and the largest step as a tangent.
 const MAX_STEPS: u32 = 20;
@@ -234,18 +233,6 @@ impl Solution {
     }
 }
 
-/// Random numbers for decisions along a chain (SplitMix64).
-struct Choices(u64);
-
-impl Choices {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ mixed >> 31) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Adds rays towards lamps that a point sees through specular surfaces, for its diffuse
     /// component.
@@ -281,7 +268,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.sampler.take(DimensionSet::render(self.next_set - 1))
     }
 
-    /// Adds a ray in a random direction, which finds lamps with large images.
+    /// Adds rays in random directions, which find lamps with large images.
     fn sample_large_images(
         &mut self,
         path: &PathState<BANDS>,
@@ -289,10 +276,13 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         point: &Bsdf<'_, BANDS>,
         (seeds, chance): (&SeedDirections<'_>, f64),
     ) {
-        let [u, v, choice, _] = self.take_set();
-        let Some(direction) = seeds.draw([u, v, choice]) else { return };
-        let pdf = seeds.pdf(direction);
-        self.scatter_caustic(path, direct, point, (direction, pdf * chance, Lobe::LargeImage(pdf)));
+        for _ in 0..LARGE_IMAGE_DRAWS {
+            let [u, v, choice, _] = self.take_set();
+            let Some(direction) = seeds.draw([u, v, choice]) else { continue };
+            let pdf = seeds.pdf(direction);
+            let density = f64::from(LARGE_IMAGE_DRAWS) * chance * pdf;
+            self.scatter_caustic(path, direct, point, (direction, density, Lobe::LargeImage(pdf)));
+        }
     }
 
     /// Adds a ray that only counts lamps behind a chain of specular surfaces.
@@ -339,7 +329,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         point: &Bsdf<'_, BANDS>,
         (light, seeds, chance): (&Light, &SeedDirections<'_>, f64),
     ) {
-        let [u, v, ..] = self.take_set();
+        let [u, v, roulette, _] = self.take_set();
         let Some(goal) = LampPoint::new(light, direct.point, [u, v]) else { return };
         let from = (direct.point, direct.primitive);
         let Some(found) = self.search(from, seeds, &goal) else { return };
@@ -348,11 +338,18 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if !is_before || is_left_to_chance || !self.reaches(from, &found, light) {
             return;
         }
+        let survival =
+            (self.chain_throughput(Ray { origin: from.0, direction: found.direction }, from.1, &found.events)
+                / MIN_THROUGHPUT)
+                .min(1.0);
+        if roulette >= survival {
+            return;
+        }
         let mut trials = 1;
         while trials < MAX_TRIALS && !self.search(from, seeds, &goal).is_some_and(|again| again.is_same_as(&found)) {
             trials += 1;
         }
-        let pdf = found.pdf() * chance / f64::from(trials);
+        let pdf = found.pdf() * chance * survival / f64::from(trials);
         let lobe = Lobe::Caustic(CausticPath { chain: SpecularChain::of(&found.events), light: light.surface });
         self.scatter_caustic(path, direct, point, (found.direction, pdf, lobe));
     }
@@ -366,7 +363,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     ) -> Option<Solution> {
         let [u, v, choice, chain] = self.take_set();
         let direction = seeds.draw([u, v, choice])?;
-        let events = self.random_chain(from, direction, Choices(chain.to_bits()))?;
+        let events = self.random_chain(from, direction, ChainChoices::new(chain))?;
         self.solve(from, direction, events, goal)
     }
 
@@ -379,43 +376,6 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
         let next = self.next_visible(end, primitive);
         if light.radius.is_infinite() { next.is_none() } else { next.is_some_and(|hit| hit.surface == light.surface) }
-    }
-
-    /// A chain of specular events from an initial direction; `None` if light sampling finds its
-    /// paths.
-    fn random_chain(
-        &mut self,
-        (origin, mut from): (DVec3, Option<PrimitiveId>),
-        direction: DVec3,
-        mut choices: Choices,
-    ) -> Option<Vec<SpecularEvent>> {
-        let mut ray = Ray { origin, direction };
-        let mut events = Vec::new();
-        let mut is_caustic = false;
-        while events.len() < MAX_EVENTS
-            && let Some(hit) = self.next_visible(ray, from)
-        {
-            let shader = self.plan.shader_at(hit.shader);
-            let first = if choices.next() < TRANSMIT_PROBABILITY {
-                SpecularEvent::Transmitted
-            } else {
-                SpecularEvent::Reflected
-            };
-            let step = self.specular_direction(&ray, &hit, shader, first).map(|direction| (first, direction));
-            let other = first.other();
-            let step =
-                step.or_else(|| self.specular_direction(&ray, &hit, shader, other).map(|direction| (other, direction)));
-            let Some((event, direction)) = step else { break };
-            let shape = self.plan.scene.surfaces[hit.surface].shape;
-            is_caustic |= !is_seen_by_light_sampling(shader, event, shape);
-            events.push(event);
-            ray = Ray { origin: hit.point, direction };
-            from = Some(hit.primitive);
-            if choices.next() < STOP_PROBABILITY {
-                break;
-            }
-        }
-        is_caustic.then_some(events)
     }
 
     /// Newton's method from a direction.
@@ -446,14 +406,5 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             })?;
         }
         None
-    }
-}
-
-/// Whether light sampling follows lights through this event: panes and flat mirrors.
-fn is_seen_by_light_sampling(shader: &Shader, event: SpecularEvent, shape: Shape) -> bool {
-    match shader.kind {
-        Kind::Glass { .. } => event == SpecularEvent::Transmitted,
-        Kind::Mirror { .. } => is_flat(shape),
-        _ => false,
     }
 }

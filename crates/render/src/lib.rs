@@ -13,6 +13,7 @@ mod cache_prepass;
 mod cache_query;
 mod caching;
 mod caustic;
+mod caustic_chain;
 mod checksum;
 mod contribution;
 mod cubature_error;

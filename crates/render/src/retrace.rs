@@ -101,6 +101,15 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         None
     }
 
+    /// Fraction of the light that a dielectric transmits, by Fresnel; `None` for other surfaces.
+    pub(crate) fn transmittance(&mut self, ray: &Ray, hit: &Intersection, shader: &Shader) -> Option<f64> {
+        let Kind::Dielectric(boundary) = &shader.kind else { return None };
+        let interaction = SurfaceInteraction::at(ray, hit, hit.distance);
+        let scene = &self.plan.scene;
+        let (_, perturbation) = shader.body_appearance::<BANDS>(scene, &interaction, &mut self.workspace.scratch);
+        Some(1.0 - boundary.refract(ray.direction, hit.front, perturbation).reflectance)
+    }
+
     /// The direction of a ray after a specular event; `None` if the surface does not have it.
     pub(crate) fn specular_direction(
         &mut self,

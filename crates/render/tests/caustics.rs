@@ -100,6 +100,17 @@ fn a_ball_of_glass_focuses_a_lamp() {
 }
 
 #[test]
+fn a_ball_of_glass_makes_a_bright_spot() {
+    assert_finds_what_chance_finds(
+        |scene| {
+            let glass = scene.dielectric([1.0; 3], 1.5);
+            scene.sphere(glass, ball(DVec3::new(0.0, 0.0, 0.9), 0.5));
+        },
+        ball(DVec3::new(0.05, 0.02, 3.0), 0.15),
+    );
+}
+
+#[test]
 fn a_tube_throws_light_into_its_inside() {
     assert_finds_what_chance_finds(
         |scene| {
