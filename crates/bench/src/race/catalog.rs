@@ -23,13 +23,14 @@ pub(crate) struct Places<'a> {
 type Prepare = fn(&Places<'_>) -> Result<Option<Scene>, BenchError>;
 
 /// All scenes by name.
-pub(crate) const SCENES: [(&str, Prepare); 13] = [
+pub(crate) const SCENES: [(&str, Prepare); 14] = [
     ("cornell", cornell),
     ("exterior", exterior),
     ("lights100", |places| luminaires(places, "lights100", "room under 100 lights", 10)),
     ("lights10000", |places| luminaires(places, "lights10000", "room under 10,000 lights", 100)),
     ("mesh", mesh),
     ("mirrors", mirrors),
+    ("caustics", caustics),
     ("office-lamp", office_lamp),
     ("office-day", office_day),
     ("virtual", virtual_lights),
@@ -188,6 +189,30 @@ fn mirrors(places: &Places<'_>) -> Result<Option<Scene>, BenchError> {
     Ok(Some(
         Scene::new("mirrors", what, places.folder, "mirrors.rad", view, 6).with(&format!("-lr {LONGEST}")).translated(),
     ))
+}
+
+const CAUSTICS: &str = "# A small lamp throws light by way of a ring of metal and a lens onto a table.
+void plastic table_paint 0 0 5 .6 .55 .5 0 0
+void mirror steel 0 0 3 .9 .9 .9
+void dielectric crystal 0 0 5 1 1 1 1.5 0
+table_paint polygon table 0 0 12 -2 -2 0 2 -2 0 2 2 0 -2 2 0
+steel tube ring.inside 0 0 7 -.35 0 0 -.35 0 .25 .45
+steel cylinder ring.outside 0 0 7 -.35 0 0 -.35 0 .25 .46
+crystal sphere lens 0 0 4 .6 -.1 .45 .3
+lamp sphere bulb 0 0 4 1.1 .7 1.6 .05
+";
+
+/// Lines that make the lamp, for programs that sample lights and for those that hit it by chance.
+const SAMPLED_LAMP: &str = "void light lamp 0 0 3 400 380 340\n";
+const GLOWING_LAMP: &str = "void glow lamp 0 0 4 400 380 340 0\n";
+
+fn caustics(places: &Places<'_>) -> Result<Option<Scene>, BenchError> {
+    write(places, "caustics.rad", &format!("{SAMPLED_LAMP}{CAUSTICS}"))?;
+    write(places, "caustics-glow.rad", &format!("{GLOWING_LAMP}{CAUSTICS}"))?;
+    let view = "-vtv -vp 0 -2.4 2 -vd 0 .77 -.64 -vu 0 0 1 -vh 34 -vv 34";
+    let what = "ring of metal, lens and small lamp";
+    let scene = Scene::new("caustics", what, places.folder, "caustics.rad", view, 2);
+    Ok(Some(scene.with(&format!("-lr {LONGEST}")).with_caustics("caustics-glow.rad").translated()))
 }
 
 /// A published scene; `files` and `view` as words.

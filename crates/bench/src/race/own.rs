@@ -64,14 +64,14 @@ impl Program for Own {
 
     fn reading(&self, scene: &Scene) -> Option<Command> {
         let mut command = self.radsight.command(&["rtrace", "-h"]);
-        command.args(&scene.task).args(&scene.files);
+        command.args(&scene.task).args(&scene.own_task).args(&scene.files);
         Some(command)
     }
 
     fn render(&self, scene: &Scene, setting: &Setting, folder: &Path) -> Result<(Taken, Image<f32>), BenchError> {
         let output = folder.join("own.floats");
         let mut command = self.radsight.command(&["rpict", "-w-", "-ff", "-pj", "1"]);
-        command.args(scene.frame()).args(&scene.task).args(&setting.options).args(&scene.files);
+        command.args(scene.frame()).args(&scene.task).args(&scene.own_task).args(&setting.options).args(&scene.files);
         scene.place(&mut command);
         let taken = taken(&mut command, &scene.folder, None, Some(&output))?;
         Ok((taken, read_picture(&output)?))

@@ -174,7 +174,7 @@ impl Program for Real<'_> {
     fn prepare(&mut self, scene: &Scene, folder: &Path) -> Result<(), BenchError> {
         self.octree = folder.join(format!("{}.oct", scene.name));
         let mut command = self.radiance.command("oconv");
-        scene.place(command.args(&scene.files));
+        scene.place(command.args(scene.files_of_radiance()));
         measure(&mut command, None, Some(&self.octree), HINT).map(|_| ())
     }
 

@@ -14,6 +14,8 @@ pub(crate) struct Scene {
     pub(crate) folder: PathBuf,
     /// The files of the scene, as `oconv` takes them.
     pub(crate) files: Vec<String>,
+    /// The files for real Radiance, if they differ.
+    pub(crate) radiance_files: Option<Vec<String>>,
     /// Folders of further files.
     pub(crate) library: Vec<PathBuf>,
     /// The view options.
@@ -21,6 +23,8 @@ pub(crate) struct Scene {
     pub(crate) size: [usize; 2],
     /// Options that define the computed light, for all of Radiance's programs: `-ab` and so on.
     pub(crate) task: Vec<String>,
+    /// Further options of radsight.
+    pub(crate) own_task: Vec<String>,
     /// The kind of settings that Radiance needs.
     pub(crate) light: Light,
     /// Whether Mitsuba supports the same materials and lights.
@@ -61,10 +65,12 @@ impl Scene {
             what,
             folder: folder.to_owned(),
             files: words(files),
+            radiance_files: None,
             library: Vec::new(),
             view: words(view),
             size: [SIDE, SIDE],
             task: words(&format!("-ab {bounces} {PATHS}")),
+            own_task: Vec::new(),
             light: if bounces == 0 { Light::Direct } else { Light::Indirect },
             translated: false,
         }
@@ -80,6 +86,19 @@ impl Scene {
     pub(crate) fn with(mut self, options: &str) -> Scene {
         self.task.extend(words(options));
         self
+    }
+
+    /// Sets light of lamps by way of mirrors and glass as part of the task. Real Radiance computes
+    /// it for glows only, so it gets files in which the lamps are glows.
+    pub(crate) fn with_caustics(mut self, radiance_files: &str) -> Scene {
+        self.own_task.extend(words("--caustics"));
+        self.radiance_files = Some(words(radiance_files));
+        self
+    }
+
+    /// The files of real Radiance.
+    pub(crate) fn files_of_radiance(&self) -> &[String] {
+        self.radiance_files.as_ref().unwrap_or(&self.files)
     }
 
     /// Sets a program's folder and search path for the scene: its other folders precede `RAYPATH`.
@@ -112,7 +131,7 @@ impl Scene {
         let mut hasher = DefaultHasher::new();
         // The paths of generated files change between runs.
         let names: Vec<&String> = self.files.iter().filter(|file| Path::new(file).is_relative()).collect();
-        (&names, &self.view, &self.size, &self.task).hash(&mut hasher);
+        (&names, &self.view, &self.size, &self.task, &self.own_task).hash(&mut hasher);
         for file in &self.files {
             let path = self.folder.join(file);
             std::fs::read(&path)

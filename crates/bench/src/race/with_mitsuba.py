@@ -4,7 +4,7 @@ Usage: with_mitsuba.py probe VARIANT
        with_mitsuba.py render VARIANT SCENE.rad OUT.pfm RADSIGHT COLUMNS ROWS RAYS DEPTH SAMPLER VIEW-OPTION...
 
 Prints the processor time and the wall time in s of the rendering alone, without start, loading and translation. SCENE.rad holds
-polygons (convex), spheres, cylinders and sources of plastic without highlight, mirror, dielectric, light and glow; a pattern may stand
+polygons (convex), spheres, cylinders, tubes and sources of plastic without highlight, mirror, dielectric, light and glow; a pattern may stand
 only before the glow of a source, whose picture is asked of `radsight rtrace`.
 """
 
@@ -48,7 +48,7 @@ class Scene:
                 corners = np.array(numbers, np.float32).reshape(-1, 3)
                 fan = [(corners[0], corners[i], corners[i + 1]) for i in range(1, len(corners) - 1)]
                 self.triangles.setdefault(modifier, []).extend(fan)
-            elif kind in ("sphere", "cylinder"):
+            elif kind in ("sphere", "cylinder", "tube"):
                 self.shapes.append((modifier, kind, numbers))
             elif kind == "source":
                 self.sources.append((modifier, name, numbers))
@@ -137,7 +137,7 @@ def load(path, radsight, columns, rows, sampler, view):
     for name, triangles in scene.triangles.items():
         made[f"mesh_{len(made)}"] = mesh(name, triangles, scene.materials[name])
     for name, kind, numbers in scene.shapes:
-        shape = {"type": kind}
+        shape = {"type": "sphere" if kind == "sphere" else "cylinder"}
         if kind == "sphere":
             shape.update(center=numbers[:3], radius=numbers[3])
         else:
