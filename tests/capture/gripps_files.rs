@@ -18,8 +18,9 @@ fn the_written_light_rings_are_what_the_program_prints() {
 #[test]
 fn no_scene_file_has_a_mistake() {
     let parts = ["washer.rad", "part-ball.rad", "part-cone.rad", "part-machined-ring.rad"];
+    let more_parts = ["part-torus.rad", "part-glass-ball.rad"];
     let others = ["sheet-lambertian.rad", "sheet-retro.rad", "rig-cone.rad", "rig-table.rad"];
-    for file in parts.iter().chain(&others).map(|name| gripps(name)) {
+    for file in parts.iter().chain(&more_parts).chain(&others).map(|name| gripps(name)) {
         let file = &file;
         assert!(radsight(&["check", "--strict", file]).text().ends_with("no error\n"), "{file}");
     }

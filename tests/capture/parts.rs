@@ -4,7 +4,9 @@
 //! `tests/gripps/truth/part-*.pfm` and `tall-washer.pfm` were made once by `radsight capture
 //! tests/gripps/part.toml … --samples 65536` before lights were sampled through mirrors, so neither
 //! tested strategy influenced them. `axis-washer.pfm` was made in the same way before lights in
-//! plane mirrors were sampled as strata.
+//! plane mirrors were sampled as strata. `part-torus.pfm` and `part-glass-ball.pfm` were made with
+//! the LEDs as glows, which rays hit by chance only (262,144 rays per pixel): no strategy for
+//! lights takes part. Their noise is 1.0 and 0.2 % of the mean exposure.
 
 use crate::pictures::{Difference, exposure_file, show};
 use crate::program::{Folder, gripps, radsight, root};
@@ -17,12 +19,12 @@ fn file(name: &str) -> String {
     root().join("tests/gripps").join(name).to_string_lossy().into_owned()
 }
 
-fn captures(part: &str, error: &str) -> Vec<Image<f32>> {
+fn captures(part: &str, asked: [&str; 2]) -> Vec<Image<f32>> {
     let folder = Folder::new();
     let out = folder.word("x.pfm");
     let capture = |seed: u32| {
         let (camera, sheet, seed) = (file("part.toml"), gripps("sheet-retro.rad"), seed.to_string());
-        let words = ["capture", &camera, &sheet, part, "--error", error, "--seed", &seed, "--exposure", &out];
+        let words = ["capture", &camera, &sheet, part, asked[0], asked[1], "--seed", &seed, "--exposure", &out];
         radsight(&words).done();
         exposure_file(&folder.path("x.pfm"))
     };
@@ -33,7 +35,7 @@ fn captures(part: &str, error: &str) -> Vec<Image<f32>> {
 /// errors.
 fn check(name: &str, part: &str, error: f64) {
     let truth = exposure_file(&root().join(format!("tests/gripps/truth/{name}.pfm")));
-    let captures = captures(part, &error.to_string());
+    let captures = captures(part, ["--error", &error.to_string()]);
     let differences: Vec<Difference> = captures.iter().map(|picture| Difference::new(picture, &truth)).collect();
     let rms = (differences.iter().map(|difference| difference.rms.powi(2)).sum::<f64>() / f64::from(SEEDS)).sqrt();
     let mean: Vec<f32> = (0..truth.data().len())
@@ -42,7 +44,10 @@ fn check(name: &str, part: &str, error: f64) {
     let mean = Image::new(truth.width(), truth.height(), 1, mean).expect("a picture");
     let of_mean = Difference::new(&mean, &truth);
     println!("{name}: asked {error}, rms {rms}, of the mean {of_mean:?}");
-    if rms > 1.1 * error || of_mean.rms > 1.3 * rms / f64::from(SEEDS).sqrt() + 0.002 || of_mean.mean.abs() > 0.003 {
+    if rms > 1.1 * error
+        || of_mean.rms > 1.3 * rms / f64::from(SEEDS).sqrt() + 0.002
+        || of_mean.mean.abs() > 0.15 * error
+    {
         let shown = show(name, &mean, &truth);
         panic!("{name}: asked {error}, rms {rms}, of the mean {of_mean:?}; see {}", shown.display());
     }
@@ -61,6 +66,32 @@ fn a_polished_cone_shows_the_far_sheet() {
 #[test]
 fn a_machined_ring_is_rough() {
     check("part-machined-ring", &gripps("part-machined-ring.rad"), 0.02);
+}
+
+#[test]
+fn a_torus_of_triangles_shows_leds_along_its_crest() {
+    check("part-torus", &gripps("part-torus.rad"), 0.05);
+}
+
+/// With a fixed number of rays there is no bias by the choice of pixels that get more.
+#[test]
+fn a_ball_of_glass_is_seen_without_bias() {
+    let truth = exposure_file(&root().join("tests/gripps/truth/part-glass-ball.pfm"));
+    let captures = captures(&gripps("part-glass-ball.rad"), ["--samples", "256"]);
+    let count = captures.len() as f64;
+    let (mut squares, mut variances, mut deviations, mut sum) = (0.0, 0.0, 0.0, 0.0);
+    for (pixel, expected) in truth.data().iter().map(|value| f64::from(*value)).enumerate() {
+        let values = captures.iter().map(|picture| f64::from(picture.data()[pixel]));
+        let mean = values.clone().sum::<f64>() / count;
+        variances += values.map(|value| (value - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
+        squares += (mean - expected).powi(2);
+        deviations += mean - expected;
+        sum += expected;
+    }
+    // The truth's own noise is a tenth of that of the captures.
+    let (error, expected_error) = (squares.sqrt(), variances.sqrt());
+    assert!((0.5..1.2).contains(&(error / expected_error)), "error {error:e}, of independent seeds {expected_error:e}");
+    assert!(deviations.abs() < 3.0 * expected_error, "{deviations:e} ± {expected_error:e} of {sum:e}");
 }
 
 #[test]
