@@ -90,6 +90,16 @@ fn silhouettes_are_averaged_over_pixels() {
 }
 
 #[test]
+fn stripes_of_the_width_of_a_pixel_keep_their_mean() {
+    // Three tenths of each pixel are dark, and its centre is bright.
+    let stripes = "void brightfunc stripes 2 if(frac(64*Px)-.7,.1,1) .\n0 0\nstripes glow white 0 0 4 1 1 1 0\n";
+    let scene = format!("{stripes}white polygon sheet 0 0 12 -2 5 -2 2 5 -2 2 5 2 -2 5 2\n");
+    let view = "-vtl -vp 0 0 0 -vd 0 1 0 -vh 2 -vv 2 -x 128 -y 128 -ff -pj 1 -ps 1";
+    let mean = red(&scene, view).iter().sum::<f64>() / (SIDE * SIDE) as f64;
+    assert!((mean / 0.73 - 1.0).abs() < 0.03, "{mean} instead of 0.73");
+}
+
+#[test]
 fn what_is_thinner_than_a_cell_is_found() {
     // A wire about two pixels wide.
     let scene = "void glow white 0 0 4 1 1 1 0\nwhite polygon wire 0 0 12 -.1 5 -1 -.06 5 -1 .14 5 1 .1 5 1\n";

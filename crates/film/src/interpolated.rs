@@ -381,13 +381,7 @@ impl Block<'_> {
             for number in tally.rays..wanted {
                 let index = numbered([column, row], spacing, COARSE_RAYS.1, number);
                 let sampler = RaySampler::new(self.renderer.plan().seed(), index);
-                // A single ray represents the pixel best at its centre; probes find what lies at
-                // its border.
-                let ray = if most == 1 {
-                    self.camera.center_ray(column, row, &sampler)
-                } else {
-                    self.camera.ray(column, row, &sampler)
-                };
+                let ray = self.camera.ray(column, row, &sampler);
                 tally.add(ray.map_or(([0.0; 3], OUTSIDE), |ray| trace_sample(worker, index, &ray)));
             }
             let sample = tally.sample();

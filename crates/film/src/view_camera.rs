@@ -113,13 +113,6 @@ impl ViewCamera {
         self.ray_at(self.place(column, row, [x, y]), [across, along], sampler)
     }
 
-    /// The same through the centre of the pixel.
-    #[must_use]
-    pub fn center_ray(&self, column: usize, row: usize, sampler: &RaySampler) -> Option<CameraRay> {
-        let [.., across, along] = sampler.take(DimensionSet::CAMERA);
-        self.ray_at(self.place(column, row, [0.5, 0.5]), [across, along], sampler)
-    }
-
     /// A ray through any point of the view, (0, 0) the lower left corner and (1, 1) the upper
     /// right, distributed like those of pixels.
     #[must_use]
