@@ -76,7 +76,7 @@ pub(crate) struct Commands {
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
     pub(crate) truth_budget: f64,
     /// Rms error of blocks at which a truth is sufficient
-    #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.005)]
     pub(crate) truth_noise: f64,
     /// Folder of prepared scenes, pictures and truths, which are used again [default: bench in the
     /// folder above this program's]

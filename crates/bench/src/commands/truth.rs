@@ -13,11 +13,13 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 /// Nothing interpolated, estimated or cut off; each pixel sampled anywhere, and lights as well.
-/// Random numbers start from the second.
-const UNBIASED: &str = "-u+ -aa 0 -as 0 -ps 1 -pj 1 -pt 0 -dt 0 -dc 1 -dj 1 -st 0 -lr -16 -lw 1e-6 -pa 0 -t 0";
+/// Random numbers start from the second. What light is computed stays as it was asked for: `-ab`,
+/// `-av`, and `-st`, below which no program samples reflections.
+const UNBIASED: &str = "-u+ -aa 0 -as 0 -ps 1 -pj 1 -pt 0 -dt 0 -dc 1 -dj 1 -lr -16 -lw 1e-6 -pa 0 -t 0";
 
-/// Rays of a hemisphere. Many pixels with few rays are better than few with many.
-const HEMISPHERE_RAYS: &str = "-ad 32";
+/// Rays of a hemisphere and of a rough reflection. Many pixels with few rays are better than few
+/// with many.
+const RAYS: &str = "-ad 32 -ss 1";
 
 /// Pixels along each side of one that is averaged: doubled as long as a picture takes less than
 /// [`SHORT`] s.
@@ -75,8 +77,9 @@ impl Truth {
 
 /// The path of the truth of a call, which changes with its words.
 pub(super) fn path(folder: &Path, index: usize, call: &Call) -> PathBuf {
+    let words = words(&call.words, [0, 0]);
     // The octree's path is not a setting.
-    let words = call.words.split_last().map_or(&[][..], |(_, options)| options).join(" ");
+    let words = words.split_last().map_or(&[][..], |(_, options)| options).join(" ");
     let key = words
         .bytes()
         .fold(0xcbf2_9ce4_8422_2325_u64, |key, byte| (key ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3));
@@ -93,7 +96,7 @@ fn noise(halves: &Halves) -> f64 {
 fn words(words: &[String], [columns, rows]: [usize; 2]) -> Vec<String> {
     let Some((octree, options)) = words.split_last() else { return Vec::new() };
     let size = ["-x".to_owned(), columns.to_string(), "-y".to_owned(), rows.to_string()];
-    let further = UNBIASED.split(' ').chain(HEMISPHERE_RAYS.split(' ')).map(str::to_owned);
+    let further = UNBIASED.split(' ').chain(RAYS.split(' ')).map(str::to_owned);
     options.iter().cloned().chain(further).chain(size).chain([octree.clone()]).collect()
 }
 
