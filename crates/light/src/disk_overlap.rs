@@ -121,6 +121,12 @@ impl DiskOverlap {
         self.area
     }
 
+    /// x of the centroid. The first moments of the two segments about the centres of their circles
+    /// depend on their common chord alone, and cancel.
+    pub(crate) fn centroid(&self) -> f64 {
+        -self.offset * (self.area - self.left_area) / self.area
+    }
+
     /// Maps a point of the unit square to a point of the overlap; returns its coordinates and its
     /// density by area.
     ///

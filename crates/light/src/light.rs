@@ -61,6 +61,12 @@ impl LightCone {
         LightCone { axis, half_angle, sine: half_angle.sin(), cosine: half_angle.cos(), tangent: half_angle.tan() }
     }
 
+    /// Sine and cosine of the half angle.
+    #[must_use]
+    pub fn sin_cos(&self) -> (f64, f64) {
+        (self.sine, self.cosine)
+    }
+
     /// Whether a point at `offset` from the centre of a sphere of this radius, and outside it, lies
     /// in no cone from a point of the sphere.
     #[inline]
@@ -132,8 +138,8 @@ impl Light {
     /// and disks that are large for their distance.
     #[must_use]
     pub fn cubature(&self, receiver: DVec3, peak: &LobePeak, tolerance: f64) -> Option<LightCubature> {
-        let LightForm::Disk { center, normal, inner_squared, outer_squared, .. } = self.form else { return None };
-        if inner_squared != 0.0 || !self.virtual_sources.is_empty() || self.max_distance.is_finite() {
+        let LightForm::Disk { center, normal, outer_squared, .. } = self.form else { return None };
+        if !self.is_plain_disk() {
             return None;
         }
         let radius = outer_squared.sqrt();
@@ -151,6 +157,13 @@ impl Light {
         let shape = self.integrand_shape(receiver, peak, radius);
         let rule = DiskRule::new(&overlap, radius, shape, tolerance)?;
         Some(LightCubature { rule, receiver, center, normal, x, y: normal.cross(x) })
+    }
+
+    /// Whether it is a disk without hole, seen directly, that gives light at all distances.
+    #[must_use]
+    pub fn is_plain_disk(&self) -> bool {
+        let is_disk = matches!(self.form, LightForm::Disk { inner_squared, .. } if inner_squared == 0.0);
+        is_disk && self.virtual_sources.is_empty() && self.max_distance.is_infinite()
     }
 
     /// Shape of lobe times solid angle over the disk of this radius.
