@@ -2,7 +2,9 @@
 //!
 //! One ray through the centre of each pixel returns the surface that it hits and the lights that
 //! reach it. An edge is where these differ between pixels, or where the radiance itself is sharp.
-//! The pinhole blurs an edge over the pixels that its image covers there.
+//! The extent of a light blurs the edge of its cone. The pinhole blurs all edges over the pixels
+//! that its image covers, and an image at a distance at least as much as one at infinity. The width
+//! of the blurred edge in pixels limits the stride of a lattice that resolves it.
 
 use crate::Exposer;
 use crate::lattice::Lattice;
@@ -12,67 +14,155 @@ use radsight_render::{Ray, SmoothView};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
-/// Edges of a picture as a summed-area table, so that any rectangle is queried in one step.
+/// Minimum number of lattice points across a blurred edge. Then no edge lies between them unseen,
+/// and residuals show where a finer lattice is needed.
+const POINTS_PER_EDGE: f64 = 2.0;
+
+/// Width from which an edge is smooth within a pixel, pixels.
+const WIDE_EDGE: f64 = 1.5;
+
+/// Edges of a picture as summed-area tables, so that any rectangle is queried in one step.
 #[derive(Debug)]
 pub(crate) struct Edges {
     columns: usize,
     rows: usize,
-    /// Number of edges left of and above each corner of pixels.
-    sums: Vec<u32>,
-    /// The number of pixels over which the pinhole blurs an edge.
+    /// By level from 1: number of pixels left of and above each corner of pixels that see an edge
+    /// which the level does not resolve.
+    unresolved: Vec<Vec<u32>>,
+    /// The same of the pixels that see edges other than those of cones.
+    other: Vec<u32>,
+    /// The number of pixels over which the pinhole blurs an edge to each side.
     blur: usize,
+    has_pinhole: bool,
+    /// Width of the sharpest edge, pixels; infinite if there is none.
+    narrowest: f64,
+}
+
+/// By how much the edges near a cell are blurred.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EdgeBlurs {
+    /// There is no edge.
+    None,
+    /// By the extent of a lamp or of the pinhole.
+    One,
+    /// By both.
+    Two,
+}
+
+/// The edges of the pixels of a picture.
+struct PixelEdges {
+    /// The width of the sharpest edge at each pixel, pixels; infinite where there is none.
+    widths: Vec<f64>,
+    /// The number of pixels over which the pinhole blurs any edge, at the least.
+    by_pinhole: f64,
 }
 
 impl Edges {
     /// Finds the edges of a picture.
-    pub(crate) fn find(exposer: &Exposer<'_>, images: &PixelImages) -> Edges {
-        let (plan, rays) = (exposer.renderer.plan(), exposer.rays);
+    pub(crate) fn find(exposer: &Exposer<'_>, images: &PixelImages, lattice: &Lattice) -> Edges {
+        let rays = exposer.rays;
         let (columns, rows) = (rays.camera().columns() as usize, rays.camera().rows() as usize);
-        let views: Vec<Option<SmoothView>> = (0..columns * rows)
-            .into_par_iter()
-            .with_min_len(64)
-            .map(|pixel| center_ray(rays, pixel).and_then(|ray| plan.smooth_view(&ray)))
-            .collect();
-        let is_edge = |pixel: usize| {
-            let differs = |other: usize| views.get(other).is_some_and(|other| !are_alike(&views[pixel], other));
-            let is_last = (pixel + 1).is_multiple_of(columns);
-            images.sees_any(pixel)
-                || views[pixel].is_none()
-                || (!is_last && differs(pixel + 1))
-                || differs(pixel + columns)
-        };
-        let edges: Vec<bool> = (0..columns * rows).map(is_edge).collect();
+        let PixelEdges { widths, by_pinhole } = PixelEdges::find(exposer, images);
+        let distance = |pixel: usize| center_ray(rays, pixel).and_then(|ray| exposer.renderer.plan().distance(&ray));
         let blur_at = |pixel: usize| {
-            let distance = |pixel: usize| center_ray(rays, pixel).and_then(|ray| plan.distance(&ray));
             let near = [Some(pixel), Some(pixel + 1), Some(pixel + columns)].into_iter().flatten();
             let nearest = near.filter(|near| *near < columns * rows).filter_map(distance).fold(f64::INFINITY, f64::min);
-            blur(rays, pixel as u64, nearest)
+            let [across, down] = blur(rays, pixel as u64, nearest);
+            across.max(down)
         };
-        let farthest =
-            (0..edges.len()).into_par_iter().filter(|pixel| edges[*pixel]).map(blur_at).reduce(|| 0.0, f64::max);
+        let has_pinhole = by_pinhole > 0.0;
+        let is_blurred = |pixel: &usize| has_pinhole && widths[*pixel].is_finite();
+        let farthest = (0..widths.len()).into_par_iter().filter(is_blurred).map(blur_at).reduce(|| 0.0, f64::max);
         let blur = farthest.min((columns + rows) as f64).ceil() as usize;
-        Edges { columns, rows, sums: summed(&edges, columns), blur }
-    }
-
-    /// The coarsest level at which no point of a cell's interpolation is near an edge; the finest
-    /// level if there is none.
-    pub(crate) fn level(&self, lattice: &Lattice, cell: usize) -> u8 {
-        let [columns, rows] = lattice.cell(cell);
-        let is_clear = |level: &u8| {
-            let margin = self.blur + 1 + Lattice::stride(*level);
-            !self.any(&columns, &rows, margin)
+        let other = summed(widths.iter().map(|width| *width <= by_pinhole), columns);
+        let of_level = |level: u8| {
+            let least = POINTS_PER_EDGE * Lattice::stride(level) as f64;
+            summed(widths.iter().map(|width| *width < least), columns)
         };
-        (1..lattice.finest()).find(is_clear).unwrap_or(lattice.finest())
+        let unresolved = (1..lattice.finest()).map(of_level).collect();
+        let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
+        Edges { columns, rows, unresolved, other, blur, has_pinhole, narrowest }
     }
 
-    fn any(&self, columns: &RangeInclusive<usize>, rows: &RangeInclusive<usize>, margin: usize) -> bool {
+    /// Whether radiance is smooth within each pixel of a point pinhole.
+    pub(crate) fn are_wider_than_pixels(&self) -> bool {
+        !self.has_pinhole && self.narrowest >= WIDE_EDGE
+    }
+
+    /// The coarsest level that resolves all edges near a cell's interpolation.
+    pub(crate) fn level(&self, lattice: &Lattice, cell: usize) -> u8 {
+        let is_resolved = |level: &u8| {
+            !self.any(&self.unresolved[usize::from(*level) - 1], lattice.cell(cell), self.margin(lattice, cell, *level))
+        };
+        (1..lattice.finest()).find(is_resolved).unwrap_or(lattice.finest())
+    }
+
+    /// By how much the edges near a cell's interpolation are blurred.
+    pub(crate) fn blurs(&self, lattice: &Lattice, cell: usize) -> EdgeBlurs {
+        let level = self.level(lattice, cell);
+        let is_near = |sums: &[u32]| self.any(sums, lattice.cell(cell), self.margin(lattice, cell, level));
+        match &self.unresolved[..] {
+            [coarsest, ..] if !is_near(coarsest) => EdgeBlurs::None,
+            _ if self.has_pinhole && !is_near(&self.other) => EdgeBlurs::Two,
+            _ => EdgeBlurs::One,
+        }
+    }
+
+    /// Distance from a cell within which edges matter at a level, pixels.
+    fn margin(&self, lattice: &Lattice, cell: usize, level: u8) -> usize {
+        self.blur + 1 + lattice.support(cell, level)
+    }
+
+    fn any(&self, sums: &[u32], [columns, rows]: [RangeInclusive<usize>; 2], margin: usize) -> bool {
         let grown = |range: &RangeInclusive<usize>, count: usize| {
             [range.start().saturating_sub(margin), (range.end() + margin + 1).min(count)]
         };
-        let ([left, right], [top, bottom]) = (grown(columns, self.columns), grown(rows, self.rows));
-        let sum = |x: usize, y: usize| self.sums[y * (self.columns + 1) + x];
+        let ([left, right], [top, bottom]) = (grown(&columns, self.columns), grown(&rows, self.rows));
+        let sum = |x: usize, y: usize| sums[y * (self.columns + 1) + x];
         sum(right, bottom) + sum(left, top) > sum(left, bottom) + sum(right, top)
     }
+}
+
+impl PixelEdges {
+    fn find(exposer: &Exposer<'_>, images: &PixelImages) -> PixelEdges {
+        let rays = exposer.rays;
+        let columns = rays.camera().columns() as usize;
+        let views = views(exposer);
+        // At the middle of the picture pixels are farthest apart by direction.
+        let middle = ((views.len() + columns) / 2).min(views.len() - 1);
+        let [across, down] = blur(rays, middle as u64, f64::INFINITY);
+        let by_pinhole = 2.0 * across.min(down);
+        let width = |pixel: usize| {
+            let differs = |other: usize| views.get(other).is_some_and(|other| !are_alike(&views[pixel], other));
+            let is_last = (pixel + 1).is_multiple_of(columns);
+            match &views[pixel] {
+                _ if images.sees_any(pixel) => 0.0,
+                Some(view) if !(differs(pixel + columns) || !is_last && differs(pixel + 1)) => {
+                    view.edge_width() + by_pinhole
+                }
+                _ => by_pinhole,
+            }
+        };
+        PixelEdges { widths: (0..views.len()).map(width).collect(), by_pinhole }
+    }
+}
+
+/// The views of all pixels.
+fn views(exposer: &Exposer<'_>) -> Vec<Option<SmoothView>> {
+    let (plan, rays) = (exposer.renderer.plan(), exposer.rays);
+    let columns = rays.camera().columns() as usize;
+    let pixels = columns * rays.camera().rows() as usize;
+    let centers: Vec<Option<Ray>> =
+        (0..pixels).into_par_iter().with_min_len(64).map(|pixel| center_ray(rays, pixel)).collect();
+    // The distance to the next pixel, which is on the other side in the last column and row.
+    let spacing = |pixel: usize, ray: &Ray| {
+        let beside = if (pixel + 1).is_multiple_of(columns) { pixel.wrapping_sub(1) } else { pixel + 1 };
+        let below = if pixel + columns < pixels { pixel + columns } else { pixel.wrapping_sub(columns) };
+        let near = [beside, below].into_iter().filter_map(|near| centers.get(near).copied().flatten());
+        near.map(|near| near.direction.distance(ray.direction)).fold(0.0, f64::max)
+    };
+    let view = |pixel: usize| centers[pixel].and_then(|ray| plan.smooth_view(&ray, spacing(pixel, &ray)));
+    (0..pixels).into_par_iter().with_min_len(64).map(view).collect()
 }
 
 fn center_ray(rays: &Rays, pixel: usize) -> Option<Ray> {
@@ -87,14 +177,11 @@ fn are_alike(a: &Option<SmoothView>, b: &Option<SmoothView>) -> bool {
     }
 }
 
-/// Number of pixels over which the pinhole blurs an object at a distance.
-fn blur(rays: &Rays, pixel: u64, distance: f64) -> f64 {
+/// Number of pixels, across and down, over which the pinhole blurs a point at a distance to each
+/// side.
+fn blur(rays: &Rays, pixel: u64, distance: f64) -> [f64; 2] {
     let through = |place, on_pinhole| rays.ray_through(pixel, place, on_pinhole);
-    let (Some(middle), Some(rim), Some(beside)) =
-        (through([0.5; 2], [0.0; 2]), through([0.5; 2], [1.0, 0.0]), through([1.5, 0.5], [0.0; 2]))
-    else {
-        return 0.0;
-    };
+    let Some(middle) = through([0.5; 2], [0.0; 2]) else { return [0.0; 2] };
     let apart = |other: &CameraRay| {
         let by_direction = other.direction - middle.direction;
         if distance.is_finite() {
@@ -103,21 +190,24 @@ fn blur(rays: &Rays, pixel: u64, distance: f64) -> f64 {
             by_direction.length()
         }
     };
-    let blur = apart(&rim) / apart(&beside);
-    if blur.is_finite() { blur } else { 0.0 }
+    [([1.5, 0.5], [1.0, 0.0]), ([0.5, 1.5], [0.0, 1.0])].map(|(beside, rim)| {
+        let (Some(rim), Some(beside)) = (through([0.5; 2], rim), through(beside, [0.0; 2])) else { return 0.0 };
+        let blur = apart(&rim) / apart(&beside);
+        if blur.is_finite() { blur } else { 0.0 }
+    })
 }
 
-/// The number of edges left of and above each corner.
-fn summed(edges: &[bool], columns: usize) -> Vec<u32> {
+/// The number of marked pixels left of and above each corner.
+fn summed(marked: impl Iterator<Item = bool>, columns: usize) -> Vec<u32> {
     let mut sums = vec![0; columns + 1];
-    for row in edges.chunks(columns) {
-        let above = sums.len() - columns - 1;
-        let mut of_row = 0;
-        sums.push(0);
-        for (x, edge) in row.iter().enumerate() {
-            of_row += u32::from(*edge);
-            sums.push(sums[above + x + 1] + of_row);
+    let mut of_row = 0;
+    for (pixel, is_marked) in marked.enumerate() {
+        if pixel.is_multiple_of(columns) {
+            of_row = 0;
+            sums.push(0);
         }
+        of_row += u32::from(is_marked);
+        sums.push(sums[sums.len() - columns - 1] + of_row);
     }
     sums
 }

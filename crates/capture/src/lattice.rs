@@ -161,6 +161,20 @@ impl Lattice {
         [self.x.cell(cell % self.x.cells()), self.y.cell(cell / self.x.cells())]
     }
 
+    /// An upper limit of the distance from a cell to the points from which a level is interpolated
+    /// there, pixels. Near the border of the picture they are on one side, and unevenly spaced.
+    pub(crate) fn support(&self, cell: usize, level: u8) -> usize {
+        let from_border = |at: usize, count: usize| at.min(count - 1 - at);
+        let across = self.x.cells();
+        let cells = from_border(cell % across, across).min(from_border(cell / across, self.y.cells()));
+        let stride = Lattice::stride(level);
+        match cells {
+            0 => 2 * stride,
+            1 => stride + stride / 2,
+            _ => stride,
+        }
+    }
+
     /// The pixels of a cell, each with the first level that contains it.
     pub(crate) fn pixels(&self, cell: usize) -> impl Iterator<Item = (usize, u8)> {
         let [columns, rows] = self.cell(cell);

@@ -2,8 +2,8 @@
 //!
 //! The exposure of a sheet varies slowly from pixel to pixel: pinhole, lamp and pixel blur all
 //! sharp features. So the pixels of a coarse lattice are exposed, and the others are interpolated.
-//! A cell of the lattice is refined where the previous level does not predict its points. A cell
-//! that may see an edge ([`Edges`]) is exposed pixel by pixel. Noise of the exposed pixels and
+//! A cell that may see an edge ([`Edges`]) begins with a level that resolves the edge. Cells are
+//! refined where the previous level does not predict their points. Noise of the exposed pixels and
 //! interpolation share the requested error.
 //!
 //! An audit finds the remaining errors: rays of some interpolated pixels, which are unbiased, must
@@ -13,7 +13,7 @@ use crate::adaptive::{AdaptiveSampler, Estimate, MAX_PASSES, Pixel, SELECTION_BI
 use crate::checkpoint::AdaptiveState;
 use crate::edges::Edges;
 use crate::lattice::Lattice;
-use crate::sparse_estimate::SparseEstimate;
+use crate::sparse_estimate::{SparseEstimate, residual_ratio};
 use radsight_adaptive::{
     ErrorTarget, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, selection_threshold,
 };
@@ -21,15 +21,14 @@ use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 use std::sync::atomic::Ordering;
 
-/// If the lattice and its refinement would expose more than this fraction of the pixels away from
-/// edges, all pixels are exposed: the adaptive sampler then needs fewer rays.
-const MAX_NODE_FRACTION: f64 = 0.06;
+/// If the lattice and its refinement would expose more than this fraction of the pixels, all pixels
+/// are exposed.
+const MAX_NODE_FRACTION: f64 = 0.6;
 
 /// Fraction of the squared error that is allotted to interpolation.
 const INTERPOLATION_FRACTION: f64 = 0.25;
 
-/// Cells with small interpolation errors are refined only when the noise is below this multiple of
-/// its allotment.
+/// Cells are refined only when the noise is below this multiple of what is allowed.
 const LOW_NOISE: f64 = 2.0;
 
 /// One pixel is audited in each square of this side.
@@ -58,8 +57,10 @@ struct Sparse {
     levels: Vec<u8>,
     /// By pixel; [`Lattice::nodes`].
     nodes: Vec<u8>,
-    /// By pixel: whether its cell may see an edge.
-    sharp: Vec<bool>,
+    /// Whether radiance is smooth within each pixel.
+    is_smooth: bool,
+    /// By cell: what a residual says about the error of interpolation.
+    ratios: Vec<f64>,
 }
 
 impl Sparse {
@@ -72,16 +73,20 @@ impl Sparse {
         self.nodes = self.lattice.nodes(&self.levels);
     }
 
-    /// Whether interpolation does not pay: too many pixels away from edges are exposed, or too few
-    /// lie there.
+    /// Refines all cells to the finest level.
+    fn refine_all(&mut self) {
+        self.levels.fill(self.lattice.finest());
+        self.nodes = self.lattice.nodes(&self.levels);
+    }
+
+    /// Whether interpolation does not pay.
     fn is_dense(&self) -> bool {
-        let smooth = || self.nodes.iter().zip(&self.sharp).filter(|(_, sharp)| !**sharp);
-        let (nodes, pixels) = (smooth().filter(|(node, _)| **node > 0).count(), smooth().count());
-        nodes as f64 > MAX_NODE_FRACTION * pixels as f64 || 2 * pixels < self.nodes.len()
+        let nodes = self.nodes.iter().filter(|node| **node > 0).count();
+        nodes as f64 > MAX_NODE_FRACTION * self.nodes.len() as f64
     }
 
     fn estimate(&self, state: &AdaptiveState) -> SparseEstimate {
-        SparseEstimate::new(&self.lattice, &self.levels, &self.nodes, &state.pixels)
+        SparseEstimate::new(&self.lattice, (&self.levels, &self.ratios), &self.nodes, &state.pixels)
     }
 }
 
@@ -92,6 +97,7 @@ impl AdaptiveSampler<'_> {
     pub(crate) fn sparse(&self, state: &mut AdaptiveState, target: ErrorTarget) -> Option<(Estimate, Option<Stop>)> {
         let most = target.most_samples.min(MAX_SAMPLES);
         let mut sparse = self.lattice().filter(|sparse| !sparse.is_dense())?;
+        self.mirrors_points.store(sparse.is_smooth && self.exposer.renderer.integrates_all_lights(), Ordering::Relaxed);
         self.is_on_lattice.store(true, Ordering::Relaxed);
         let mut audits = 0;
         while state.passes < MAX_PASSES {
@@ -122,16 +128,21 @@ impl AdaptiveSampler<'_> {
                 sparse.refine(cells_to_refine);
                 continue;
             }
+            let is_refined = !refined.is_empty();
             sparse.refine(refined);
             if sparse.is_dense() {
-                break;
+                sparse.refine_all();
             }
-            for pending in needed {
-                state.pending = pending;
-                double(self, state);
+            // Refined cells need fewer samples at their old nodes.
+            if !is_refined {
+                for pending in needed {
+                    state.pending = pending;
+                    double(self, state);
+                }
             }
         }
         self.is_on_lattice.store(false, Ordering::Relaxed);
+        self.mirrors_points.store(false, Ordering::Relaxed);
         let given_up = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
         self.discarded.fetch_add(given_up, Ordering::Relaxed);
         *state = AdaptiveState::new(state.pixels.len());
@@ -148,15 +159,12 @@ impl AdaptiveSampler<'_> {
         }
         let [x, y, ..] = RaySampler::new(rays.seed(), RESERVED_NUMBER).take(DimensionSet::CAMERA);
         let lattice = Lattice::new(camera.columns(), camera.rows(), [x, y])?;
-        let edges = Edges::find(exposer, &self.images);
+        let edges = Edges::find(exposer, &self.images, &lattice);
         let [across, down] = lattice.cells();
         let levels: Vec<u8> = (0..across * down).map(|cell| edges.level(&lattice, cell)).collect();
         let nodes = lattice.nodes(&levels);
-        let mut sharp = vec![false; nodes.len()];
-        for cell in (0..levels.len()).filter(|cell| levels[*cell] == lattice.finest()) {
-            lattice.pixels(cell).for_each(|(pixel, _)| sharp[pixel] = true);
-        }
-        Some(Sparse { lattice, levels, nodes, sharp })
+        let ratios = (0..levels.len()).map(|cell| residual_ratio(edges.blurs(&lattice, cell))).collect();
+        Some(Sparse { lattice, levels, nodes, is_smooth: edges.are_wider_than_pixels(), ratios })
     }
 
     /// Traces the first samples of the nodes that have none.
@@ -292,14 +300,10 @@ impl Audit {
 /// as needed.
 fn cells_to_refine(sparse: &Sparse, estimate: &SparseEstimate, allowed: f64) -> Vec<(usize, u8)> {
     let [noise, bias] = estimate.squared_errors();
-    if bias <= INTERPOLATION_FRACTION * allowed {
+    if bias <= INTERPOLATION_FRACTION * allowed || noise > LOW_NOISE * allowed_noise(bias, allowed) {
         return Vec::new();
     }
-    let is_quiet = noise <= LOW_NOISE * allowed;
-    let is_candidate = |cell: &usize| {
-        let residual = &estimate.residuals[*cell];
-        residual.error() > 0.0 && (is_quiet || residual.is_significant())
-    };
+    let is_candidate = |cell: &usize| estimate.residuals[*cell].error() > 0.0;
     let mut worst: Vec<usize> = (0..sparse.levels.len()).filter(is_candidate).collect();
     worst.sort_by(|a, b| estimate.residuals[*b].error().total_cmp(&estimate.residuals[*a].error()));
     let mut left = bias * estimate.values.len() as f64;
@@ -315,11 +319,17 @@ fn cells_to_refine(sparse: &Sparse, estimate: &SparseEstimate, allowed: f64) -> 
     refined
 }
 
+/// The allowed squared error due to noise. As long as interpolation errors are too large, noise need
+/// only be smaller than they are.
+fn allowed_noise(bias: f64, allowed: f64) -> f64 {
+    if bias > INTERPOLATION_FRACTION * allowed { allowed.max(0.5 * bias) } else { allowed - bias }
+}
+
 /// The nodes whose samples are to be doubled. A node that needs several doublings is in several
 /// lists.
 fn samples_to_double(estimate: &SparseEstimate, allowed: f64, most: u32) -> Vec<Vec<usize>> {
     let [_, bias] = estimate.squared_errors();
-    let target = (allowed - bias.min(INTERPOLATION_FRACTION * allowed)) * estimate.values.len() as f64;
+    let target = allowed_noise(bias, allowed) * estimate.values.len() as f64;
     let errors: Vec<PixelError> = estimate.nodes.iter().map(|(_, error)| *error).collect();
     let needed = doublings(&errors, target / errors.len() as f64, most);
     // What is needed beyond one doubling is extrapolated, so one doubling less is done at a time.

@@ -1,16 +1,28 @@
 //! The estimate of all pixels from the exposed pixels of a lattice, with its error.
 
 use crate::adaptive::{ERROR_WINDOW, GAIN_WINDOW, Pixel, gain, unit_error};
+use crate::edges::EdgeBlurs;
 use crate::lattice::Lattice;
 use radsight_adaptive::PixelError;
 
-/// Squared interpolation error of a level relative to the squared residual of the previous level.
-/// With the stride, it falls by 16² for a smooth function of four points and by 4² for one with a
-/// kink. The profiles of lamps have kinks, blurred by pinhole and lamp.
-const RESIDUAL_RATIO: f64 = 1.0 / 16.0;
+/// Squared interpolation error of a level relative to the squared residual of the previous level,
+/// which has twice the stride: 1/16 for a function with a kink, as the profiles of lamps have them.
+const SMOOTH_RATIO: f64 = 1.0 / 16.0;
 
-/// A squared residual this many times that of noise shows interpolation error.
-const SIGNIFICANT_RATIO: f64 = 9.0;
+/// The same for an edge that a lamp or the pinhole blurs, and for one that both blur. The exposure
+/// begins with the power 3/2, or 3, of the distance from the border of the edge, so the ratio tends
+/// to 2⁻³ or 2⁻⁶. Measured at strides of 2 and 4: 1/7 to 1/20 and 1/39 to 1/49.
+const BLURRED_RATIO: f64 = 1.0 / 8.0;
+const TWICE_BLURRED_RATIO: f64 = 1.0 / 32.0;
+
+/// The squared interpolation error of a cell relative to its squared residual.
+pub(crate) fn residual_ratio(blurs: EdgeBlurs) -> f64 {
+    match blurs {
+        EdgeBlurs::None => SMOOTH_RATIO,
+        EdgeBlurs::One => BLURRED_RATIO,
+        EdgeBlurs::Two => TWICE_BLURRED_RATIO,
+    }
+}
 
 /// Mean squared weight of interpolation along both axes: the fraction of a node's variance in each
 /// pixel.
@@ -23,17 +35,19 @@ pub(crate) struct InterpolationResidual {
     squared: f64,
     /// Expected from noise alone.
     noise: f64,
+    /// Squared error of interpolation relative to the squared difference.
+    ratio: f64,
 }
 
 impl InterpolationResidual {
     /// The squared interpolation error in the cell.
     pub(crate) fn error(&self) -> f64 {
-        RESIDUAL_RATIO * self.squared
+        self.without_noise().max(0.0)
     }
 
-    /// Whether the residual is more than noise.
-    pub(crate) fn is_significant(&self) -> bool {
-        self.squared > SIGNIFICANT_RATIO * self.noise
+    /// The same, with an error of its own that vanishes in the mean over many cells.
+    fn without_noise(&self) -> f64 {
+        self.ratio * (self.squared - self.noise)
     }
 }
 
@@ -46,6 +60,8 @@ pub(crate) struct SparseEstimate {
     pub(crate) noise: Vec<f64>,
     /// Squared error of each pixel due to interpolation.
     pub(crate) bias: Vec<f64>,
+    /// Its mean over all pixels.
+    mean_bias: f64,
     /// The nodes, with the contribution of their noise to the sum of squared errors over all
     /// pixels.
     pub(crate) nodes: Vec<(usize, PixelError)>,
@@ -55,28 +71,43 @@ pub(crate) struct SparseEstimate {
 
 impl SparseEstimate {
     /// From the nodes of a lattice, whose levels are those of [`Lattice::nodes`].
-    pub(crate) fn new(lattice: &Lattice, levels: &[u8], nodes: &[u8], pixels: &[Pixel]) -> SparseEstimate {
+    /// The cells have levels and ratios of residuals.
+    pub(crate) fn new(
+        lattice: &Lattice,
+        (levels, ratios): (&[u8], &[f64]),
+        nodes: &[u8],
+        pixels: &[Pixel],
+    ) -> SparseEstimate {
         let mut values: Vec<f64> = pixels.iter().map(Pixel::mean).collect();
         lattice.fill(&mut values, nodes, |weight| weight);
         let errors = node_errors(lattice, nodes, pixels);
         let mut noise = vec![0.0; values.len()];
         errors.iter().for_each(|(pixel, error)| noise[*pixel] = error.squared);
         lattice.fill(&mut noise, nodes, |weight| weight * weight);
-        let residuals: Vec<InterpolationResidual> =
-            (0..levels.len()).map(|cell| residual(lattice, (cell, levels[cell]), &values, &noise)).collect();
+        let residuals: Vec<InterpolationResidual> = (0..levels.len())
+            .map(|cell| InterpolationResidual {
+                ratio: ratios[cell],
+                ..residual(lattice, (cell, levels[cell]), &values, &noise)
+            })
+            .collect();
         let mut bias = vec![0.0_f64; values.len()];
+        let (mut total, mut count) = (0.0, 0.0);
         for (cell, residual) in residuals.iter().enumerate() {
             for (pixel, _) in lattice.pixels(cell).filter(|(pixel, _)| nodes[*pixel] == 0) {
                 bias[pixel] = bias[pixel].max(residual.error());
+                total += residual.without_noise();
+                count += 1.0;
             }
         }
+        let interpolated = nodes.iter().filter(|node| **node == 0).count() as f64 / nodes.len() as f64;
+        let mean_bias = interpolated * f64::max(total / f64::max(count, 1.0), 0.0);
         let weigh = |(pixel, error): (usize, PixelError)| {
             let area = Lattice::stride(nodes[pixel]).pow(2) as f64;
             let spread = if area > 1.0 { MEAN_SQUARED_WEIGHT * area } else { 1.0 };
             (pixel, PixelError { squared: spread * error.squared, ..error })
         };
         let nodes = errors.into_iter().map(weigh).collect();
-        SparseEstimate { values, noise, bias, nodes, residuals }
+        SparseEstimate { values, noise, bias, mean_bias, nodes, residuals }
     }
 
     pub(crate) fn mean(&self) -> f64 {
@@ -85,7 +116,7 @@ impl SparseEstimate {
 
     /// Mean squared error of all pixels due to noise and to interpolation.
     pub(crate) fn squared_errors(&self) -> [f64; 2] {
-        [&self.noise, &self.bias].map(|errors| errors.iter().sum::<f64>() / errors.len() as f64)
+        [self.noise.iter().sum::<f64>() / self.noise.len() as f64, self.mean_bias]
     }
 }
 
@@ -120,7 +151,7 @@ fn residual(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise
         count += 1.0;
     }
     let count = f64::max(count, 1.0);
-    InterpolationResidual { squared: residual.squared / count, noise: residual.noise / count }
+    InterpolationResidual { squared: residual.squared / count, noise: residual.noise / count, ..residual }
 }
 
 /// Summed-area table of pixels.

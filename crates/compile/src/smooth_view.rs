@@ -9,7 +9,7 @@ use crate::shader::{Kind, Shader};
 use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
 use radsight_accel::{Intersection, PrimitiveId, Ray};
-use radsight_light::Light;
+use radsight_light::{Light, LightCone, LightForm};
 use radsight_texture::Step;
 
 /// With more lights no view counts as smooth: each light takes a shadow ray and a bit of the view.
@@ -17,6 +17,9 @@ const MOST_LIGHTS: usize = 64;
 
 /// Shadow rays are shortened by this fraction of their length.
 const SHORT_OF_LIGHT: f64 = 1e-6;
+
+/// Smallest cosine of incidence for the extent of a pixel on a surface.
+const GRAZING: f64 = 0.02;
 
 /// The visible surface of a ray and the lights that reach it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,9 +33,21 @@ pub struct SmoothView {
     /// cone.
     outside: u64,
     inside: u64,
+    /// [`SmoothView::edge_width`].
+    edge_width: f64,
 }
 
 impl SmoothView {
+    const NOTHING: SmoothView =
+        SmoothView { primitive: PrimitiveId::NONE, hidden: 0, outside: 0, inside: 0, edge_width: f64::INFINITY };
+
+    /// Width of the sharpest edge of a light's cone at the point or within a pixel of it, in
+    /// pixels: the extent of the light blurs it. Infinite if there is none.
+    #[must_use]
+    pub fn edge_width(&self) -> f64 {
+        self.edge_width
+    }
+
     /// Whether no edge is known between the two.
     #[must_use]
     pub fn joins(&self, other: &SmoothView) -> bool {
@@ -48,41 +63,42 @@ enum LightCoverage {
     Outside,
     /// The point is inside the cone from all of the light.
     Inside,
-    /// The point may be inside the cone from a part of the light.
-    Partial,
+    /// The point may be inside the cone from a part of the light. Width over which the edge of the
+    /// cone is blurred, scene units; infinite if there is no cone.
+    Partial(f64),
 }
 
 impl RenderPlan {
     /// The view of a ray, if its radiance is smooth: without pattern, texture, mirror image and
-    /// mist.
+    /// mist. Neighbouring pixels are `spacing` apart, radians.
     #[must_use]
-    pub fn smooth_view(&self, ray: &Ray) -> Option<SmoothView> {
+    pub fn smooth_view(&self, ray: &Ray, spacing: f64) -> Option<SmoothView> {
         if self.has_media || self.has_antimatter || self.lights.len() > MOST_LIGHTS {
             return None;
         }
         let Some(hit) = self.first_hit(ray, None) else {
-            let nothing = SmoothView { primitive: PrimitiveId::NONE, hidden: 0, outside: 0, inside: 0 };
-            return self.sky.is_empty().then_some(nothing);
+            return self.sky.is_empty().then_some(SmoothView::NOTHING);
         };
         if !is_smooth(self.shader_at(hit.shader)) {
             return None;
         }
-        let mut view = SmoothView { primitive: hit.primitive, hidden: 0, outside: 0, inside: 0 };
+        let mut view = SmoothView { primitive: hit.primitive, ..SmoothView::NOTHING };
+        let pixel = spacing * hit.distance / hit.front.dot(ray.direction).abs().max(GRAZING);
         for (index, light) in self.lights.iter().enumerate() {
             let bit = 1 << index;
-            match self.coverage_of(&hit, index, light)? {
+            match self.coverage_of(&hit, pixel, index, light)? {
                 LightCoverage::Hidden => view.hidden |= bit,
                 LightCoverage::Outside => view.outside |= bit,
                 LightCoverage::Inside => view.inside |= bit,
-                LightCoverage::Partial => {}
+                LightCoverage::Partial(width) => view.edge_width = view.edge_width.min(width / pixel),
             }
         }
         Some(view)
     }
 
-    /// How a light reaches a point; `None` where it may be reflected by a mirror, whose outline is
-    /// sharp.
-    fn coverage_of(&self, hit: &Intersection, index: usize, light: &Light) -> Option<LightCoverage> {
+    /// How a light reaches a point and what is within `margin` of it, scene units; `None` where it
+    /// may be reflected by a mirror, whose outline is sharp.
+    fn coverage_of(&self, hit: &Intersection, margin: f64, index: usize, light: &Light) -> Option<LightCoverage> {
         let is_free = match self.receiver(hit.primitive).map(|receiver| &receiver.between[index]) {
             Some(VisibilityClass::Dark) => return Some(LightCoverage::Outside),
             Some(VisibilityClass::Nothing) => true,
@@ -91,7 +107,7 @@ impl RenderPlan {
         if !light.virtual_sources.is_empty() {
             return light.misses(hit.point).then_some(LightCoverage::Outside);
         }
-        match in_cone(light, hit.point) {
+        match in_cone(light, hit.point, margin) {
             LightCoverage::Outside => Some(LightCoverage::Outside),
             _ if !is_free && self.hides(hit, light) => Some(LightCoverage::Hidden),
             reach => Some(reach),
@@ -114,23 +130,40 @@ impl RenderPlan {
     }
 }
 
-/// The position of a point relative to the cone of a light.
-fn in_cone(light: &Light, point: DVec3) -> LightCoverage {
-    let Some(cone) = light.cone.filter(|_| light.radius.is_finite()) else { return LightCoverage::Partial };
-    if light.misses(point) {
-        return LightCoverage::Outside;
-    }
+/// The position of a point, and of what is within `margin` of it, relative to the cone of a light.
+fn in_cone(light: &Light, point: DVec3, margin: f64) -> LightCoverage {
+    let Some(cone) = light.cone.filter(|_| light.radius.is_finite()) else {
+        return LightCoverage::Partial(f64::INFINITY);
+    };
     let offset = point - light.center;
     let distance = offset.length();
-    if distance <= light.radius {
-        return LightCoverage::Partial;
+    let radius = light.radius + margin;
+    if distance <= radius {
+        return LightCoverage::Partial(0.0);
     }
     // cos(a ± b), with b the angular radius of the light.
-    let (sin, cos) = cone.half_angle.sin_cos();
-    let sine = light.radius / distance;
-    let (along, across) = (cos * (1.0 - sine * sine).sqrt(), sin * sine);
+    let (sin, cos) = cone.sin_cos();
+    let sine = radius / distance;
+    let cosine_of_light = (1.0 - sine * sine).sqrt();
+    let (along, across) = (cos * cosine_of_light, sin * sine);
     let cosine = offset.dot(cone.axis) / distance;
-    if cosine > along + across && cone.half_angle.sin() > sine { LightCoverage::Inside } else { LightCoverage::Partial }
+    let is_wide = sin > sine;
+    if cosine < along - across && sin * cosine_of_light + cos * sine > 0.0 {
+        LightCoverage::Outside
+    } else if cosine > along + across && is_wide {
+        LightCoverage::Inside
+    } else {
+        LightCoverage::Partial(edge_width(light, cone, distance))
+    }
+}
+
+/// Width over which a light blurs the edge of its cone at a distance, at the least, scene units.
+fn edge_width(light: &Light, cone: LightCone, distance: f64) -> f64 {
+    // Other shapes may be narrow.
+    let is_round = matches!(light.form, LightForm::Disk { .. } | LightForm::Sphere { .. });
+    let radius = if is_round { light.radius } else { 0.0 };
+    let (sin, cos) = cone.sin_cos();
+    2.0 * radius.min(distance * sin) * cos.max(0.0)
 }
 
 /// Whether the radiance from a shader has no edges of its own.

@@ -7,7 +7,7 @@ use crate::cubature_error::CubatureError;
 use crate::direct::{DirectSampler, ReachingLight};
 use crate::trace::PathIntegrator;
 use radsight_bsdf::{Bsdf, PdfRequest};
-use radsight_compile::{VisibilityClass, given};
+use radsight_compile::{RenderPlan, VisibilityClass, given};
 use radsight_light::Light;
 use radsight_texture::{bands, product};
 
@@ -52,6 +52,12 @@ impl DirectSampler<'_> {
         });
         Some(product(scattered, radiance))
     }
+}
+
+/// Whether all lights are disks of uniform radiance within their cones.
+pub(crate) fn integrates_all_lights(plan: &RenderPlan) -> bool {
+    let is_uniform = |light: &Light| light.is_plain_disk() && plan.shader(light.surface).textures.steps.is_empty();
+    plan.light_tree.is_none() && plan.lights.iter().all(is_uniform)
 }
 
 /// The radiance of a light without pattern, in all directions of its cone.

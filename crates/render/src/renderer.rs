@@ -4,6 +4,7 @@ use crate::cache_prepass::{GatheredIrradiance, gather};
 use crate::caching::caches_irradiance;
 use crate::contribution::Contribution;
 use crate::cubature_error::CubatureError;
+use crate::light_cubature::integrates_all_lights;
 use crate::mirrored_light::MirroredLight;
 use crate::path_guide::PathGuide;
 use crate::ray_spacing::RaySpacing;
@@ -149,6 +150,13 @@ impl Renderer {
     #[must_use]
     pub fn irradiance_noise(&self) -> Option<f64> {
         in_bands!(&self.shared, CachedIrradiance(gathered) => gathered.as_ref().map(GatheredIrradiance::noise))
+    }
+
+    /// Whether all lights are small uniform disks, which [`RayWorker::integrate_lights`] integrates
+    /// where they are far enough.
+    #[must_use]
+    pub fn integrates_all_lights(&self) -> bool {
+        integrates_all_lights(&self.plan)
     }
 
     /// A worker for the calling thread.
