@@ -47,7 +47,7 @@ impl Renderer {
     /// # use radsight::example::{scene, view};
     /// use radsight::Renderer;
     /// let mut first = Renderer::new(&scene())?.ambient_bounces(1);
-    /// first.render(&view(), 8, 8)?;
+    /// first.render(&view(), 32, 32)?;
     /// let bytes = first.save_irradiance_cache().unwrap();
     /// assert!(Renderer::new(&scene())?.ambient_bounces(1).load_irradiance_cache(bytes)? > 0);
     /// # Ok::<(), radsight::Error>(())
