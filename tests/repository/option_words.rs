@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 /// The calls by which a program parses a word with the table.
-const READERS: [&str; 7] = [
+const READERS: [&str; 8] = [
     ".option()",
     ".option_before_files()",
     ".option_before_numbers()",
