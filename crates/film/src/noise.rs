@@ -175,7 +175,7 @@ impl ErrorEstimate for PixelErrors {
 /// The quality of a picture, estimated from its own samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The remaining error, as defined by [`SamplingBudget::Error`].
+    /// The remaining error, as defined by [`ErrorTarget`](radsight_adaptive::ErrorTarget).
     pub error: f64,
     /// Half width of its 95 % confidence interval.
     pub uncertainty: f64,
