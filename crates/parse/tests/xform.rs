@@ -134,3 +134,12 @@ fn a_file_that_includes_itself_is_an_error() {
     let error = xform(&["xform".into(), "a.rad".into()], b"", &loader).unwrap_err();
     assert!(error.to_string().contains("more than 32 deep"), "{error}");
 }
+
+/// Real xform has no such limit: without these copies the scene would be another one.
+#[test]
+fn a_command_of_a_file_that_exceeds_a_limit_is_an_error() {
+    let array = "!xform -a 1000000000 -t 1 0 0 ball.rad\n";
+    let loader = radsight_loader::MemoryLoader::default().with("a.rad", array).with("ball.rad", "");
+    let error = xform(&["xform".into(), "a.rad".into()], b"", &loader).unwrap_err();
+    assert!(error.to_string().contains("expected at most 10000000"), "{error}");
+}

@@ -315,7 +315,7 @@ fn too_deep() -> Error {
 /// would change the scene.
 fn is_fatal(error: &Error) -> bool {
     let is_refused = matches!(error, Error::Syntax(_) | Error::Load(LoadError::CommandRefused { .. }));
-    is_refused || matches!(error, Error::OutputTooLarge { .. }) || *error == too_deep()
+    is_refused || error.is_limit() || *error == too_deep()
 }
 
 /// The error of a failed write: writing into memory fails only when none is left.
