@@ -277,10 +277,7 @@ impl Program {
         scratch: &mut Scratch,
         values: &mut [f64],
     ) -> Result<(), Fault> {
-        if self.is_exhausted() {
-            return Err(self.fault(FaultKind::TooLong, 0.0, host));
-        }
-        let mut machine = Machine::new(&self.image, &mut scratch.stacks, host, MOST_STEPS);
+        let mut machine = self.machine(host, scratch)?;
         let mut last = 0.0;
         for (entry, value) in self.entries.iter().zip(values) {
             *value = 0.0;
@@ -306,10 +303,7 @@ impl Program {
         host: &H,
         scratch: &mut Scratch,
     ) -> Result<f64, Fault> {
-        if self.is_exhausted() {
-            return Err(self.fault(FaultKind::TooLong, 0.0, host));
-        }
-        let mut machine = Machine::new(&self.image, &mut scratch.stacks, host, MOST_STEPS);
+        let mut machine = self.machine(host, scratch)?;
         match (machine.run(self.entries[root], arguments), machine.fault) {
             (Ok(value), None) => {
                 if is_beyond(value) {
@@ -320,6 +314,14 @@ impl Program {
             (Ok(value), Some(kind)) => Err(self.fault(kind, value, host)),
             (Err(kind), _) => Err(self.fault(kind, 0.0, host)),
         }
+    }
+
+    /// Starts an evaluation, unless too many took too long.
+    fn machine<'m, H: Host + ?Sized>(&'m self, host: &'m H, scratch: &'m mut Scratch) -> Result<Machine<'m, H>, Fault> {
+        if self.is_exhausted() {
+            return Err(self.fault(FaultKind::TooLong, 0.0, host));
+        }
+        Ok(Machine::new(&self.image, &mut scratch.stacks, host, MOST_STEPS))
     }
 
     fn fault<H: Host + ?Sized>(&self, kind: FaultKind, value: f64, host: &H) -> Fault {

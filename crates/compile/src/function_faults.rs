@@ -1,9 +1,10 @@
 //! Evaluation errors of the scene's functions.
 
 use crate::plan::RenderPlan;
+use radsight_cal::Program;
 use radsight_cal::limits::{MOST_LONG_EVALUATIONS, MOST_STEPS};
 use radsight_diag::Diagnostic;
-use radsight_ir::{Modifier, Scene};
+use radsight_ir::{Modifier, ModifierHandle, Scene};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -11,25 +12,17 @@ impl RenderPlan {
     /// Whether a function of the scene has failed so far.
     #[must_use]
     pub fn has_function_faults(&self) -> bool {
-        self.scenes().into_iter().any(|scene| {
-            scene.modifiers.items().iter().any(|modifier| program_of(modifier).is_some_and(|p| p.faults().is_some()))
-        })
+        self.called_functions().any(|called| called.program.faults().is_some())
     }
 
     /// Error of functions that took too many steps too often; the picture is then invalid.
-    #[must_use]
     pub(crate) fn exhausted_function(&self) -> Option<Diagnostic> {
-        self.scenes().into_iter().find_map(|scene| {
-            let (handle, modifier) = scene
-                .modifiers
-                .iter()
-                .find(|(_, modifier)| program_of(modifier).is_some_and(|program| program.is_exhausted()))?;
-            let name = scene.modifier_name(Some(handle));
-            let message = format!(
-                "{MOST_LONG_EVALUATIONS} evaluations of the functions of \"{name}\" take more than {MOST_STEPS} steps each"
-            );
-            Some(modifier.span.into_iter().fold(Diagnostic::error(message), Diagnostic::at))
-        })
+        let called = self.called_functions().find(|called| called.program.is_exhausted())?;
+        let message = format!(
+            "{MOST_LONG_EVALUATIONS} evaluations of the functions of \"{}\" take more than {MOST_STEPS} steps each",
+            called.modifier_name()
+        );
+        Some(called.at(Diagnostic::error(message)))
     }
 
     /// A warning for each modifier whose functions have failed so far: the number of failures, and
@@ -38,22 +31,29 @@ impl RenderPlan {
     pub fn function_faults(&self) -> Vec<Diagnostic> {
         // Modifiers of the same file share a program.
         let mut reported = BTreeSet::new();
-        let scenes = self.scenes().into_iter();
-        let all = scenes.flat_map(|scene| scene.modifiers.iter().map(move |(handle, item)| (scene, handle, item)));
-        all.filter_map(|(scene, handle, modifier)| {
-            let program = program_of(modifier)?;
-            let faults = program.faults().filter(|_| reported.insert(Arc::as_ptr(program)))?;
+        let warning = |called: CalledFunctions<'_>| {
+            let faults = called.program.faults().filter(|_| reported.insert(Arc::as_ptr(called.program)))?;
             let [x, y, z] = faults.point;
             let evaluations =
                 if faults.count == 1 { "1 evaluation".to_owned() } else { format!("{} evaluations", faults.count) };
             let message = format!(
                 "functions of \"{}\" failed in {evaluations}, such as at ({x:.6} {y:.6} {z:.6}): {}",
-                scene.modifier_name(Some(handle)),
+                called.modifier_name(),
                 faults.kind
             );
-            Some(modifier.span.into_iter().fold(Diagnostic::warning(message), Diagnostic::at))
+            Some(called.at(Diagnostic::warning(message)))
+        };
+        self.called_functions().filter_map(warning).collect()
+    }
+
+    /// The functions that modifiers call, of the scene and of its instances.
+    fn called_functions(&self) -> impl Iterator<Item = CalledFunctions<'_>> {
+        self.scenes().into_iter().flat_map(|scene| {
+            scene.modifiers.iter().filter_map(move |(handle, modifier)| {
+                let program = &modifier.kind.function_call()?.program;
+                Some(CalledFunctions { scene, handle, modifier, program })
+            })
         })
-        .collect()
     }
 
     /// The scene, and the scenes of its instances.
@@ -65,6 +65,21 @@ impl RenderPlan {
     }
 }
 
-fn program_of(modifier: &Modifier) -> Option<&Arc<radsight_cal::Program>> {
-    modifier.kind.function_call().map(|call| &call.program)
+/// The functions of a modifier.
+struct CalledFunctions<'p> {
+    scene: &'p Scene,
+    handle: ModifierHandle,
+    modifier: &'p Modifier,
+    program: &'p Arc<Program>,
+}
+
+impl CalledFunctions<'_> {
+    fn modifier_name(&self) -> &str {
+        self.scene.modifier_name(Some(self.handle))
+    }
+
+    /// A message that points to the modifier.
+    fn at(&self, message: Diagnostic) -> Diagnostic {
+        self.modifier.span.into_iter().fold(message, Diagnostic::at)
+    }
 }
