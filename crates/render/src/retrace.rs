@@ -5,7 +5,7 @@ use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_accel::{Intersection, PrimitiveId, Ray};
 use radsight_bsdf::{Bsdf, BsdfContext, HighlightShape, Scatterer, through_pane};
-use radsight_compile::{Kind, Shader};
+use radsight_compile::{Kind, Refracted, Shader};
 use radsight_texture::{SurfaceInteraction, mirrored, reflect, shading_normal};
 
 /// Maximum number of surfaces without effect on a ray.
@@ -103,11 +103,16 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 
     /// Fraction of the light that a dielectric transmits, by Fresnel; `None` for other surfaces.
     pub(crate) fn transmittance(&mut self, ray: &Ray, hit: &Intersection, shader: &Shader) -> Option<f64> {
+        self.refraction(ray, hit, shader).map(|refraction| 1.0 - refraction.reflectance)
+    }
+
+    /// The refraction of a ray by a dielectric; `None` for other surfaces.
+    fn refraction(&mut self, ray: &Ray, hit: &Intersection, shader: &Shader) -> Option<Refracted> {
         let Kind::Dielectric(boundary) = &shader.kind else { return None };
         let interaction = SurfaceInteraction::at(ray, hit, hit.distance);
         let scene = &self.plan.scene;
         let (_, perturbation) = shader.body_appearance::<BANDS>(scene, &interaction, &mut self.workspace.scratch);
-        Some(1.0 - boundary.refract(ray.direction, hit.front, perturbation).reflectance)
+        Some(boundary.refract(ray.direction, hit.front, perturbation))
     }
 
     /// The direction of a ray after a specular event; `None` if the surface does not have it.
@@ -118,13 +123,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         shader: &Shader,
         event: SpecularEvent,
     ) -> Option<DVec3> {
-        let interaction = SurfaceInteraction::at(ray, hit, hit.distance);
-        let scene = &self.plan.scene;
-        let scratch = &mut self.workspace.scratch;
         let is_reflected = event == SpecularEvent::Reflected;
-        if let Kind::Dielectric(boundary) = &shader.kind {
-            let (_, perturbation) = shader.body_appearance::<BANDS>(scene, &interaction, scratch);
-            let refraction = boundary.refract(ray.direction, hit.front, perturbation);
+        if let Some(refraction) = self.refraction(ray, hit, shader) {
             return if is_reflected {
                 Some(refraction.reflected(ray.direction, hit.front))
             } else {
@@ -134,6 +134,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if !matches!(shader.kind, Kind::Mirror { .. } | Kind::Glass { .. } | Kind::Glossy(_) | Kind::Scatterer(_)) {
             return None;
         }
+        let interaction = SurfaceInteraction::at(ray, hit, hit.distance);
+        let scene = &self.plan.scene;
+        let scratch = &mut self.workspace.scratch;
         let appearance = shader.appearance::<BANDS>(scene, &interaction, scratch);
         let normal = shading_normal(&interaction, appearance.perturbation);
         match &shader.kind {
