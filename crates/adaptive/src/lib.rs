@@ -11,7 +11,7 @@
 //! matter. Knows neither rays nor cameras.
 //!
 //! ```
-//! use radsight_adaptive::{Certainty, ErrorEstimate, NoiseTarget, PixelError, PixelSource, SamplingState, Selection};
+//! use radsight_adaptive::{ErrorEstimate, NoiseTarget, PixelError, PixelSource, SamplingState, Selection};
 //! use std::ops::Range;
 //!
 //! /// Pixel number p has the mean 1 and samples that differ from it by up to p.
@@ -35,7 +35,7 @@
 //!
 //! let mut state = SamplingState::new(3);
 //! radsight_adaptive::begin(&Noise, &mut state);
-//! let target = NoiseTarget { certainty: Certainty::Estimate, ..NoiseTarget::new(1e-4, Selection::Every) };
+//! let target = NoiseTarget::new(1e-4, Selection::Every);
 //! let (_, stop) = radsight_adaptive::refine(&Noise, &mut state, &target, |pixels| {
 //!     let error = |pixel: &radsight_adaptive::PixelSamples<[f64; 3]>| PixelError {
 //!         squared: f64::from(pixel.last[0]).powi(2),
@@ -50,11 +50,13 @@
 #![forbid(unsafe_code)]
 
 mod allocation;
+mod counter;
 mod pixel_samples;
 mod refine;
 mod target;
 
 pub use allocation::{PixelError, doublings};
-pub use pixel_samples::{FIRST_SAMPLES, MAX_SAMPLES, PixelSamples, SEQUENCE_LOG2, SampleSums, ray_number};
+pub use counter::SampleCounter;
+pub use pixel_samples::{FIRST_SAMPLES, MAX_SAMPLES, PixelSamples, SampleSums, pixel_of_ray, ray_number};
 pub use refine::{ErrorEstimate, PixelSource, SamplingState, begin, double, refine};
-pub use target::{Certainty, ErrorTarget, NoiseTarget, Selection, Stop, choose, selection_threshold};
+pub use target::{Certainty, ErrorTarget, NoiseTarget, Selection, SquaredErrors, Stop, choose, selection_threshold};

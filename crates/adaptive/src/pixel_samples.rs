@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 
 /// Number of bits of a ray's number that count the samples of a pixel.
-pub const SEQUENCE_LOG2: u32 = 16;
+const SEQUENCE_LOG2: u32 = 16;
 
 /// Maximum number of samples of a pixel: the length of one scrambled sequence.
 pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
@@ -11,10 +11,16 @@ pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
 /// Samples of every pixel before the first error estimate: one, and two doublings.
 pub const FIRST_SAMPLES: u32 = 4;
 
-/// The number of a ray: every pixel has its own scramble of the sequence.
+/// The number of a ray: every pixel, or other stream of rays, has its own scramble of the sequence.
 #[must_use]
-pub fn ray_number(pixel: usize, sample: u32) -> u64 {
-    ((pixel as u64) << SEQUENCE_LOG2) | u64::from(sample)
+pub fn ray_number(pixel: u64, sample: u32) -> u64 {
+    pixel << SEQUENCE_LOG2 | u64::from(sample)
+}
+
+/// The pixel of a ray number.
+#[must_use]
+pub fn pixel_of_ray(number: u64) -> u64 {
+    number >> SEQUENCE_LOG2
 }
 
 /// What the samples of a pixel add up to.
@@ -106,5 +112,6 @@ mod tests {
     #[test]
     fn rays_of_pixels_have_different_numbers() {
         assert_eq!(ray_number(3, MAX_SAMPLES - 1) + 1, ray_number(4, 0));
+        assert_eq!(pixel_of_ray(ray_number(3, MAX_SAMPLES - 1)), 3);
     }
 }

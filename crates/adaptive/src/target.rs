@@ -102,7 +102,9 @@ impl NoiseTarget {
                 let mean = pixels.iter().map(|pixel| pixel.squared).sum::<f64>() / pixels.len() as f64;
                 return (chosen, (mean > wanted && is_exhausted(pixels, self.most_samples)).then_some(Stop::Rays));
             };
-            let [mean, variance] = mean_and_variance(pixels, pixels_per_estimate);
+            let mut errors = SquaredErrors::default();
+            pixels.iter().for_each(|pixel| errors.add(pixel.squared));
+            let [mean, variance] = errors.mean_and_variance(pixels_per_estimate);
             if mean > wanted {
                 return (chosen, Some(Stop::Rays));
             }
@@ -119,16 +121,35 @@ fn is_exhausted(pixels: &[PixelError], most: u32) -> bool {
     pixels.iter().any(|pixel| pixel.samples >= most)
 }
 
-/// The mean squared error, and its variance.
-fn mean_and_variance(pixels: &[PixelError], pixels_per_estimate: f64) -> [f64; 2] {
-    let (mut errors, mut squares) = (0.0, 0.0);
-    for pixel in pixels {
-        errors += pixel.squared;
-        squares += pixel.squared * pixel.squared;
+/// Sums of the squared errors of pixels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SquaredErrors {
+    pixels: f64,
+    errors: f64,
+    squares: f64,
+}
+
+impl SquaredErrors {
+    /// Adds the squared error of a pixel.
+    pub fn add(&mut self, squared: f64) {
+        self.pixels += 1.0;
+        self.errors += squared;
+        self.squares += squared * squared;
     }
-    let count = pixels.len() as f64;
-    let mean = errors / count;
-    [mean, (squares / count - mean * mean).max(0.0) * pixels_per_estimate / count]
+
+    /// Number of pixels.
+    #[must_use]
+    pub fn pixels(&self) -> f64 {
+        self.pixels
+    }
+
+    /// The mean, and its variance where that many pixels are one independent estimate.
+    #[must_use]
+    pub fn mean_and_variance(&self, pixels_per_estimate: f64) -> [f64; 2] {
+        let mean = self.errors / self.pixels;
+        let spread = (self.squares / self.pixels - mean * mean).max(0.0);
+        [mean, spread * pixels_per_estimate / self.pixels]
+    }
 }
 
 /// The pixels whose samples are to be doubled, for a mean squared error of `target`; no pixel gets

@@ -14,8 +14,8 @@ use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
 use radsight_adaptive::{
-    Certainty, ErrorEstimate, ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples,
-    PixelSource, SampleSums, Selection, Stop, begin, ray_number, refine,
+    ErrorEstimate, ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource,
+    SampleCounter, SampleSums, Selection, Stop, begin, ray_number, refine,
 };
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
@@ -109,7 +109,7 @@ impl Exposer<'_> {
         let estimated_error = estimate.as_ref().map(Estimate::relative_error);
         Exposure {
             values,
-            rays: sampler.traced.load(Ordering::Relaxed) - sampler.discarded.load(Ordering::Relaxed),
+            rays: sampler.counter.traced() - sampler.discarded.load(Ordering::Relaxed),
             estimated_error,
             pixels_done: pixels_done as u64,
             is_partial: progress.stops() && estimated_error.is_none_or(|reached| reached > error),
@@ -131,11 +131,10 @@ pub(crate) struct AdaptiveSampler<'a> {
     pub(crate) mirrors_points: AtomicBool,
     /// Allowed error of the light of small lamps, relative to each lamp's.
     cubature_error: f64,
-    traced: AtomicU64,
+    counter: SampleCounter,
     /// Traced rays that contribute to no pixel: those of an abandoned lattice, and those that
     /// audited one.
     pub(crate) discarded: AtomicU64,
-    planned: AtomicU64,
     /// Whether only the pixels of a lattice are exposed.
     pub(crate) is_on_lattice: AtomicBool,
 }
@@ -151,21 +150,15 @@ impl<'a> AdaptiveSampler<'a> {
             progress,
             mirrors_points: AtomicBool::new(false),
             cubature_error: CUBATURE_FRACTION * error,
-            traced: AtomicU64::new(traced),
+            counter: SampleCounter::new(traced, traced + first),
             discarded: AtomicU64::new(0),
-            planned: AtomicU64::new(traced + first),
             is_on_lattice: AtomicBool::new(false),
         }
     }
 
-    /// The ray workers of a thread.
-    pub(crate) fn workers(&self) -> Workers<'a> {
-        self.exposer.integrating_workers(self.cubature_error)
-    }
-
     pub(crate) fn report(&self, rays: u32) {
-        let done = self.traced.fetch_add(u64::from(rays), Ordering::Relaxed) + u64::from(rays);
-        self.progress.report(done, self.planned.load(Ordering::Relaxed).max(done));
+        let [done, planned] = self.counter.add(rays.into());
+        self.progress.report(done, planned);
     }
 
     /// Doubles samples where that lowers the error most for its cost, until the requested error is
@@ -176,7 +169,6 @@ impl<'a> AdaptiveSampler<'a> {
         let noise = NoiseTarget {
             most_samples: target.most_samples.min(MAX_SAMPLES),
             most_passes: MAX_PASSES,
-            certainty: Certainty::Estimate,
             ..NoiseTarget::new((target.error / SELECTION_BIAS).powi(2), Selection::Fraction)
         };
         refine(self, state, &noise, |pixels| Estimate::new(pixels, columns))
@@ -199,7 +191,7 @@ impl<'a> AdaptiveSampler<'a> {
             .into_par_iter()
             .with_min_len(4)
             .map_init(
-                || self.workers(),
+                || self.worker(),
                 |worker, cell| {
                     self.report(samples);
                     Pixel::of(self.sums(worker, cell, 0..samples), samples)
@@ -224,7 +216,7 @@ impl<'a> AdaptiveSampler<'a> {
     fn camera_point(&self, pixel: usize, sample: u32) -> [f64; 4] {
         let is_mirrored = self.mirrors_points.load(Ordering::Relaxed);
         let number = if is_mirrored { sample / 2 } else { sample };
-        let u = RaySampler::new(self.exposer.rays.seed(), ray_number(pixel, number)).take(DimensionSet::CAMERA);
+        let u = RaySampler::new(self.exposer.rays.seed(), ray_number(pixel as u64, number)).take(DimensionSet::CAMERA);
         if is_mirrored && sample % 2 == 1 { u.map(|u| (1.0 - u).min(1.0 - f64::EPSILON)) } else { u }
     }
 }
@@ -234,7 +226,7 @@ impl<'a> PixelSource for AdaptiveSampler<'a> {
     type Worker = Workers<'a>;
 
     fn worker(&self) -> Workers<'a> {
-        self.workers()
+        self.exposer.integrating_workers(self.cubature_error)
     }
 
     /// Sums of radiance·cos⁴ over some samples of a pixel. Every pixel has its own scramble of the
@@ -244,7 +236,7 @@ impl<'a> PixelSource for AdaptiveSampler<'a> {
         let plan = renderer.plan();
         let number = pixel as u64;
         let drawn = samples.filter_map(|sample| {
-            let index = ray_number(pixel, sample);
+            let index = ray_number(number, sample);
             let u = self.camera_point(pixel, sample);
             self.images.ray((plan, rays), pixel, u).map(|(ray, weight)| (index, ray, weight))
         });
@@ -274,7 +266,7 @@ impl<'a> PixelSource for AdaptiveSampler<'a> {
     }
 
     fn plan(&self, samples: u64) {
-        self.planned.fetch_add(samples, Ordering::Relaxed);
+        self.counter.plan(samples);
     }
 
     fn traced(&self, samples: u32) {

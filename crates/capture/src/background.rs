@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 /// Rays traced per pixel to find its light paths. The paths of neighbouring pixels count as well,
 /// so each pixel has nine times as many.
-const PATHS_PER_PIXEL: u64 = 4;
+const PATHS_PER_PIXEL: u32 = 4;
 
 /// The exposed scene without its moving parts.
 #[derive(Clone, Debug)]
@@ -107,7 +107,7 @@ fn path_bounds(rays: &Rays, ray_tree: &Renderer, within: &Region) -> Vec<PathBou
             |worker, pixel| {
                 let (pixel, mut bounds) = (pixel as u64, PathBounds::NONE);
                 for sample in 0..PATHS_PER_PIXEL {
-                    let index = ray_number(pixel as usize, sample as u32);
+                    let index = ray_number(pixel, sample);
                     let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
                     let ray = rays.ray(pixel, u);
                     let Some(ray) = Ray::new(ray.origin, ray.direction) else { continue };

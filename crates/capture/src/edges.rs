@@ -97,9 +97,8 @@ impl Edges {
         (1..lattice.finest()).find(is_resolved).unwrap_or(lattice.finest())
     }
 
-    /// By how much the edges near a cell's interpolation are blurred.
-    pub(crate) fn blurs(&self, lattice: &Lattice, cell: usize) -> EdgeBlurs {
-        let level = self.level(lattice, cell);
+    /// By how much the edges near a cell's interpolation at a level are blurred.
+    pub(crate) fn blurs(&self, lattice: &Lattice, cell: usize, level: u8) -> EdgeBlurs {
         let is_near = |sums: &[u32]| self.any(sums, lattice.cell(cell), self.margin(lattice, cell, level));
         match &self.unresolved[..] {
             [coarsest, ..] if !is_near(coarsest) => EdgeBlurs::None,

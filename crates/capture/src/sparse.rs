@@ -163,7 +163,8 @@ impl AdaptiveSampler<'_> {
         let [across, down] = lattice.cells();
         let levels: Vec<u8> = (0..across * down).map(|cell| edges.level(&lattice, cell)).collect();
         let nodes = lattice.nodes(&levels);
-        let ratios = (0..levels.len()).map(|cell| residual_ratio(edges.blurs(&lattice, cell))).collect();
+        let ratio = |(cell, level): (usize, &u8)| residual_ratio(edges.blurs(&lattice, cell, *level));
+        let ratios = levels.iter().enumerate().map(ratio).collect();
         Some(Sparse { lattice, levels, nodes, is_smooth: edges.are_wider_than_pixels(), ratios })
     }
 
@@ -173,7 +174,7 @@ impl AdaptiveSampler<'_> {
             state.pixels.par_iter_mut().enumerate().filter(|(index, pixel)| nodes[*index] > 0 && pixel.samples == 0);
         let new: Vec<(usize, &mut Pixel)> = new.collect();
         new.into_par_iter().with_min_len(8).for_each_init(
-            || self.workers(),
+            || self.worker(),
             |worker, (index, pixel)| {
                 if !self.progress.stops() {
                     *pixel = self.first(worker, index);
@@ -191,7 +192,7 @@ impl AdaptiveSampler<'_> {
             .into_par_iter()
             .with_min_len(32)
             .map_init(
-                || self.workers(),
+                || self.worker(),
                 |worker, pixel| {
                     self.report(1);
                     self.discarded.fetch_add(1, Ordering::Relaxed);

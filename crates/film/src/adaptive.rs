@@ -168,8 +168,8 @@ impl<'r> Film<'r> {
     /// returns what is left.
     fn reduce_noise(&mut self, range: &Range<usize>, squared: f64, most: u32) -> Vec<PixelError> {
         let mut state = std::mem::take(&mut self.state);
-        let (this, finished) = (&*self, range.end as f64 / state.pixels.len() as f64);
-        let has_time = || this.time_left.as_ref().is_none_or(|time_left| time_left(finished));
+        let this = &*self;
+        let has_time = || this.is_in_time(range);
         let rays = FilmRays { renderer: this.renderer, camera: &this.camera, has_time: &has_time };
         let target = PixelNoise::target(squared, most);
         let noise = this.noise;
@@ -202,14 +202,19 @@ impl<'r> Film<'r> {
         }
     }
 
-    /// Whether there is time left for a block; records it if there is not.
+    /// Whether there is time left for a block.
+    fn is_in_time(&self, range: &Range<usize>) -> bool {
+        let share = range.end as f64 / (self.camera.columns() * self.camera.rows()) as f64;
+        self.time_left.as_ref().is_none_or(|time_left| time_left(share))
+    }
+
+    /// The same; records it if there is none.
     fn has_time(&mut self, range: &Range<usize>) -> bool {
-        let share = range.end as f64 / self.state.pixels.len() as f64;
-        let has_time = self.time_left.as_ref().is_none_or(|time_left| time_left(share));
-        if !has_time {
+        let is_in_time = self.is_in_time(range);
+        if !is_in_time {
             self.finished.add_stop(Some(Stop::Time));
         }
-        has_time
+        is_in_time
     }
 
     /// The quality of the finished pixels; `None` if no error was requested.
@@ -248,7 +253,7 @@ impl<'r> Film<'r> {
                 || self.renderer.worker(),
                 |worker, pixel| {
                     let ray = self.camera.central_ray(pixel % columns, pixel / columns);
-                    ray.map_or(NO_HIT_DISTANCE, |ray| distance(worker, ray_number(pixel, 0), &ray)) as f32
+                    ray.map_or(NO_HIT_DISTANCE, |ray| distance(worker, ray_number(pixel as u64, 0), &ray)) as f32
                 },
             )
             .collect()

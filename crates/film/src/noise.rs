@@ -9,7 +9,9 @@
 //! estimated for a whole block. What no sample has hit yet, such as the corner of a lamp, is
 //! assumed to be like the neighbour that differs most.
 
-use radsight_adaptive::{Certainty, ErrorEstimate, NoiseTarget, PixelError, PixelSamples, Selection, Stop};
+use radsight_adaptive::{
+    Certainty, ErrorEstimate, NoiseTarget, PixelError, PixelSamples, Selection, SquaredErrors, Stop,
+};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -193,11 +195,9 @@ pub struct Estimate {
 /// Sums over finished pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Finished {
-    pixels: f64,
     rays: f64,
-    /// Of squared errors due to noise, and of their squares.
-    errors: f64,
-    squares: f64,
+    /// Due to noise.
+    noise: SquaredErrors,
     /// Of squared errors due to cached irradiance, and the variance of that sum; `None` where none
     /// is cached.
     cached: Option<[f64; 2]>,
@@ -206,17 +206,8 @@ pub(crate) struct Finished {
 
 impl Finished {
     pub(crate) fn add(&mut self, error: f64, samples: u32) {
-        self.pixels += 1.0;
         self.rays += f64::from(samples);
-        self.errors += error;
-        self.squares += error * error;
-    }
-
-    /// The mean squared error due to noise, and its variance.
-    fn noise(&self) -> [f64; 2] {
-        let mean = self.errors / self.pixels;
-        let spread = (self.squares / self.pixels - mean * mean).max(0.0);
-        [mean, spread * PIXELS_PER_ESTIMATE / self.pixels]
+        self.noise.add(error);
     }
 
     /// Keeps the first reason; lack of time counts most.
@@ -231,15 +222,16 @@ impl Finished {
     }
 
     pub(crate) fn estimate(&self) -> Option<Estimate> {
-        let [cached, cached_variance] = self.cached.unwrap_or_default().map(|sum| sum / self.pixels);
-        let [noise, noise_variance] = self.noise();
-        let variance = noise_variance + cached_variance / self.pixels;
+        let pixels = self.noise.pixels();
+        let [cached, cached_variance] = self.cached.unwrap_or_default().map(|sum| sum / pixels);
+        let [noise, noise_variance] = self.noise.mean_and_variance(PIXELS_PER_ESTIMATE);
+        let variance = noise_variance + cached_variance / pixels;
         let error = (noise + cached).sqrt();
         let uncertainty = (error * error + CONFIDENCE * variance.sqrt()).sqrt() - error;
-        (self.pixels > 0.0).then(|| Estimate {
+        (pixels > 0.0).then(|| Estimate {
             error,
             uncertainty,
-            rays: self.rays / self.pixels,
+            rays: self.rays / pixels,
             noise: noise.sqrt(),
             cache: self.cached.map(|_| cached.sqrt()),
             stopped: self.stopped,

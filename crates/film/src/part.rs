@@ -73,7 +73,7 @@ pub(crate) fn radiance(
     sample: u32,
 ) -> [f64; 3] {
     let (column, row) = (pixel % camera.columns(), pixel / camera.columns());
-    let index = ray_number(pixel, sample);
+    let index = ray_number(pixel as u64, sample);
     let sampler = RaySampler::new(renderer.plan().seed(), index);
     let ray = camera.ray(column, row, &sampler);
     ray.and_then(|ray| traced(worker, index, &ray)).map_or([0.0; 3], |traced| traced.value)

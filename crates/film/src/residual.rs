@@ -17,7 +17,7 @@
 //! pixels are divided into cells; one pixel represents each cell until more are needed.
 
 use crate::view_camera::{ViewCamera, traced_both};
-use radsight_adaptive::SEQUENCE_LOG2;
+use radsight_adaptive::ray_number;
 use radsight_render::Renderer;
 use radsight_sampling::RaySampler;
 use rayon::prelude::*;
@@ -178,10 +178,10 @@ impl Residuals {
                     let half = |half: u64| {
                         // Each half has its own scramble of the sequence, different from that of
                         // the film's pixels.
-                        let stream = ((first + pixel) as u64 + (1 + half) * film) << SEQUENCE_LOG2;
+                        let stream = (first + pixel) as u64 + (1 + half) * film;
                         let mut sum = [0.0; 3];
                         for sample in before..before + further {
-                            let index = stream | u64::from(sample);
+                            let index = ray_number(stream, sample);
                             let sampler = RaySampler::new(renderer.plan().seed(), index);
                             let Some(ray) = camera.ray(column, row, &sampler) else { continue };
                             let Some([cached, single]) = traced_both(worker, index, &ray) else { continue };

@@ -16,7 +16,7 @@ pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, budget: Sampl
     if matches!(budget, SamplingBudget::Samples(1) | SamplingBudget::Interpolated(_)) {
         return worker.trace(number, ray);
     }
-    let first = ray_number(number as usize, 0);
+    let first = ray_number(number, 0);
     let mut traced = worker.trace(first, ray);
     let mut sum = traced.value;
     let mut spectrum = traced.spectrum;

@@ -6,8 +6,8 @@ use crate::integrator::{Integrator, RayQueries};
 use crate::renderer::{check_budget, check_materials, header, report};
 use crate::{Error, Renderer, report_page};
 use radsight_adaptive::{
-    ErrorTarget, FIRST_SAMPLES, PixelSamples, PixelSource, SEQUENCE_LOG2, SamplingState, Stop, begin, ray_number,
-    refine,
+    ErrorTarget, FIRST_SAMPLES, PixelSamples, PixelSource, SampleCounter, SamplingState, Stop, begin, pixel_of_ray,
+    ray_number, refine,
 };
 use radsight_capture::Progress;
 use radsight_film::{Estimate, PixelNoise, SamplingBudget};
@@ -15,7 +15,6 @@ use radsight_render::{Ray, RaySpacing, RayWorker};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Default number of rays per pixel.
 const USUAL_SAMPLES: u32 = 16;
@@ -30,8 +29,8 @@ struct CameraRays<'s> {
     camera: &'s dyn Camera,
     size: [usize; 2],
     progress: &'s dyn Progress,
-    planned: AtomicU64,
-    done: AtomicU64,
+    /// Of samples to an error, of pixels with a fixed number of samples.
+    counter: SampleCounter,
 }
 
 /// A finished picture.
@@ -65,8 +64,9 @@ impl Renderer {
             return Ok(None);
         }
         let renderer = &*self.prepare(options)?;
-        let [planned, done] = [AtomicU64::new(0), AtomicU64::new(0)];
-        let rays = CameraRays { renderer, integrator, camera, size, progress, planned, done };
+        let per_pixel = if let SamplingBudget::Error(_) = budget { FIRST_SAMPLES } else { 1 };
+        let counter = SampleCounter::new(0, (size[0] * size[1]) as u64 * u64::from(per_pixel));
+        let rays = CameraRays { renderer, integrator, camera, size, progress, counter };
         let finished = match budget {
             SamplingBudget::Error(target) => rays.to_error(target),
             SamplingBudget::Samples(samples) => rays.with_samples(samples),
@@ -84,13 +84,18 @@ impl CameraRays<'_> {
         self.size[0] * self.size[1]
     }
 
+    fn report(&self, counted: u64) {
+        let [done, planned] = self.counter.add(counted);
+        self.progress.report(done, planned);
+    }
+
     /// Traces rays with these numbers; `visit` receives the number and the radiance of each that
     /// sees something.
     fn trace(&self, worker: &mut RayWorker<'_>, numbers: &[u64], mut visit: impl FnMut(u64, [f64; 3])) {
         let seed = self.renderer.plan().seed();
-        let at = |number: &u64| {
-            let [x, y, across, along] = RaySampler::new(seed, *number).take(DimensionSet::CAMERA);
-            (film_point(self.size, (number >> SEQUENCE_LOG2) as usize, [x, y]), [across, along])
+        let at = |&number: &u64| {
+            let [x, y, across, along] = RaySampler::new(seed, number).take(DimensionSet::CAMERA);
+            (film_point(self.size, pixel_of_ray(number) as usize, [x, y]), [across, along])
         };
         let (film, aperture): (Vec<_>, Vec<_>) = numbers.iter().map(at).unzip();
         for (number, ray) in numbers.iter().zip(self.camera.rays(&film, &aperture)) {
@@ -108,15 +113,14 @@ impl CameraRays<'_> {
                 return None;
             }
             let range = batch * at_once..pixels.min((batch + 1) * at_once);
-            let of_pixel = |pixel: usize| (0..samples).map(move |sample| ray_number(pixel, sample));
+            let of_pixel = |pixel: usize| (0..samples).map(move |sample| ray_number(pixel as u64, sample));
             let numbers: Vec<u64> = range.clone().flat_map(of_pixel).collect();
             let mut sums = vec![[0.0; 3]; range.len()];
             self.trace(worker, &numbers, |number, value| {
-                let sum = &mut sums[(number >> SEQUENCE_LOG2) as usize - range.start];
+                let sum = &mut sums[pixel_of_ray(number) as usize - range.start];
                 *sum = std::array::from_fn(|band| sum[band] + value[band]);
             });
-            let before = self.done.fetch_add(range.len() as u64, Ordering::Relaxed);
-            self.progress.report(before + range.len() as u64, pixels as u64);
+            self.report(range.len() as u64);
             Some(sums.into_iter().map(|sum| sum.map(|band| (band / f64::from(samples)) as f32)).collect())
         };
         let batches: Option<Vec<Vec<[f32; 3]>>> =
@@ -156,7 +160,7 @@ impl<'s> PixelSource for CameraRays<'s> {
     }
 
     fn sums(&self, worker: &mut RayWorker<'s>, pixel: usize, samples: Range<u32>) -> [f64; 3] {
-        let numbers: Vec<u64> = samples.map(|sample| ray_number(pixel, sample)).collect();
+        let numbers: Vec<u64> = samples.map(|sample| ray_number(pixel as u64, sample)).collect();
         let mut sum = [0.0; 3];
         for numbers in numbers.chunks(CAMERA_BATCH) {
             self.trace(worker, numbers, |_, value| sum = std::array::from_fn(|band| sum[band] + value[band]));
@@ -166,7 +170,8 @@ impl<'s> PixelSource for CameraRays<'s> {
 
     /// Asks the camera once, since a call may be expensive.
     fn first(&self, worker: &mut RayWorker<'s>, pixel: usize) -> PixelSamples<[f64; 3]> {
-        let numbers: [u64; FIRST_SAMPLES as usize] = std::array::from_fn(|sample| ray_number(pixel, sample as u32));
+        let numbers: [u64; FIRST_SAMPLES as usize] =
+            std::array::from_fn(|sample| ray_number(pixel as u64, sample as u32));
         let mut values = [[0.0; 3]; FIRST_SAMPLES as usize];
         self.trace(worker, &numbers, |number, value| values[(number - numbers[0]) as usize] = value);
         let mut first = PixelSamples::of(values[0], 1);
@@ -180,12 +185,11 @@ impl<'s> PixelSource for CameraRays<'s> {
     }
 
     fn plan(&self, samples: u64) {
-        self.planned.fetch_add(samples, Ordering::Relaxed);
+        self.counter.plan(samples);
     }
 
     fn traced(&self, samples: u32) {
-        let done = self.done.fetch_add(u64::from(samples), Ordering::Relaxed) + u64::from(samples);
-        self.progress.report(done, self.planned.load(Ordering::Relaxed).max(done));
+        self.report(samples.into());
     }
 }
 

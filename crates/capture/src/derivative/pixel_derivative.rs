@@ -31,7 +31,7 @@ impl ParameterStep<'_> {
     pub(super) fn index(&self, sequence: u64, pixel: u64, sample: u32) -> u64 {
         let cells = self.center.rays.camera().pixel_count();
         let block = (u64::from(self.stream) * SEQUENCES + sequence) * cells + pixel;
-        ray_number(block as usize, sample)
+        ray_number(block, sample)
     }
 
     /// Sums of samples of dE/dθ and of E of a pixel.
