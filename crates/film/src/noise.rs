@@ -10,7 +10,7 @@
 //! assumed to be like the neighbour that differs most.
 
 use radsight_adaptive::{
-    Certainty, ErrorEstimate, NoiseTarget, PixelError, PixelSamples, Selection, SquaredErrors, Stop,
+    Certainty, ErrorEstimate, FIRST_SAMPLES, NoiseTarget, PixelError, PixelSamples, Selection, SquaredErrors, Stop,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -62,7 +62,8 @@ impl PixelNoise {
         let gain = self.gain(&pixels[range.clone()]);
         let error = |index: usize| {
             let pixel = &pixels[index];
-            let squared = self.relative(pixel, self.squared_error((pixels, range), index, gain));
+            let bias = if pixel.samples > FIRST_SAMPLES { SELECTION_BIAS } else { 1.0 };
+            let squared = bias * self.relative(pixel, self.squared_error((pixels, range), index, gain));
             PixelError { squared, gain, samples: pixel.samples }
         };
         let errors = range.clone().into_par_iter().with_min_len(1024).map(error).collect();
@@ -128,6 +129,12 @@ impl PixelNoise {
 fn square(difference: f32) -> f64 {
     f64::from(difference) * f64::from(difference)
 }
+
+/// Correction of the selection bias of squared errors: pixels whose halves agree by chance are not
+/// doubled further, so their estimated errors are too low. In rooms of small lamps, plants and sun
+/// patches, the squared error was 1.3 to 1.6 times the estimated one for pictures of independent
+/// paths at 10 and 5 %.
+const SELECTION_BIAS: f64 = 1.4;
 
 /// A feature that a neighbour sees may cover about 1/N of this pixel without being hit by any of
 /// its N samples. This is its assumed probability.

@@ -45,6 +45,10 @@ const CERTAINTY_ERRORS: f64 = 2.0;
 /// Minimum benefit of a pixel's rays in one round, relative to the largest.
 const MIN_BENEFIT: f64 = 0.1;
 
+/// Minimum number of rays of a round, relative to those before it. The work ends as soon as its
+/// estimate is low enough, so each further look at the estimate makes it too low on average.
+const MIN_GROWTH: f64 = 0.5;
+
 /// The residuals of a block of pixels, in units of the values to which errors are relative.
 #[derive(Debug)]
 pub(crate) struct Residuals {
@@ -114,6 +118,8 @@ pub(crate) struct Assessment {
     /// Approximate remaining squared error of each pixel.
     pub(crate) of_pixels: Vec<f64>,
     options: Vec<Benefit>,
+    /// Rays of each half so far.
+    rays: f64,
 }
 
 /// The benefit of further rays of a pixel.
@@ -304,6 +310,7 @@ impl Residuals {
             variance: 0.0,
             of_pixels: vec![0.0; self.pixels.len()],
             options: Vec::new(),
+            rays: self.pixels.iter().map(|pixel| f64::from(pixel.rays)).sum(),
         };
         let mut found = vec![0.0; self.pixels.len()];
         for (pixel, residual) in self.pixels.iter().enumerate() {
@@ -375,7 +382,8 @@ impl Assessment {
         self.squared.max(0.0) + CERTAINTY_ERRORS * self.variance.sqrt()
     }
 
-    /// The pixels to trace further until the bound is at most `allowed`; none if nothing helps.
+    /// The pixels to trace further until the bound is at most `allowed`, and at least
+    /// [`MIN_GROWTH`] more rays; none if nothing helps.
     pub(crate) fn wanted(&self, allowed: f64) -> Vec<usize> {
         let deviation = self.variance.sqrt().max(f64::MIN_POSITIVE);
         let benefit =
@@ -385,10 +393,13 @@ impl Assessment {
         options.sort_by(|(one, _), (two, _)| two.total_cmp(one));
         let least = MIN_BENEFIT * options.first().map_or(0.0, |(benefit, _)| *benefit);
         let (mut squared, mut variance, mut wanted) = (self.squared.max(0.0), self.variance, Vec::new());
+        let mut further = 0.0;
         for (benefit, option) in options {
-            if benefit < least || squared.max(0.0) + CERTAINTY_ERRORS * variance.max(0.0).sqrt() <= allowed {
+            let is_enough = squared.max(0.0) + CERTAINTY_ERRORS * variance.max(0.0).sqrt() <= allowed;
+            if benefit < least || is_enough && further >= MIN_GROWTH * self.rays {
                 break;
             }
+            further += option.rays;
             squared -= option.squared;
             variance -= option.variance;
             wanted.push(option.pixel);

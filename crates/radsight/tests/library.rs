@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use radsight::{
-    CacheError, Capture, Error, ErrorBudget, FileLoader, Progress, Ray, Renderer, SamplingBudget, Scene, View,
+    CacheError, Capture, Error, ErrorBudget, FileLoader, Image, Progress, Ray, Renderer, SamplingBudget, Scene, View,
 };
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -80,6 +80,58 @@ fn a_smaller_error_takes_more_rays() {
         image.report().rays_per_pixel.unwrap()
     };
     assert!(rays(0.005) > 1.5 * rays(0.1));
+}
+
+/// A box that a small lamp lights by way of a patch of the wall, with a row of balls.
+fn box_with_balls() -> Scene {
+    let mut text = "void plastic wall 0 0 5 .6 .5 .4 0 0  void plastic dark 0 0 5 .1 .1 .1 0 0
+        void spotlight beam 0 0 7 4e4 4e4 4e4 40 -1 0 .2
+        beam ring lamp 0 0 8 2 2 2.5 -1 0 .2 0 .02
+        wall bubble room 0 0 4 2 1.5 1.5 3 "
+        .to_owned();
+    for ball in 0..6 {
+        text += &format!("dark sphere b{ball} 0 0 4 {} {} .6 .3 ", 0.5 + 0.55 * f64::from(ball), 1 + ball % 2);
+    }
+    Scene::from_text(text).unwrap()
+}
+
+/// Mean squared error of a picture relative to two independent ones, as [`ErrorBudget::error`]
+/// defines it.
+fn relative_squared_error(image: &Image, references: &[Image; 2]) -> f64 {
+    let mean = |pixel: usize, band: usize| {
+        0.5 * references.iter().map(|image| f64::from(image.pixels()[pixel][band])).sum::<f64>()
+    };
+    let count = image.pixels().len();
+    let typical = |band| (0..count).map(|pixel| mean(pixel, band)).sum::<f64>() / count as f64;
+    let of_band = |band: usize| {
+        let floor = 0.01 * typical(band);
+        let of_pixel = |pixel: usize| {
+            let [a, b] = [0, 1].map(|half: usize| {
+                f64::from(image.pixels()[pixel][band]) - f64::from(references[half].pixels()[pixel][band])
+            });
+            a * b / (mean(pixel, band).powi(2) + floor * floor)
+        };
+        (0..count).map(of_pixel).sum::<f64>() / count as f64
+    };
+    (0..3).map(of_band).sum::<f64>() / 3.0
+}
+
+/// Pixels that agree by chance get no further rays, so a plain estimate is too low by a quarter.
+#[test]
+fn the_reported_error_of_independent_paths_is_the_error() {
+    let scene = box_with_balls();
+    let view = View::from_args("-vp 2 -1 1.5 -vd 0 1 -.2 -vh 70 -vv 60").unwrap();
+    let renderer = |seed| Renderer::new(&scene).unwrap().ambient_bounces(2).ambient_accuracy(0.0).seed(seed);
+    let references = [1000, 1001].map(|seed| renderer(seed).samples(4096).render(&view, 16, 12).unwrap());
+    let (mut squared, mut reported) = (0.0, 0.0);
+    for seed in 0..12 {
+        let image = renderer(seed).error(0.1).render(&view, 16, 12).unwrap();
+        squared += relative_squared_error(&image, &references) / 12.0;
+        reported += image.report().error.unwrap().powi(2) / 12.0;
+    }
+    println!("{} of the picture, {} reported", squared.sqrt(), reported.sqrt());
+    assert!(squared.sqrt() < 0.1, "{}", squared.sqrt());
+    assert!((0.8..1.2).contains(&(squared / reported)), "{} of {}", squared.sqrt(), reported.sqrt());
 }
 
 /// Stops at once.
