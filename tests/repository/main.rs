@@ -12,6 +12,7 @@ mod gallery;
 mod import_cycles;
 mod library_examples;
 mod option_words;
+mod packages;
 mod signatures;
 mod sources;
 mod words;

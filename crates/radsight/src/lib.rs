@@ -88,13 +88,3 @@ pub use renderer::{ModifierContribution, Renderer};
 pub use scene::{Scene, SceneBuilder};
 pub use series_file::{SeriesRow, read_series};
 pub use view::View;
-
-/// The recipes of CONTRIBUTING.md, compiled and run as documentation tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../../CONTRIBUTING.md")]
-struct Recipes;
-
-/// The first program of the library's page, compiled as a documentation test.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/library.md")]
-struct LibraryPage;
