@@ -3,7 +3,7 @@
 //! The library name `native` refers to them: no file is loaded and no call crosses the plugin
 //! interface. Each model is one file, which ends with its [`NativeModel`]; [`MODELS`] lists them.
 
-use crate::{Brdf, lambert, minnaert};
+use crate::Brdf;
 use std::fmt::{self, Display, Formatter};
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub const LIBRARY: &str = "native";
 
 /// All built-in models.
-pub const MODELS: &[NativeModel] = &[lambert::MODEL, minnaert::MODEL];
+pub const MODELS: &[NativeModel] = &[crate::lambert::MODEL, crate::minnaert::MODEL];
 
 /// A built-in model.
 #[derive(Clone, Copy, Debug)]

@@ -13,8 +13,7 @@ use crate::trust::Trust;
 type Program = fn(Words<'_>) -> Outcome;
 
 /// The programs by their names.
-const PROGRAMS: [(&str, Program); 3] =
-    [("dctimestep", dctimestep::run), ("rcomb", rcomb::run), ("rmtxop", rmtxop::run)];
+const PROGRAMS: &[(&str, Program)] = &[("dctimestep", dctimestep::run), ("rcomb", rcomb::run), ("rmtxop", rmtxop::run)];
 
 /// Runs a program if it is one of these; `words[0]` is its name.
 pub(crate) fn run(words: &[String], trust: &Trust) -> Option<Outcome> {

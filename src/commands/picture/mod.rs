@@ -25,7 +25,7 @@ use crate::trust::Trust;
 type Program = fn(Words<'_>) -> Outcome;
 
 /// The programs by their names.
-const PROGRAMS: [(&str, Program); 18] = [
+const PROGRAMS: &[(&str, Program)] = &[
     ("falsecolor", falsecolor::run),
     ("getinfo", getinfo::run),
     ("pcomb", pcomb::run),
