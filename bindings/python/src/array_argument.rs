@@ -25,7 +25,7 @@ pub(crate) fn wrong_shape(name: &str, found: &[usize], expected: &str) -> PyErr 
     RadsightError::new_err(format!("{name} has shape {}, expected {expected}", shape_text(found)))
 }
 
-/// What is given, if it is an aligned array of doubles; else an array converted from it. The error says what it is instead.
+/// The argument itself if it is an aligned array of doubles, else an array converted from it. The error is the type that was given.
 pub(crate) fn as_doubles<'py>(given: &Bound<'py, PyAny>) -> Result<Bound<'py, PyUntypedArray>, String> {
     let kind_of =
         |thing: &Bound<'py, PyAny>| thing.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());

@@ -30,7 +30,7 @@ struct Queue<Question, Answer> {
     flush_pending: bool,
 }
 
-/// What the thread of a question does about its batch.
+/// The role of a question's thread in its batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Role {
     /// Takes and answers the batch.
@@ -99,7 +99,7 @@ impl<Question, Answer> Batcher<Question, Answer> {
     /// Answers the batch. A thread without an answer finds its channel closed.
     fn flush(&self, answer_all: impl Fn(Python<'_>, Vec<Question>) -> Vec<Answer>) {
         let (senders, answers) = Python::attach(|py| {
-            // Whoever asks while this thread waits for the interpreter belongs to the batch.
+            // Queries made while this thread waits for the interpreter belong to the batch.
             let (questions, senders): (Vec<_>, Vec<_>) = self.take().into_iter().unzip();
             (senders, answer_all(py, questions))
         });

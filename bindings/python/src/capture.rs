@@ -6,6 +6,7 @@ use crate::png;
 use crate::scene::{Files, Materials, Scene, Text, files_first, texts_of};
 use crate::sensor::Sensor;
 use crate::supervise::{Watch, supervised};
+use crate::whole_argument;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
@@ -15,20 +16,20 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// A camera file (camera, light ring, sensor), and how exactly it is to expose.
+/// A camera file (camera, light ring, sensor), and the sampling of its exposure.
 ///
 /// Parameters
 /// ----------
 /// path : path-like
 ///     The camera file (TOML).
 /// error : float
-///     Relative error of the exposure: rms over the pixels, as a share of the mean.
+///     Requested error of the exposure: rms over the pixels, relative to the mean.
 /// samples : int, optional
 ///     Rays through every pixel instead.
 /// seed : int
 ///     Chooses the sample sequence and the sensor's noise.
 /// ambient_bounces : int
-///     Diffuse interreflections that are followed.
+///     Number of diffuse interreflections.
 /// threads : int, optional
 ///     All cores if not given.
 #[pyclass(frozen, module = "radsight")]
@@ -38,25 +39,51 @@ pub(crate) struct Capture {
     /// The camera file, and the files that it names.
     text: Text,
     files: Files,
-    /// As they were given: error, samples, seed, bounces.
-    asked: (f64, Option<u32>, u64, u32),
+    options: CaptureOptions,
+}
+
+/// The options of a capture, as they were given.
+#[derive(Clone, Copy)]
+struct CaptureOptions {
+    /// Relative error of the exposure.
+    error: f64,
+    /// Rays through every pixel, instead of an error.
+    samples: Option<u32>,
+    seed: u64,
+    ambient_bounces: u32,
+}
+
+impl CaptureOptions {
+    fn apply_to(&self, capture: radsight::Capture) -> radsight::Capture {
+        let mut capture = capture.error(self.error).seed(self.seed);
+        if let Some(samples) = self.samples {
+            capture = capture.samples(samples);
+        }
+        capture.options_mut().ambient_bounces = self.ambient_bounces;
+        capture
+    }
+
+    /// As keyword arguments of `Capture.from_text`.
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let keywords = PyDict::new(py);
+        keywords.set_item("error", self.error)?;
+        keywords.set_item("samples", self.samples)?;
+        keywords.set_item("seed", self.seed)?;
+        keywords.set_item("ambient_bounces", self.ambient_bounces)?;
+        Ok(keywords)
+    }
 }
 
 impl Capture {
     fn read(
         text: Text,
         loader: RecordingLoader<impl Loader>,
-        asked: (f64, Option<u32>, u64, u32),
+        options: CaptureOptions,
         threads: Option<usize>,
     ) -> PyResult<Capture> {
-        let (error, samples, seed, ambient_bounces) = asked;
         let capture = radsight::Capture::from_text(&text.0, &text.1, &loader).map_err(exception)?;
-        let mut capture = capture.error(error).seed(seed);
-        if let Some(samples) = samples {
-            capture = capture.samples(samples);
-        }
-        capture.options_mut().ambient_bounces = ambient_bounces;
-        Ok(Capture { capture, threads, text, files: loader.named_files().into_iter().collect(), asked })
+        let capture = options.apply_to(capture);
+        Ok(Capture { capture, threads, text, files: loader.named_files().into_iter().collect(), options })
     }
 
     /// A scene of this camera's: a `Scene`, or files, with the light ring.
@@ -90,16 +117,16 @@ impl Capture {
     fn new(
         path: PathBuf,
         error: f64,
-        samples: Option<u32>,
-        seed: u64,
-        ambient_bounces: u32,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = whole_argument::optional::samples)] samples: Option<u32>,
+        #[pyo3(from_py_with = whole_argument::seed)] seed: u64,
+        #[pyo3(from_py_with = whole_argument::ambient_bounces)] ambient_bounces: u32,
+        #[pyo3(from_py_with = whole_argument::optional::threads)] threads: Option<usize>,
     ) -> PyResult<Capture> {
         let loader = FileLoader::default();
         let loaded = loader.load(&path.display().to_string(), FileKind::Other);
         let loaded = loaded.map_err(|error| exception(error.into()))?;
-        let asked = (error, samples, seed, ambient_bounces);
-        Capture::read((loaded.path, loaded.bytes), RecordingLoader::new(loader), asked, threads)
+        let options = CaptureOptions { error, samples, seed, ambient_bounces };
+        Capture::read((loaded.path, loaded.bytes), RecordingLoader::new(loader), options, threads)
     }
 
     /// Read the text of a camera file.
@@ -113,13 +140,13 @@ impl Capture {
     /// files : dict of str to bytes, optional
     ///     Files that it names, instead of those of the disk.
     /// error : float
-    ///     Relative error of the exposure: rms over the pixels, as a share of the mean.
+    ///     Requested error of the exposure: rms over the pixels, relative to the mean.
     /// samples : int, optional
     ///     Rays through every pixel instead.
     /// seed : int
     ///     Chooses the sample sequence and the sensor's noise.
     /// ambient_bounces : int
-    ///     Diffuse interreflections that are followed.
+    ///     Number of diffuse interreflections.
     /// threads : int, optional
     ///     All cores if not given.
     ///
@@ -140,19 +167,19 @@ impl Capture {
         name: &str,
         files: Option<Files>,
         error: f64,
-        samples: Option<u32>,
-        seed: u64,
-        ambient_bounces: u32,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = whole_argument::optional::samples)] samples: Option<u32>,
+        #[pyo3(from_py_with = whole_argument::seed)] seed: u64,
+        #[pyo3(from_py_with = whole_argument::ambient_bounces)] ambient_bounces: u32,
+        #[pyo3(from_py_with = whole_argument::optional::threads)] threads: Option<usize>,
     ) -> PyResult<Capture> {
         let text = (name.to_owned(), text.as_bytes().to_vec());
-        let asked = (error, samples, seed, ambient_bounces);
+        let options = CaptureOptions { error, samples, seed, ambient_bounces };
         match files {
-            None => Capture::read(text, RecordingLoader::new(FileLoader::default()), asked, threads),
+            None => Capture::read(text, RecordingLoader::new(FileLoader::default()), options, threads),
             Some(files) => {
                 let memory =
                     files.iter().fold(MemoryLoader::default(), |memory, (name, bytes)| memory.with(name, bytes));
-                Capture::read(text, RecordingLoader::new(memory), asked, threads)
+                Capture::read(text, RecordingLoader::new(memory), options, threads)
             }
         }
     }
@@ -164,7 +191,7 @@ impl Capture {
     /// *scenes : Scene, or path-like
     ///     One scene, or files.
     /// progress : callable, optional
-    ///     Called with the share that is done, 0 to 1, about twenty times a second and at the end. An exception in it stops the work.
+    ///     Called with the finished fraction, 0 to 1, about twenty times a second and at the end. An exception in it stops the work.
     ///
     /// Returns
     /// -------
@@ -232,10 +259,10 @@ impl Capture {
             text = with_key(&text, key, value).map_err(|error| wrong("key", key, &error.to_string()))?;
         }
         let loader = RecordingLoader::new(files_first(&self.files, FileLoader::default()));
-        Capture::read((self.text.0.clone(), text.into_bytes()), loader, self.asked, self.threads)
+        Capture::read((self.text.0.clone(), text.into_bytes()), loader, self.options, self.threads)
     }
 
-    /// The same on so many threads.
+    /// The same camera with another number of threads.
     ///
     /// Parameters
     /// ----------
@@ -246,9 +273,12 @@ impl Capture {
     /// -------
     /// Capture
     ///     It gives the same bits.
-    fn with_threads(&self, threads: Option<usize>) -> Capture {
-        let Capture { capture, text, files, asked, .. } = self;
-        Capture { capture: capture.clone(), threads, text: text.clone(), files: files.clone(), asked: *asked }
+    fn with_threads(
+        &self,
+        #[pyo3(from_py_with = whole_argument::optional::threads)] threads: Option<usize>,
+    ) -> Capture {
+        let Capture { capture, text, files, options, .. } = self;
+        Capture { capture: capture.clone(), threads, text: text.clone(), files: files.clone(), options: *options }
     }
 
     /// The sensor.
@@ -269,7 +299,7 @@ impl Capture {
         (camera.columns(), camera.rows())
     }
 
-    /// What the camera file says, in a line.
+    /// One line that describes the camera.
     #[getter]
     fn summary(&self) -> String {
         self.capture.camera_file().summary()
@@ -282,7 +312,9 @@ impl Capture {
         }
         let again = py.import("radsight._pickle")?.getattr("capture")?;
         let text = PyBytes::new(py, &self.text.1);
-        Ok((again, (&self.text.0, text, files, self.asked, self.threads).into_pyobject(py)?))
+        let options = self.options.keywords(py)?;
+        options.set_item("threads", self.threads)?;
+        Ok((again, (&self.text.0, text, files, options).into_pyobject(py)?))
     }
 
     fn __repr__(&self) -> String {
@@ -309,7 +341,7 @@ impl CapturedImage {
 pub(crate) struct CapturedImage {
     image: radsight::CapturedImage,
     greys: Option<Vec<u16>>,
-    /// What exposed it.
+    /// The camera that exposed it.
     capture: radsight::Capture,
     /// Time that reading the scene and exposing took.
     seconds: f64,
@@ -337,19 +369,19 @@ impl CapturedImage {
         array_view(slf, slf.get().shape(), |captured| captured.greys.as_deref().unwrap_or_default())
     }
 
-    /// Whether the camera has a sensor, so that there are grey values.
+    /// Whether the camera file has a sensor, and thus grey values.
     #[getter]
     fn has_sensor(&self) -> bool {
         self.greys.is_some()
     }
 
-    /// Estimated rms error over the pixels as a share of the mean exposure.
+    /// Estimated rms error of the pixels, relative to the mean exposure.
     #[getter]
     fn estimated_error(&self) -> Option<f64> {
         self.image.estimated_error
     }
 
-    /// Rays that were traced from the camera.
+    /// Number of camera rays.
     #[getter]
     fn rays(&self) -> u64 {
         self.image.rays

@@ -55,11 +55,11 @@ impl CaptureDerivatives {
     /// capture : Capture
     ///     The camera; its error or samples are those of the exposure itself.
     /// parameters : sequence of str
-    ///     ``NAME.x``, ``.y``, ``.z`` (position of the surfaces ``NAME``, ``*`` at its end: how names begin), ``NAME.rx``, ``.ry``,
+    ///     ``NAME.x``, ``.y``, ``.z`` (position of the surfaces ``NAME``, a final ``*`` matches any ending), ``NAME.rx``, ``.ry``,
     ///     ``.rz`` (rotation about the centre of their bounding box), ``led.intensity``, ``led[K].intensity``, ``ring.diameter``,
     ///     ``distance``, ``pinhole.diameter``, ``focal.distance``, ``exposure.time``.
     /// error : float
-    ///     Rms of the standard errors of a derivative over the picture, as a share of the rms of the derivative.
+    ///     Requested error of a derivative: rms of its standard errors over the picture, relative to the rms of the derivative.
     /// progress : callable, optional
     ///     Called with the share of the current derivative that is done.
     ///

@@ -4,7 +4,7 @@ use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-create_exception!(radsight, RadsightError, PyValueError, "Something that radsight was given is wrong.");
+create_exception!(radsight, RadsightError, PyValueError, "An argument or an input file is wrong.");
 create_exception!(
     radsight,
     SceneError,

@@ -38,7 +38,7 @@ impl Image {
         self.image.report().error
     }
 
-    /// What is known of the error, and what was skipped.
+    /// The estimated error, and the skipped work.
     #[getter]
     fn report(&self) -> String {
         self.image.report().to_string()
@@ -59,7 +59,7 @@ impl Image {
         self.image.save(path).map_err(exception)
     }
 
-    /// Standard error of each pixel as a share of its value: (rows, columns), a read-only view; ``None`` where no error was asked for.
+    /// Relative standard error of each pixel: (rows, columns), a read-only view; ``None`` where no error was requested.
     #[getter]
     fn relative_error<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         if slf.get().image.relative_errors().is_none() {

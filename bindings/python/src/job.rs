@@ -9,8 +9,9 @@ use radsight::{JobTarget, RayFormat, RayQuantity};
 use std::ops::Range;
 
 use crate::scene::View;
+use crate::whole_argument;
 
-/// What is rendered, how exactly, and which part of it: plain data, which can be pickled and is JSON for ``radsight job``.
+/// A picture, capture or list of rays, its sampling, and the part to compute: plain data that can be pickled, and JSON for ``radsight job``.
 ///
 /// Parameters
 /// ----------
@@ -25,17 +26,17 @@ use crate::scene::View;
 /// rays : str, optional
 ///     For rays instead: the name of the text file with six numbers a ray.
 /// quantity : str
-///     What a job of rays answers: ``radiance``, ``irradiance`` or ``surface_irradiance``.
+///     Quantity that a job of rays computes: ``radiance``, ``irradiance`` or ``surface_irradiance``.
 /// scenes : sequence of str
 ///     The scene's files, for ``radsight job run``.
 /// seed : int
 ///     Chooses the sample sequence.
 /// ambient_bounces : int
-///     Diffuse interreflections that are followed.
+///     Number of diffuse interreflections.
 /// ambient_accuracy : float
 ///     0 follows them path by path. With more all parts share an irradiance cache (`Renderer.fill_irradiance_cache`).
 /// ambient_divisions, ambient_super_samples : int, optional
-///     Rays of a cache point, and further ones.
+///     Rays of a cache point, and additional rays.
 /// irradiance_cache : str, optional
 ///     The cache's file, for ``radsight job run``.
 #[pyclass(frozen, module = "radsight")]
@@ -47,19 +48,19 @@ impl RenderJob {
     #[pyo3(signature = (*, samples, view=None, columns=0, rows=0, camera=None, rays=None, quantity="radiance", scenes=vec![], seed=0, ambient_bounces=0, ambient_accuracy=0.0, ambient_divisions=None, ambient_super_samples=None, irradiance_cache=None))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
-        samples: u32,
+        #[pyo3(from_py_with = whole_argument::samples)] samples: u32,
         view: Option<&View>,
-        columns: usize,
-        rows: usize,
+        #[pyo3(from_py_with = whole_argument::columns)] columns: usize,
+        #[pyo3(from_py_with = whole_argument::rows)] rows: usize,
         camera: Option<String>,
         rays: Option<String>,
         quantity: &str,
         scenes: Vec<String>,
-        seed: u64,
-        ambient_bounces: u32,
+        #[pyo3(from_py_with = whole_argument::seed)] seed: u64,
+        #[pyo3(from_py_with = whole_argument::ambient_bounces)] ambient_bounces: u32,
         ambient_accuracy: f64,
-        ambient_divisions: Option<u32>,
-        ambient_super_samples: Option<u32>,
+        #[pyo3(from_py_with = whole_argument::optional::ambient_divisions)] ambient_divisions: Option<u32>,
+        #[pyo3(from_py_with = whole_argument::optional::ambient_super_samples)] ambient_super_samples: Option<u32>,
         irradiance_cache: Option<String>,
     ) -> PyResult<RenderJob> {
         let quantity = match quantity {
@@ -163,9 +164,13 @@ impl RenderJob {
     /// Returns
     /// -------
     /// list of RenderJob
-    ///     Which have no pixel in common, and all pixels together.
+    ///     Disjoint parts that together cover all pixels.
     #[pyo3(signature = (parts, size=None))]
-    fn split(&self, parts: usize, size: Option<(usize, usize)>) -> PyResult<Vec<RenderJob>> {
+    fn split(
+        &self,
+        #[pyo3(from_py_with = whole_argument::parts)] parts: usize,
+        #[pyo3(from_py_with = whole_argument::size)] size: Option<[usize; 2]>,
+    ) -> PyResult<Vec<RenderJob>> {
         jobs(self.0.split(parts, self.size(size)?))
     }
 
@@ -181,9 +186,14 @@ impl RenderJob {
     /// Returns
     /// -------
     /// list of RenderJob
-    ///     Which have no pixel in common, and all pixels together.
+    ///     Disjoint parts that together cover all pixels.
     #[pyo3(signature = (columns, rows, size=None))]
-    fn split_tiles(&self, columns: usize, rows: usize, size: Option<(usize, usize)>) -> PyResult<Vec<RenderJob>> {
+    fn split_tiles(
+        &self,
+        #[pyo3(from_py_with = whole_argument::columns)] columns: usize,
+        #[pyo3(from_py_with = whole_argument::rows)] rows: usize,
+        #[pyo3(from_py_with = whole_argument::size)] size: Option<[usize; 2]>,
+    ) -> PyResult<Vec<RenderJob>> {
         jobs(self.0.split_tiles([columns, rows], self.size(size)?))
     }
 
@@ -200,7 +210,11 @@ impl RenderJob {
     /// -------
     /// list of RenderJob
     ///     In the order of the rays.
-    fn split_rays(&self, rays: usize, all: usize) -> PyResult<Vec<RenderJob>> {
+    fn split_rays(
+        &self,
+        #[pyo3(from_py_with = whole_argument::rays)] rays: usize,
+        #[pyo3(from_py_with = whole_argument::all)] all: usize,
+    ) -> PyResult<Vec<RenderJob>> {
         jobs(self.0.split_rays(rays, all))
     }
 
@@ -215,7 +229,7 @@ impl RenderJob {
     /// -------
     /// RenderJob
     ///     Another job.
-    fn with_samples(&self, samples: u32) -> PyResult<RenderJob> {
+    fn with_samples(&self, #[pyo3(from_py_with = whole_argument::samples)] samples: u32) -> PyResult<RenderJob> {
         RenderJob::from_json(&radsight::RenderJob { samples, ..self.0.clone() }.to_json(), "<job>")
     }
 
@@ -239,11 +253,8 @@ impl RenderJob {
 }
 
 impl RenderJob {
-    fn size(&self, given: Option<(usize, usize)>) -> PyResult<[usize; 2]> {
-        match given {
-            Some((columns, rows)) => Ok([columns, rows]),
-            None => self.0.picture_size().map_err(exception),
-        }
+    fn size(&self, given: Option<[usize; 2]>) -> PyResult<[usize; 2]> {
+        given.map_or_else(|| self.0.picture_size().map_err(exception), Ok)
     }
 }
 
@@ -258,7 +269,7 @@ fn span(range: &Range<usize>) -> Span {
     (range.start, range.end)
 }
 
-/// The pixels of a rectangle, or the answers of a range of rays, with their standard errors. It can be pickled, and is a file of ``radsight job``.
+/// The pixels of a rectangle, or the values of a range of rays, with their standard errors. It can be pickled, and has the format of ``radsight job`` files.
 #[pyclass(frozen, module = "radsight")]
 pub(crate) struct JobResult(pub(crate) radsight::JobResult);
 
@@ -392,7 +403,7 @@ impl MergedJob {
         self.0.missing().iter().map(|tile| (span(&tile.columns), span(&tile.rows))).collect()
     }
 
-    /// What was asked for, without a part.
+    /// The whole job, without a part.
     #[getter]
     fn job(&self) -> RenderJob {
         RenderJob(self.0.job.clone())

@@ -21,6 +21,7 @@ mod sensor;
 mod series;
 mod supervise;
 mod traced;
+mod whole_argument;
 
 use pyo3::prelude::*;
 

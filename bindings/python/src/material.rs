@@ -25,7 +25,7 @@ pub(crate) struct PythonMaterial {
     hits: Batcher<HitQuery, HitAnswer>,
 }
 
-/// What a hit asks.
+/// A query of a hit.
 #[derive(Debug)]
 struct HitQuery {
     outgoing: DVec3,
@@ -41,7 +41,7 @@ enum Ask {
     Sample([f64; 3]),
 }
 
-/// What a hit is told.
+/// The results of a hit's query.
 #[derive(Debug)]
 struct HitAnswer {
     /// The asked directions, or the sampled one; without it the light is absorbed.
@@ -112,7 +112,7 @@ impl PythonMaterial {
         Ok(answers)
     }
 
-    /// An incident direction for each query that asks for one; `None` for absorption.
+    /// A sampled incident direction for each sampling query; `None` for absorption.
     fn sample_all(&self, py: Python<'_>, queries: &[HitQuery]) -> PyResult<Vec<Option<DVec3>>> {
         let points = queries.iter().filter_map(|query| match query.ask {
             Ask::Sample(u) => Some((query.outgoing, u)),
@@ -174,7 +174,7 @@ impl PythonMaterial {
         self.object.bind(py).call_method1(method, (rows(py, &pairs.outgoing)?, rows(py, &pairs.incident)?))
     }
 
-    /// What a method gave as an array of doubles, of one of these shapes.
+    /// The result of a method as an array of doubles with one of these shapes.
     fn array<'py>(
         &self,
         method: &str,
@@ -222,7 +222,7 @@ impl Values {
         if self.bands == 1 {
             return given.iter().flat_map(|value| std::iter::repeat_n(*value, bands)).collect();
         }
-        // A grey scene asks for one band, and all are equal.
+        // A grey scene has one band, and all are equal.
         given.chunks(self.bands).flat_map(|row| &row[..bands]).copied().collect()
     }
 }

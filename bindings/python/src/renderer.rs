@@ -8,6 +8,7 @@ use crate::job::{JobResult, RenderJob};
 use crate::scene::{Scene, View};
 use crate::supervise::{Raised, Watch, stopped, supervised};
 use crate::traced::{Asked, TracedRays, kept, rays_of};
+use crate::whole_argument;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -21,11 +22,11 @@ use std::time::Instant;
 /// scene : Scene
 ///     It is compiled once.
 /// ambient_bounces : int
-///     Diffuse interreflections that are followed (``-ab``).
+///     Number of diffuse interreflections (``-ab``).
 /// ambient_accuracy : float
-///     Error at which interpolation of irradiance aims (``-aa``); 0 caches nothing.
+///     Target relative error of interpolated irradiance (``-aa``); 0 disables the cache.
 /// ambient_divisions, ambient_super_samples : int
-///     Rays of a cache point, and further ones (``-ad``, ``-as``).
+///     Rays of a cache point, and additional rays (``-ad``, ``-as``).
 /// error : float, optional
 ///     Relative error of pictures, such as 0.02. Without it and ``samples``: a preview, as Radiance's defaults give.
 /// samples : int, optional
@@ -33,12 +34,12 @@ use std::time::Instant;
 /// seed : int
 ///     Chooses the sample sequence.
 /// quantity : {"radiance", "irradiance", "surface_irradiance"}
-///     What rays ask for: radiance along them, irradiance on a surface at their origin that faces their direction (``-I``), or
+///     Quantity that is computed: radiance along the rays, irradiance on a surface at their origin that faces their direction (``-I``), or
 ///     irradiance of the first surface (``-i``).
 /// threads : int, optional
 ///     All cores if not given. Results do not depend on it.
 /// irradiance_cache : bytes, optional
-///     From `fill_irradiance_cache`, which is then used as it is.
+///     From `fill_irradiance_cache`; no records are added.
 ///
 /// Raises
 /// ------
@@ -49,7 +50,7 @@ pub(crate) struct Renderer {
     renderer: radsight::Renderer,
     asked: Asked,
     threads: Option<usize>,
-    /// What materials in Python raise.
+    /// Exceptions of materials in Python.
     raised: Raised,
 }
 
@@ -61,15 +62,15 @@ impl Renderer {
     fn new(
         py: Python<'_>,
         scene: &Scene,
-        ambient_bounces: u32,
+        #[pyo3(from_py_with = whole_argument::ambient_bounces)] ambient_bounces: u32,
         ambient_accuracy: f64,
-        ambient_divisions: u32,
-        ambient_super_samples: u32,
+        #[pyo3(from_py_with = whole_argument::ambient_divisions)] ambient_divisions: u32,
+        #[pyo3(from_py_with = whole_argument::ambient_super_samples)] ambient_super_samples: u32,
         error: Option<f64>,
-        samples: Option<u32>,
-        seed: u64,
+        #[pyo3(from_py_with = whole_argument::optional::samples)] samples: Option<u32>,
+        #[pyo3(from_py_with = whole_argument::seed)] seed: u64,
         quantity: &str,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = whole_argument::optional::threads)] threads: Option<usize>,
         irradiance_cache: Option<Vec<u8>>,
     ) -> PyResult<Renderer> {
         let budget = match (error, samples) {
@@ -106,11 +107,11 @@ impl Renderer {
     /// Parameters
     /// ----------
     /// view : View
-    ///     What is seen.
+    ///     The view.
     /// columns, rows : int
     ///     The picture's size at most.
     /// progress : callable, optional
-    ///     Called with the share that is done, 0 to 1, about twenty times a second and at the end. An exception in it stops the work.
+    ///     Called with the finished fraction, 0 to 1, about twenty times a second and at the end. An exception in it stops the work.
     ///
     /// Returns
     /// -------
@@ -121,8 +122,8 @@ impl Renderer {
         &mut self,
         py: Python<'_>,
         view: &View,
-        columns: usize,
-        rows: usize,
+        #[pyo3(from_py_with = whole_argument::columns)] columns: usize,
+        #[pyo3(from_py_with = whole_argument::rows)] rows: usize,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Image> {
         let renderer = &mut self.renderer;
@@ -134,7 +135,7 @@ impl Renderer {
         Ok(Image { image, seconds: begun.elapsed().as_secs_f64() })
     }
 
-    /// Render what a camera of one's own sees, to ``error`` or with ``samples`` rays per pixel (16 without both).
+    /// Render the picture of a custom camera, to ``error`` or with ``samples`` rays per pixel (16 without both).
     ///
     /// Parameters
     /// ----------
@@ -143,7 +144,7 @@ impl Renderer {
     /// columns, rows : int
     ///     The picture's size.
     /// progress : callable, optional
-    ///     Called with the share that is done.
+    ///     Called with the finished fraction, 0 to 1.
     ///
     /// Returns
     /// -------
@@ -159,8 +160,8 @@ impl Renderer {
         &mut self,
         py: Python<'_>,
         camera: Py<PyAny>,
-        columns: usize,
-        rows: usize,
+        #[pyo3(from_py_with = whole_argument::columns)] columns: usize,
+        #[pyo3(from_py_with = whole_argument::rows)] rows: usize,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Image> {
         let camera = PythonCamera::new(py, camera, &self.raised)?;
@@ -173,21 +174,21 @@ impl Renderer {
         Ok(Image { image, seconds: begun.elapsed().as_secs_f64() })
     }
 
-    /// Answer rays.
+    /// Trace rays.
     ///
     /// Parameters
     /// ----------
     /// rays : (n, 6) array of float
     ///     Origin (scene units) and direction of each. An array of doubles is read in place.
     /// first : int
-    ///     The place of the first ray in a longer list of which these are a part: it chooses the rays' random numbers.
+    ///     Index of the first ray if these are a part of a longer list; it determines the rays' random numbers.
     /// progress : callable, optional
-    ///     Called with the share that is done.
+    ///     Called with the finished fraction, 0 to 1.
     ///
     /// Returns
     /// -------
     /// TracedRays
-    ///     What each ray found.
+    ///     The results, in the order of the rays.
     ///
     /// Raises
     /// ------
@@ -198,7 +199,7 @@ impl Renderer {
         &mut self,
         py: Python<'_>,
         rays: &Bound<'_, PyAny>,
-        first: u64,
+        #[pyo3(from_py_with = whole_argument::first)] first: u64,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<TracedRays> {
         let rays = rays_of(rays)?;
@@ -209,7 +210,7 @@ impl Renderer {
         TracedRays::new(py, traced.map_err(exception)?.ok_or_else(stopped)?, self.asked)
     }
 
-    /// Fill the irradiance cache for rays that `trace` is to answer, or for a whole job.
+    /// Fill the irradiance cache for a list of rays, or for a whole job.
     ///
     /// Parameters
     /// ----------
@@ -218,12 +219,12 @@ impl Renderer {
     /// job : RenderJob, optional
     ///     The whole job, with an ``ambient_accuracy``. For a job of rays all of them are given, too.
     /// progress : callable, optional
-    ///     Called now and then; an exception in it stops the work.
+    ///     Called from time to time; an exception in it stops the work.
     ///
     /// Returns
     /// -------
     /// bytes or None
-    ///     For ``Renderer(…, irradiance_cache=…)``, here or in another process. ``None`` where the options ask for no cache.
+    ///     For ``Renderer(…, irradiance_cache=…)``, here or in another process. ``None`` if the options use no cache.
     #[pyo3(signature = (rays=None, *, job=None, progress=None))]
     fn fill_irradiance_cache<'py>(
         &mut self,
@@ -244,7 +245,7 @@ impl Renderer {
         Ok(filled.map_err(exception)?.map(|bytes| PyBytes::new(py, &bytes)))
     }
 
-    /// What each ray owes to modifiers of these names, as ``rcontrib`` finds it.
+    /// Contributions of modifiers to each ray, as ``rcontrib`` computes them.
     ///
     /// Parameters
     /// ----------
@@ -255,7 +256,7 @@ impl Renderer {
     /// first : int
     ///     As in `trace`.
     /// progress : callable, optional
-    ///     Called with the share that is done.
+    ///     Called with the finished fraction, 0 to 1.
     ///
     /// Returns
     /// -------
@@ -267,21 +268,21 @@ impl Renderer {
         py: Python<'py>,
         rays: &Bound<'py, PyAny>,
         modifiers: Vec<String>,
-        first: u64,
+        #[pyo3(from_py_with = whole_argument::first)] first: u64,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let rays = rays_of(rays)?;
         let names: Vec<&str> = modifiers.iter().map(String::as_str).collect();
         let renderer = &mut self.renderer;
-        let owed = supervised(py, self.threads, progress, &self.raised, |watch: &Watch| {
+        let contributions = supervised(py, self.threads, progress, &self.raised, |watch: &Watch| {
             renderer.contributions_part(first, &rays, &names, watch)
         })?;
-        let owed = owed.map_err(exception)?.ok_or_else(stopped)?;
-        let values: Vec<f64> = owed.iter().flatten().flat_map(|owed| owed.value).collect();
+        let contributions = contributions.map_err(exception)?.ok_or_else(stopped)?;
+        let values: Vec<f64> = contributions.iter().flatten().flat_map(|contribution| contribution.value).collect();
         PyArray1::from_vec(py, values).reshape([rays.len(), names.len(), 3])
     }
 
-    /// Render the part that a job asks for, with the job's own options.
+    /// Render the part of a job with the options of the job.
     ///
     /// Parameters
     /// ----------

@@ -106,12 +106,12 @@ pub(crate) fn fit<'py>(
     let words: Vec<String> = word.into_iter().collect();
     let found = radsight_retro::fit(model, &words, &rows, Weights::Relative);
     let found = found.map_err(|error| RadsightError::new_err(error.to_string()))?;
-    let told = pyo3::types::PyDict::new(py);
+    let fitted = pyo3::types::PyDict::new(py);
     for parameter in &found.parameters {
-        told.set_item(parameter.name, parameter.value)?;
+        fitted.set_item(parameter.name, parameter.value)?;
     }
-    told.set_item("rms", found.rms)?;
-    Ok(told)
+    fitted.set_item("rms", found.rms)?;
+    Ok(fitted)
 }
 
 fn geometries(observation: Angles<'_, '_>, entrance: Angles<'_, '_>, rotation: f64) -> PyResult<Vec<Geometry>> {

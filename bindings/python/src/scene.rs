@@ -44,7 +44,7 @@ pub(crate) type Files = BTreeMap<String, Vec<u8>>;
 #[pyclass(frozen, module = "radsight")]
 pub(crate) struct Scene {
     pub(crate) scene: radsight::Scene,
-    /// What its materials in Python raise.
+    /// Exceptions of its materials in Python.
     pub(crate) raised: Raised,
     pub(crate) texts: Vec<Text>,
     pub(crate) files: Files,
@@ -81,7 +81,7 @@ impl Scene {
         Ok(Scene { scene: scene.map_err(exception)?, raised, texts, files, materials })
     }
 
-    /// What finds the files that it names.
+    /// The loader of the files that the scene names.
     pub(crate) fn loader(&self) -> impl Loader + Send + use<> {
         files_first(&self.files, FileLoader::default())
     }
@@ -116,7 +116,7 @@ pub(crate) fn files_first(files: &Files, folders: FileLoader) -> impl Loader + C
     FilesFirst(memory, folders)
 }
 
-/// What reads texts with models.
+/// A builder that reads texts with models.
 pub(crate) fn scene_builder<'l>(
     texts: &[Text],
     loader: impl Loader + 'l,
@@ -205,13 +205,13 @@ impl Scene {
         Scene::read(py, texts, files, materials.unwrap_or_default())
     }
 
-    /// How many surfaces there are; those of meshes and placed octrees count once.
+    /// Number of surfaces; those of meshes and instances count once.
     #[getter]
     fn surface_count(&self) -> usize {
         self.scene.surface_count()
     }
 
-    /// What is suspect, with lines and carets; empty if nothing is.
+    /// Warnings, with lines and carets; empty without any.
     #[getter]
     fn warnings(&self) -> String {
         self.scene.warnings().to_string()

@@ -2,6 +2,7 @@
 
 use crate::array_argument::{array_argument, wrong_shape};
 use crate::errors::{RadsightError, exception, wrong};
+use crate::whole_argument;
 use numpy::ndarray::{Ix1, IxDyn};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
@@ -31,12 +32,12 @@ impl Sensor {
         &self,
         py: Python<'py>,
         exposure_j_per_m2: &Bound<'py, PyAny>,
-        seed: u64,
+        #[pyo3(from_py_with = whole_argument::seed)] seed: u64,
     ) -> PyResult<Bound<'py, PyArrayDyn<u16>>> {
         let exposures = array_argument::<IxDyn>("exposure_j_per_m2", exposure_j_per_m2, "(…)")?;
         let exposures = exposures.as_array();
         let shape = exposures.shape().to_vec();
-        // Of one's own: another thread may change the array meanwhile.
+        // A copy: another thread may change the array meanwhile.
         let exposures: Vec<f64> = exposures.iter().copied().collect();
         let greys = py.detach(|| self.0.greys(&exposures, seed));
         PyArray1::from_vec(py, greys).reshape(shape)

@@ -17,14 +17,14 @@ use std::time::Instant;
 /// capture : Capture
 ///     The camera.
 /// moves : dict of str to str, optional
-///     Parts that are elsewhere: the name of their surfaces (``*`` at its end: how names begin), and ``xform``'s words for a turn and a shift.
+///     Moved parts: the name of their surfaces (a final ``*`` matches any ending), and the rotations and translations in the notation of ``xform``.
 /// name : str
-///     Stands for the picture in tables.
+///     Name of the picture in tables.
 ///
 /// Raises
 /// ------
 /// RadsightError
-///     If a move is no turn or shift.
+///     If a move is not a rotation or translation.
 ///
 /// Examples
 /// --------
@@ -47,7 +47,7 @@ use std::time::Instant;
 /// (3, True)
 #[pyclass(frozen, module = "radsight")]
 pub(crate) struct SeriesPicture {
-    /// What stands for it in tables.
+    /// Its name in tables.
     #[pyo3(get)]
     name: String,
     /// The camera.
@@ -118,7 +118,7 @@ pub(crate) fn series_pictures(
     rows.into_iter().map(picture).collect()
 }
 
-/// Captures of a scene that differ in camera, ring, exposure, sensor, or in where parts are. What two pictures have in common is computed once.
+/// Captures of a scene that differ in camera, ring, exposure, sensor, or in where parts are. Work that pictures have in common is done once.
 ///
 /// Parameters
 /// ----------
@@ -141,9 +141,9 @@ impl CaptureSeries {
     /// Parameters
     /// ----------
     /// pictures : sequence of SeriesPicture
-    ///     They may differ in camera and moves.
+    ///     The pictures; they may differ in camera and moves.
     /// progress : callable, optional
-    ///     Called with the share that is done.
+    ///     Called with the finished fraction, 0 to 1.
     ///
     /// Returns
     /// -------

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
-/// How often the main thread asks for signals and tells of progress.
+/// How often the main thread checks for signals and reports progress.
 const INTERVAL: Duration = Duration::from_millis(50);
 
 /// How far work is, and whether it is to stop.
@@ -113,7 +113,7 @@ fn tell(progress: Option<&Py<PyAny>>, done: f64) -> PyResult<()> {
     })
 }
 
-/// What was stopped without an exception; nobody but an exception stops anything.
+/// The error of work that was stopped without an exception, which does not happen.
 pub(crate) fn stopped() -> PyErr {
     RadsightError::new_err("the work was stopped")
 }

@@ -1,4 +1,4 @@
-//! What rays found, and rays in arrays.
+//! Results of rays, and arrays of rays.
 
 use crate::array_argument::{array_argument, wrong_shape};
 use crate::errors::RadsightError;
@@ -13,7 +13,7 @@ use radsight::Ray;
 /// Numbers that are kept of a ray: radiance, distance, point, normal.
 const NUMBERS: usize = 10;
 
-/// What rays found. Its arrays are views of one array.
+/// Results of rays. The arrays are views of one array.
 #[pyclass(frozen, module = "radsight")]
 pub(crate) struct TracedRays {
     /// A row for each ray.
@@ -21,7 +21,7 @@ pub(crate) struct TracedRays {
     asked: Asked,
 }
 
-/// The unit of what rays asked for.
+/// The unit of the traced quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Asked {
     /// W/(sr·m²).
@@ -30,7 +30,7 @@ pub(crate) enum Asked {
     Irradiance,
 }
 
-/// What is kept of an answer.
+/// The stored numbers of a result.
 pub(crate) fn kept(traced: radsight::Traced) -> [f64; NUMBERS] {
     let distance = traced.first_hit.map_or(f64::INFINITY, |hit| hit.distance);
     let near = traced.first_hit.filter(|hit| hit.distance.is_finite());
@@ -49,12 +49,12 @@ impl TracedRays {
 
     fn values<'py>(&self, py: Python<'py>, wanted: Asked) -> PyResult<Bound<'py, PyAny>> {
         match (self.asked, wanted) {
-            (Asked::Irradiance, Asked::Radiance) => {
-                Err(PyAttributeError::new_err("the rays asked for irradiance_w_per_m2, not radiance_w_per_sr_m2"))
-            }
-            (Asked::Radiance, Asked::Irradiance) => {
-                Err(PyAttributeError::new_err("the rays asked for radiance_w_per_sr_m2, not irradiance_w_per_m2"))
-            }
+            (Asked::Irradiance, Asked::Radiance) => Err(PyAttributeError::new_err(
+                "irradiance was traced: it has irradiance_w_per_m2, not radiance_w_per_sr_m2",
+            )),
+            (Asked::Radiance, Asked::Irradiance) => Err(PyAttributeError::new_err(
+                "radiance was traced: it has radiance_w_per_sr_m2, not irradiance_w_per_m2",
+            )),
             _ => self.columns(py, 0, 3),
         }
     }
@@ -72,7 +72,7 @@ impl TracedRays {
     /// Raises
     /// ------
     /// AttributeError
-    ///     If the rays asked for irradiance.
+    ///     If irradiance was traced.
     #[getter]
     fn radiance_w_per_sr_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.values(py, Asked::Radiance)
@@ -83,7 +83,7 @@ impl TracedRays {
     /// Raises
     /// ------
     /// AttributeError
-    ///     If the rays asked for radiance.
+    ///     If radiance was traced.
     #[getter]
     fn irradiance_w_per_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.values(py, Asked::Irradiance)

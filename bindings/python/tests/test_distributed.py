@@ -67,8 +67,8 @@ def test_any_number_of_workers_gives_the_same_bits(cluster, scene, workers):
     alone = radsight.trace(scene, rays, ["radiance_w_per_sr_m2", "distance"], **options)
     for name, values in alone.items():
         np.testing.assert_array_equal(traced[name], values)
-    owed = distributed.contributions(client, scene, rays, ["lamp"], rays_a_job=17)
-    np.testing.assert_array_equal(owed, radsight.contributions(scene, rays, ["lamp"]))
+    contributions = distributed.contributions(client, scene, rays, ["lamp"], rays_a_job=17)
+    np.testing.assert_array_equal(contributions, radsight.contributions(scene, rays, ["lamp"]))
 
 
 def test_captures_and_series_are_those_of_one_process(cluster, scene):

@@ -61,10 +61,10 @@ def left_out():
 def test_every_name_of_pyradiance_is_there_or_told_as_left_out():
     public = {name for name in dir(pyradiance) if not name.startswith("_")}
     public = {name for name in public if not inspect.ismodule(getattr(pyradiance, name))} - {"version"}
-    told = {name for name in left_out() if "." not in name}
+    stated = {name for name in left_out() if "." not in name}
     own = set(radiance.__all__) - OWN
     assert own - public == set() and len(own) > 55
-    assert public - own == told
+    assert public - own == stated
 
 
 def test_classes_have_what_pyradiances_have():

@@ -50,6 +50,30 @@ def test_mistakes_have_line_and_caret():
         radsight.Renderer(radsight.Scene.from_text(TABLE)).trace(np.array([[0, 0, 1, 0, 0, -1.0], [0] * 6]))
 
 
+@pytest.mark.parametrize("number", [-3, 2**70])
+def test_numbers_that_do_not_fit_are_named_with_their_range(number):
+    scene = radsight.Scene.from_text(TABLE)
+    view = radsight.View("-vp 0 -4 3 -vd 0 4 -3 -vh 60 -vv 45")
+    renderer = radsight.Renderer(scene)
+    job = radsight.RenderJob(samples=1, view=view, columns=8, rows=8)
+    calls = {
+        "columns": lambda: renderer.render(view, number, 8),
+        "rows": lambda: renderer.render(view, 8, number),
+        "samples": lambda: radsight.Renderer(scene, samples=number),
+        "ambient_bounces": lambda: radsight.Renderer(scene, ambient_bounces=number),
+        "seed": lambda: radsight.Renderer(scene, seed=number),
+        "threads": lambda: radsight.Renderer(scene, threads=number),
+        "first": lambda: renderer.trace([[0, 0, 1, 0, 0, -1]], first=number),
+        "parts": lambda: job.split(number),
+        "columns of size": lambda: job.split(2, (number, 1)),
+    }
+    for name, call in calls.items():
+        with pytest.raises(ValueError, match=f"{name} is {number}, expected a whole number of 0 to [0-9]+"):
+            call()
+    with pytest.raises(TypeError, match="columns"):
+        renderer.render(view, "many", 8)
+
+
 def test_threads_change_nothing():
     scene = radsight.Scene.from_text(TABLE)
     view = radsight.View("-vp 0 -4 3 -vd 0 4 -3 -vh 60 -vv 45")

@@ -1,7 +1,7 @@
 """Radiance scenes through a real camera, as NumPy arrays.
 
-Lengths are the scene's own; radiance is W/(sr·m²) in three bands (red, green, blue of Radiance's primaries), exposure J/m².
-Errors that are asked for are shares: 0.02 is 2 %. Results depend on scene, options and seed only, not on the number of threads.
+Lengths are in scene units; radiance is W/(sr·m²) in three bands (red, green, blue of Radiance's primaries), exposure J/m².
+Requested errors are relative: 0.02 is 2 %. Results depend on scene, options and seed only, not on the number of threads.
 
 >>> import radsight
 >>> scene = radsight.Scene.from_text("void glow white 0 0 4 1 1 1 0 white sphere ball 0 0 4 0 9 0 2")

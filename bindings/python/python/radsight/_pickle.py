@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TypedDict
 
 from ._radsight import Capture, JobResult, RenderJob, Scene
 
@@ -11,24 +12,16 @@ def scene(texts: Sequence[tuple[str, bytes]], files: Mapping[str, bytes], materi
     return Scene(texts, files=files, materials=materials)
 
 
-def capture(
-    name: str,
-    text: bytes,
-    files: Mapping[str, bytes],
-    asked: tuple[float, int | None, int, int],
-    threads: int | None,
-) -> Capture:
-    error, samples, seed, ambient_bounces = asked
-    return Capture.from_text(
-        text.decode(),
-        name=name,
-        files=files,
-        error=error,
-        samples=samples,
-        seed=seed,
-        ambient_bounces=ambient_bounces,
-        threads=threads,
-    )
+class _CaptureOptions(TypedDict):
+    error: float
+    samples: int | None
+    seed: int
+    ambient_bounces: int
+    threads: int | None
+
+
+def capture(name: str, text: bytes, files: Mapping[str, bytes], options: _CaptureOptions) -> Capture:
+    return Capture.from_text(text.decode(), name=name, files=files, **options)
 
 
 def job(text: str) -> RenderJob:

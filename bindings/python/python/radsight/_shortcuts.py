@@ -38,7 +38,7 @@ def render(
     columns, rows : int
         The picture is within this size, in the view's own proportions.
     progress : callable, optional
-        Called with the share that is done.
+        Called with the finished fraction, 0 to 1.
     **options
         As for `Renderer`, such as ``error``, ``samples`` and ``ambient_bounces``.
 
@@ -66,32 +66,32 @@ def trace(
     progress: Callable[[float], object] | None = None,
     **options: Any,
 ) -> dict[str, npt.NDArray[np.float64]]:
-    """Answer rays.
+    """Trace rays.
 
     Parameters
     ----------
     scene : Scene
-        In which they are traced.
+        The scene.
     rays : (n, 6) array of float
         Origin (scene units) and direction of each. An array of doubles is read in place.
     ask : sequence of str, optional
         Any of ``radiance_w_per_sr_m2`` (which is there alone if not given), ``distance``, ``point`` and ``normal``. With
         ``quantity="irradiance"`` and ``"surface_irradiance"`` it is ``irradiance_w_per_m2`` instead of the radiance.
     progress : callable, optional
-        Called with the share that is done.
+        Called with the finished fraction, 0 to 1.
     **options
         As for `Renderer`.
 
     Returns
     -------
     dict of str to array
-        What was asked, an entry each, as `TracedRays` has it: radiance (n, 3) in W/(sr·m²), distance (n,) and point (n, 3) in scene
+        One entry for each requested quantity, as in `TracedRays`: radiance (n, 3) in W/(sr·m²), distance (n,) and point (n, 3) in scene
         units, normal (n, 3), irradiance (n, 3) in W/m².
 
     Raises
     ------
     RadsightError
-        If the rays have a wrong shape, or there is no such answer.
+        If the rays have a wrong shape, or a name in ``ask`` is unknown.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def trace(
 
 
 def answers(ask: Sequence[str] | None, options: dict[str, Any]) -> Sequence[str]:
-    """What is asked of rays: names that `TracedRays` with these options has."""
+    """The requested quantities: names of attributes that `TracedRays` has with these options."""
     is_radiance = options.get("quantity", "radiance") == "radiance"
     value = "radiance_w_per_sr_m2" if is_radiance else "irradiance_w_per_m2"
     for name in ask or ():
@@ -123,18 +123,18 @@ def contributions(
     progress: Callable[[float], object] | None = None,
     **options: Any,
 ) -> npt.NDArray[np.float64]:
-    """What each ray owes to modifiers of these names, as ``rcontrib`` finds it.
+    """Contributions of modifiers to each ray, as ``rcontrib`` computes them.
 
     Parameters
     ----------
     scene : Scene
-        In which they are traced.
+        The scene.
     rays : (n, 6) array of float
         Origin (scene units) and direction of each. An array of doubles is read in place.
     modifiers : sequence of str
         Names of materials and lights.
     progress : callable, optional
-        Called with the share that is done.
+        Called with the finished fraction, 0 to 1.
     **options
         As for `Renderer`.
 
@@ -166,7 +166,7 @@ def capture(
     *scenes : path-like, or one Scene
         What it is exposed to.
     progress : callable, optional
-        Called with the share that is done.
+        Called with the finished fraction, 0 to 1.
     **options
         As for `Capture`, where a file is given, such as ``error``, ``samples`` and ``seed``.
 

@@ -87,9 +87,9 @@ def series_to_dataset(pictures: Sequence[SeriesPicture], images: Sequence[Captur
     Parameters
     ----------
     pictures : sequence of SeriesPicture
-        What was asked of `CaptureSeries.expose`.
+        The pictures passed to `CaptureSeries.expose`.
     images : sequence of CapturedImage
-        Of one size, as `CaptureSeries.expose` gives them.
+        Images of one size, returned by `CaptureSeries.expose`.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def series_to_frame(pictures: Sequence[SeriesPicture], images: Sequence[Captured
     Parameters
     ----------
     pictures : sequence of SeriesPicture
-        What was asked of `CaptureSeries.expose`.
+        The pictures passed to `CaptureSeries.expose`.
     images : sequence of CapturedImage
         What it gave.
 

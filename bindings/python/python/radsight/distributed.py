@@ -32,10 +32,10 @@ from ._shortcuts import answers
 __all__ = ["Sampling", "capture", "capture_series", "contributions", "render", "trace"]
 
 
-#: Samples of every pixel before it is decided how many an asked error needs.
+#: Samples of every pixel before the number for a requested error is estimated.
 _FIRST_SAMPLES = 16
 
-#: No pixel gets more.
+#: Maximum number of samples per pixel.
 _MOST_SAMPLES = 65536
 
 #: Jobs for each thread of the workers: enough that the last ones end at about the same time.
@@ -61,11 +61,11 @@ class Sampling:
     seed : int
         Chooses the sample sequence.
     ambient_bounces : int
-        Diffuse interreflections that are followed.
+        Number of diffuse interreflections.
     ambient_accuracy : float
         As for `RenderJob`: 0 follows light path by path, with more an irradiance cache is made first.
     ambient_divisions, ambient_super_samples : int, optional
-        Rays of a cache point, and further ones.
+        Rays of a cache point, and additional rays.
     jobs : int, optional
         Into about how many rectangles the picture is split; four a thread of the workers if not given. The result does not depend on it.
     partial : callable, optional
@@ -99,7 +99,7 @@ class Sampling:
         )
 
     def _run(self, client: Client, shared: Future, job: RenderJob, size: tuple[int, int]) -> MergedJob:
-        """Run the parts of a job, with ever more samples until its error is the asked one. How many is decided by pixels alone."""
+        """Run the parts of a job, with more samples until its error is the requested one. Their number depends on the pixels only."""
         caches = self.ambient_bounces > 0 and self.ambient_accuracy > 0
         cache = client.submit(_fill_for_job, shared, job, pure=False) if caches else None
         while True:
@@ -208,14 +208,14 @@ def trace(
     rays_a_job: int = 1 << 16,
     **options: Any,
 ) -> dict[str, npt.NDArray[np.float64]]:
-    """Answer rays.
+    """Trace rays.
 
     Parameters
     ----------
     client : dask.distributed.Client
         Connected to the scheduler.
     scene : Scene
-        In which they are traced; it goes to the cluster once.
+        The scene; it is sent to the cluster once.
     rays : (n, 6) array of float
         Origin (scene units) and direction of each.
     ask : sequence of str, optional
@@ -223,12 +223,12 @@ def trace(
     rays_a_job : int
         Number of rays in a job; the result does not depend on it.
     **options
-        As for `Renderer`, with the same defaults. Where they ask for an irradiance cache, one worker makes it for all rays.
+        As for `Renderer`, with the same defaults. If they use an irradiance cache, one worker fills it for all rays.
 
     Returns
     -------
     dict of str to array
-        To the bit what `radsight.trace` gives.
+        The same bits as from `radsight.trace`.
     """
     names = answers(ask, options)
     _check_threads(options)
@@ -255,14 +255,14 @@ def contributions(
     rays_a_job: int = 1 << 12,
     **options: Any,
 ) -> npt.NDArray[np.float64]:
-    """What each ray owes to modifiers of these names, such as the patches of a sky for annual daylight.
+    """Contributions of modifiers to each ray, such as those of sky patches for annual daylight.
 
     Parameters
     ----------
     client : dask.distributed.Client
         Connected to the scheduler.
     scene : Scene
-        In which they are traced; it goes to the cluster once.
+        The scene; it is sent to the cluster once.
     rays : (n, 6) array of float
         Origin (scene units) and direction of each.
     modifiers : sequence of str
@@ -275,7 +275,7 @@ def contributions(
     Returns
     -------
     (n, m, 3) array of float
-        W/(sr·m²) by ray, modifier and band: to the bit what `radsight.contributions` gives.
+        W/(sr·m²) by ray, modifier and band: the same bits as from `radsight.contributions`.
     """
     _check_threads(options)
     checked = _checked(rays, rays_a_job)

@@ -15,7 +15,7 @@ Array = npt.NDArray[np.float64]
 
 
 class Camera(Protocol):
-    """A camera of one's own, for `Renderer.render_camera`.
+    """A custom camera for `Renderer.render_camera`.
 
     Examples
     --------
@@ -50,7 +50,7 @@ class Camera(Protocol):
 
 
 class Material(Protocol):
-    """A reflectance model of one's own, in the place of a material of a scene: ``Scene.load(…, materials={"name": model})``.
+    """A custom reflectance model, which replaces a material of a scene: ``Scene.load(…, materials={"name": model})``.
 
     Directions are unit vectors away from the surface, in a frame with +z on the shading normal. A call gets the pairs of directions of
     many hits; a row's result must not depend on the other rows, as with NumPy's functions of single elements.

@@ -327,7 +327,7 @@ def render(
     resolution : (int, int), optional
         Columns and rows at most; 512 each if not given.
     ambbounce : int
-        Diffuse interreflections that are followed.
+        Number of diffuse interreflections.
     ambcache : bool
         Whether irradiance is cached.
     params : RayParams, optional

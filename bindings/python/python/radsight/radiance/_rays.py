@@ -95,7 +95,7 @@ def rtrace(
     report: bool = False,
     version: bool = False,
 ) -> bytes:
-    """Answer rays: ``rtrace``.
+    """Trace rays: ``rtrace``.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def rtrace(
     report : bool
         Whether messages go to standard error as they come.
     version : bool
-        Whether only the version is told.
+        Whether to output only the version.
 
     Returns
     -------
@@ -346,7 +346,7 @@ def vwrays(
     yres : int
         Rows at most.
     dimensions : bool
-        Whether only the size is told, as options of ``rtrace``.
+        Whether to output only the size, as options of ``rtrace``.
     view : sequence of str, optional
         Options of the view.
     pic : path-like, optional

@@ -23,7 +23,7 @@ def getinfo(
     *inputs : path-like or bytes
         Files, or the bytes of one.
     dimension_only : bool
-        Whether only sizes of pictures are told.
+        Whether to output only the sizes of pictures.
     dimension : bool
         Whether sizes follow the headers.
     strip_header : bool
@@ -78,7 +78,7 @@ def get_header(inp: Source, dimension: bool = False) -> bytes:
     inp : path-like or bytes
         The file.
     dimension : bool
-        Whether only the size is told.
+        Whether to output only the size.
 
     Returns
     -------
