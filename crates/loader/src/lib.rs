@@ -178,6 +178,37 @@ pub trait Loader: Sync {
     }
 }
 
+/// A borrowed loader, so that its owner can use it afterwards.
+impl<L: Loader + ?Sized> Loader for &L {
+    fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
+        (**self).load(name, kind)
+    }
+
+    fn open(&self, name: &str, kind: FileKind) -> Result<Box<dyn Read>, LoadError> {
+        (**self).open(name, kind)
+    }
+
+    fn names_like(&self, pattern: &str) -> Vec<String> {
+        (**self).names_like(pattern)
+    }
+
+    fn shuffle_seed(&self) -> u64 {
+        (**self).shuffle_seed()
+    }
+
+    fn run_program(&self, argv: &[String], standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
+        (**self).run_program(argv, standard_input)
+    }
+
+    fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
+        (**self).run_command(command, standard_input)
+    }
+
+    fn open_command(&self, command: &str) -> Result<Box<dyn Read>, LoadError> {
+        (**self).open_command(command)
+    }
+}
+
 /// Pattern matching as in `sh`: hidden files match only an explicit dot, and folders only a `/` in
 /// the pattern.
 pub const AS_IN_SHELL: glob::MatchOptions =

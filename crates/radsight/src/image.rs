@@ -164,7 +164,7 @@ impl Image {
     }
 
     /// Writes a file in the format of its extension: `.hdr .pic .exr .tif .tiff .pfm .npy .mtx
-    /// .png`.
+    /// .png`. A PNG is linear, with 16 bits: white is 1 W/(sr·m²), and brighter values are clamped.
     ///
     /// ```
     /// # use radsight::example::{scene, view};

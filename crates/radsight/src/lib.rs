@@ -10,6 +10,7 @@
 //! | [`CaptureSeries`] | captures of similar scenes: poses of parts, rings, exposures, sensors |
 //! | [`CaptureDerivatives`] | derivatives of a capture by poses, ring and camera, and their [`FisherInformation`] |
 //! | [`RenderJob`] | a rectangle of a picture or capture, or a range of rays, as plain data for another process or machine |
+//! | [`options`], [`camera_file`] | the types of render options, and of the content of a camera file |
 //! | [`Error`] | errors as data: each message with file, line and column |
 //!
 //! Units: lengths are in scene units, radiance is W/(sr·m²) in three bands (red, green, blue of
@@ -36,6 +37,7 @@
 #![forbid(unsafe_code)]
 
 mod camera;
+pub mod camera_file;
 mod camera_picture;
 mod capture;
 mod capture_series;
@@ -49,6 +51,7 @@ mod image;
 mod integrator;
 mod irradiance_cache;
 mod material;
+pub mod options;
 mod part_move;
 mod recording_loader;
 mod render_job;

@@ -11,7 +11,9 @@ use radsight_capture::{Progress, Silent};
 use radsight_diag::SourceMap;
 use radsight_film::{ErrorTarget, Film, SamplingBudget, ViewCamera};
 use radsight_picture::Header;
-use radsight_render::{Gathering, Ray, RaySpacing, RayWorker, RenderOptions, RenderPlan, Traced, Uncached};
+use radsight_render::{
+    Contribution, Gathering, Ray, RaySpacing, RayWorker, RenderOptions, RenderPlan, Sampling, Traced, Uncached,
+};
 use rayon::prelude::*;
 
 /// Number of rays between two progress reports.
@@ -59,7 +61,8 @@ pub struct Renderer {
 pub struct ModifierContribution {
     /// Index of the modifier in the request.
     pub modifier: usize,
-    /// Red, green and blue, W/(sr·m²), or W/m² if irradiance is requested.
+    /// Red, green and blue, W/(sr·m²), or W/m² if irradiance is requested. In spectral rendering it
+    /// is the colour of the traced bands.
     pub value: [f64; 3],
 }
 
@@ -442,25 +445,25 @@ impl Renderer {
             return Ok(None);
         }
         let renderer = &*self.prepare(options)?;
-        let mut told = Vec::with_capacity(rays.len());
+        let mut results = Vec::with_capacity(rays.len());
         for some in rays.chunks(RAYS_AT_A_TIME) {
             if progress.stops() {
                 return Ok(None);
             }
-            let number = first + told.len() as u64;
+            let number = first + results.len() as u64;
             let answer =
                 |worker: &mut RayWorker<'_>, (place, ray): (usize, &Ray)| of(worker.trace(number + place as u64, ray));
             let of_a_thread = RAYS_OF_A_THREAD.min(some.len().div_ceil(rayon::current_num_threads()));
             let answers = some.par_iter().enumerate().with_min_len(of_a_thread);
-            told.par_extend(answers.map_init(|| renderer.worker(), answer));
-            progress.report(told.len() as u64, rays.len() as u64);
+            results.par_extend(answers.map_init(|| renderer.worker(), answer));
+            progress.report(results.len() as u64, rays.len() as u64);
         }
         self.check_met()?;
-        Ok(Some(told))
+        Ok(Some(results))
     }
 
     /// The contributions of modifiers with these names to each ray: the radiance of their emitters
-    /// times its coefficient, as in `rcontrib`.
+    /// times its coefficient, as in `rcontrib`. A name that the scene does not have contributes 0.
     ///
     /// ```
     /// # use radsight::example::scene;
@@ -494,22 +497,28 @@ impl Renderer {
         options.tracked_value = radsight_render::TrackedValue::Radiance;
         options.gathering.accuracy = 0.0;
         options.gathering.uncached = Uncached::Split;
+        let sampling = options.sampling;
         let renderer = &*self.prepare(options)?;
-        let mut owed = Vec::with_capacity(rays.len());
+        let mut contributions = Vec::with_capacity(rays.len());
         for some in rays.chunks(RAYS_AT_A_TIME) {
             if progress.stops() {
                 return Ok(None);
             }
-            let before = owed.len() as u64;
+            let before = contributions.len() as u64;
             let of_rays = some.par_iter().enumerate().map_init(
                 || renderer.worker(),
-                |worker, (index, ray)| contributions_of(worker, first + before + index as u64, ray, modifiers.len()),
+                |worker, (index, ray)| {
+                    let mut sums = vec![[0.0; 3]; modifiers.len()];
+                    let number = first + before + index as u64;
+                    worker.contributions(number, ray, |found| add(&mut sums[found.modifier], sampling, &found));
+                    numbered(sums)
+                },
             );
-            owed.extend(of_rays.collect::<Vec<_>>());
-            progress.report(owed.len() as u64, rays.len() as u64);
+            contributions.extend(of_rays.collect::<Vec<_>>());
+            progress.report(contributions.len() as u64, rays.len() as u64);
         }
         self.check_met()?;
-        Ok(Some(owed))
+        Ok(Some(contributions))
     }
 
     /// The compiled renderer for these options.
@@ -538,15 +547,18 @@ impl Renderer {
     }
 }
 
-fn contributions_of(worker: &mut RayWorker<'_>, index: u64, ray: &Ray, modifiers: usize) -> Vec<ModifierContribution> {
-    let mut sums = vec![[0.0; 3]; modifiers];
-    worker.contributions(index, ray, |contribution| {
-        let bands = contribution.value.as_slice();
-        let sum = &mut sums[contribution.modifier];
-        *sum = std::array::from_fn(|band| sum[band] + f64::from(bands[band.min(bands.len() - 1)]));
-    });
-    let told = sums.into_iter().enumerate();
-    told.map(|(modifier, value)| ModifierContribution { modifier, value }).collect()
+/// Adds the colour of a contribution; a grey one has one band.
+fn add(sum: &mut [f64; 3], sampling: Sampling, contribution: &Contribution) {
+    let color = match contribution.value.as_slice() {
+        [grey] => [f64::from(*grey); 3],
+        bands => sampling.rgb(&bands.iter().map(|band| f64::from(*band)).collect::<Vec<_>>()),
+    };
+    *sum = std::array::from_fn(|band| sum[band] + color[band]);
+}
+
+fn numbered(values: Vec<[f64; 3]>) -> Vec<ModifierContribution> {
+    let numbered = values.into_iter().enumerate();
+    numbered.map(|(modifier, value)| ModifierContribution { modifier, value }).collect()
 }
 
 /// The error estimate of a picture, and the skipped work.

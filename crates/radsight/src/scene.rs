@@ -149,7 +149,15 @@ impl<'l> SceneBuilder<'l> {
         self
     }
 
-    /// Sets the loader of all files named from here on.
+    /// Sets the loader of all files named from here on. A borrowed loader remains usable.
+    ///
+    /// ```
+    /// use radsight::{MemoryLoader, Scene};
+    /// let memory = MemoryLoader::default().with("ball.rad", "void glow g 0 0 4 1 1 1 0 g sphere b 0 0 4 0 0 0 1");
+    /// let scene = Scene::builder().loader(&memory).files(["ball.rad"])?.build()?;
+    /// assert_eq!(scene.surface_count(), 1);
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
     #[must_use]
     pub fn loader<'n>(self, loader: impl Loader + 'n) -> SceneBuilder<'n>
     where

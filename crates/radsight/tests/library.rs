@@ -1,6 +1,7 @@
 //! Guarantees of the library: units, errors as data, and results that do not depend on the caller.
 
 use glam::DVec3;
+use radsight::options::Sampling;
 use radsight::{
     CacheError, Capture, Error, ErrorBudget, FileLoader, Image, Progress, Ray, Renderer, SamplingBudget, Scene, View,
 };
@@ -34,6 +35,20 @@ fn contributions_add_up_to_the_radiance() {
     for (band, whole) in whole.iter().enumerate() {
         let sum: f64 = parts[0].iter().map(|part| part.value[band]).sum();
         assert!((sum / whole - 1.0).abs() < 0.02, "band {band}: {sum} of {whole}");
+    }
+}
+
+#[test]
+fn spectral_contributions_add_up_to_the_colour_of_the_radiance() {
+    let text = format!("{TABLE} void light second 0 0 3 50 60 70 second sphere bulb2 0 0 4 2 0 3 .1");
+    let ray = Ray::new(DVec3::new(0.5, 0.0, 1.0), -DVec3::Z).unwrap();
+    let mut renderer = Renderer::new(&Scene::from_text(text).unwrap()).unwrap();
+    renderer.options_mut().sampling = Sampling::new(6, [730.0, 430.0]).unwrap();
+    let whole = renderer.trace(&[ray]).unwrap()[0].value;
+    let parts = renderer.contributions(&[ray], &["lamp", "second"]).unwrap();
+    for (band, whole) in whole.iter().enumerate() {
+        let sum: f64 = parts[0].iter().map(|part| part.value[band]).sum();
+        assert!((sum / whole - 1.0).abs() < 0.02, "colour {band}: {sum} of {whole}");
     }
 }
 
