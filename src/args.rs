@@ -17,7 +17,7 @@ pub(crate) struct Program {
 
 const AFTER_HELP: &str = "\
 Exit codes: 0 done, 1 the input was wrong, 2 the command line was wrong, 3 a limit or fault stopped the work.
-Options of rendering, as Radiance names them: -ab N (diffuse interreflections, 0), -dr N (mirror reflections of a light, 2), --caustics (light of lamps by way of curved mirrors and bodies), -bv+/-bv-.
+Options of rendering, as Radiance names them: -ab N (diffuse interreflections, 0), -dr N (mirror reflections of a light, 2), --caustics (light of lamps through curved mirrors and bodies), -bv+/-bv-.
 Every program takes --limit-memory SIZE (500M, 2G; 0 for none): the memory that it may have [default: three quarters of the machine's].
 Called as `radsight rtrace …`, or through a link named rtrace, it is that Radiance program.";
 

@@ -45,7 +45,7 @@ fn recall(path: &str, program: &str) -> Result<Vec<String>, Failure> {
     let made_in = lines.next().unwrap_or_default();
     if made_in != folder() {
         return Err(wrong(format!(
-            "its command line was stored in the folder \"{made_in}\", expected a call from there"
+            "its command line was stored in the folder \"{made_in}\", expected a call from that folder"
         )));
     }
     let words = without_control_file(lines.collect());

@@ -191,12 +191,12 @@ fn whole_pattern_note(camera: &PinholeCamera) -> Option<String> {
     })
 }
 
-/// What a header says of an exposure that was stopped.
+/// The header's text for an exposure that was stopped.
 fn partial(exposure: &Exposure, arguments: &Capture) -> String {
     let (done, total) = (exposure.pixels_done, exposure.values.len());
     let asked = arguments.error.unwrap_or(DEFAULT_ERROR);
     match exposure.estimated_error {
-        Some(error) => format!("estimated error {:.3} %, asked {:.3} %", 100.0 * error, 100.0 * asked),
+        Some(error) => format!("estimated error {:.3} %, requested {:.3} %", 100.0 * error, 100.0 * asked),
         None => format!("{done} of {total} pixels"),
     }
 }
@@ -212,7 +212,7 @@ fn say_result(exposure: &Exposure, arguments: &Capture, remainder: Remainder) {
     if exposure.is_partial {
         let what = partial(exposure, arguments);
         let how = match remainder {
-            Remainder::Kept => "; --resume goes on with it",
+            Remainder::Kept => "; --resume continues it",
             Remainder::Lost => "",
         };
         return say(&format!("radsight: interrupted: the exposure is partial ({what}){how}\n"));
@@ -220,7 +220,7 @@ fn say_result(exposure: &Exposure, arguments: &Capture, remainder: Remainder) {
     let asked = arguments.error.unwrap_or(DEFAULT_ERROR);
     if let Some(error) = exposure.estimated_error.filter(|error| *error > 1.05 * asked) {
         say(&format!(
-            "radsight: note: the estimated error is {:.3} %, more than asked; no pixel takes more rays\n",
+            "radsight: note: the estimated error is {:.3} %, more than requested; every pixel has its maximum number of rays\n",
             100.0 * error
         ));
     }
@@ -243,7 +243,7 @@ fn write(
 ) -> Outcome {
     let mut header = header(arguments, exposure);
     if let Some(alignment) = &camera.alignment {
-        // One line of the header, as the file would say it in several.
+        // One line of the header with the content of several lines of the camera file.
         header.push_variable("ALIGNMENT", &format!(" {}", alignment.to_toml().trim_end().replace('\n', "; ")));
     }
     if let (Some(path), Some(alignment)) = (&arguments.specimen, &camera.alignment) {

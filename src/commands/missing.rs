@@ -5,10 +5,7 @@ use crate::failure::Failure;
 /// The programs, and the messages about them.
 const MISSING: [(&[&str], &str); 10] = [
     (&["rvu", "rview", "rholo"], "expected rpict, which renders the same view: add -x, -y and -o"),
-    (
-        &["mkpmap", "pmapdump"],
-        "radsight has no photon maps: rpict --caustics samples light by way of mirrors and glass",
-    ),
+    (&["mkpmap", "pmapdump"], "radsight has no photon maps: rpict --caustics samples light through mirrors and glass"),
     (&["lookamb", "ambpos"], "radsight has no files of ambient values"),
     (&["tmesh2rad", "robjutil"], "expected obj2rad or obj2mesh"),
     (

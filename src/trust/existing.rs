@@ -1,4 +1,4 @@
-//! Which existing files may be replaced if a file names them: results of the same work.
+//! The existing files that may be replaced if a file names them: results of the same work.
 
 use crate::ambient_file;
 use crate::failure::MESSAGES_MARK;

@@ -24,7 +24,7 @@ const SHELL_SIGNS: [char; 13] = ['`', '$', ';', '|', '&', '<', '>', '"', '\'', '
 pub(crate) struct OutputName(String);
 
 impl OutputName {
-    /// What programs take for standard output.
+    /// The names that programs take for standard output.
     pub(crate) fn standard_output() -> OutputName {
         OutputName("-".to_owned())
     }

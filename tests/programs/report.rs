@@ -53,7 +53,7 @@ fn a_captures_accounts_agree_with_each_other_and_cost_no_bit() {
     assert_eq!(record.rays.expect("a number of rays") as f64, rays);
     assert!(record.stages.len() >= 3 && record.stages.iter().all(|stage| stage.elapsed_s >= 0.0));
     assert!(record.decisions.iter().any(|decision| decision.skipped));
-    assert!(record.settings.iter().any(|setting| setting.name == "error asked for" && setting.value == "0.05"));
+    assert!(record.settings.iter().any(|setting| setting.name == "requested error" && setting.value == "0.05"));
 }
 
 #[test]

@@ -26,7 +26,7 @@ const EXCEPTIONS: &[(&str, &str)] = &[
     ("Renderer::render_camera_with_progress", "as render_camera, with progress"),
     ("Renderer::render_with_progress", "as render, with progress"),
     ("Renderer::run_job_with_progress", "as run_job, with progress"),
-    ("SceneBuilder::material", "CONTRIBUTING.md: a material of one's own"),
+    ("SceneBuilder::material", "CONTRIBUTING.md: a custom material"),
     ("SeriesExposure", "for programs with their own scenes; CaptureSeries uses it"),
     ("SeriesScenes", "for programs with their own scenes; CaptureSeries implements it"),
     ("expose_derivatives", "for programs with their own scenes; CaptureDerivatives calls it"),

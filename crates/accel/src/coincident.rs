@@ -36,7 +36,7 @@ pub(crate) fn rounding(ray: &Ray, distance: f64) -> f64 {
 /// The class of a material in the rule, the weakest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Substance {
-    /// There is no material.
+    /// No material.
     Nothing,
     /// Radiance treats the material as transparent.
     Transparent,

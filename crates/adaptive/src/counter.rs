@@ -24,12 +24,12 @@ impl SampleCounter {
         SampleCounter { traced: AtomicU64::new(traced), planned: AtomicU64::new(planned) }
     }
 
-    /// So many further samples will be traced.
+    /// Announces additional samples that will be traced.
     pub fn plan(&self, samples: u64) {
         self.planned.fetch_add(samples, Ordering::Relaxed);
     }
 
-    /// So many samples were traced. Returns the number of traced and of planned samples.
+    /// Counts traced samples. Returns the number of traced and of planned samples.
     pub fn add(&self, samples: u64) -> [u64; 2] {
         let traced = self.traced.fetch_add(samples, Ordering::Relaxed) + samples;
         [traced, self.planned.load(Ordering::Relaxed).max(traced)]

@@ -23,7 +23,7 @@ pub fn pixel_of_ray(number: u64) -> u64 {
     number >> SEQUENCE_LOG2
 }
 
-/// What the samples of a pixel add up to.
+/// The sums over the samples of a pixel.
 pub trait SampleSums: Copy + Debug + Default + PartialEq + Send + Sync {
     /// The difference between the means of the two halves of the samples, from which the error is
     /// estimated: as it is, or squared.

@@ -8,10 +8,10 @@ use std::ops::Range;
 
 /// Traces the samples of pixels.
 pub trait PixelSource: Sync {
-    /// What the samples of a pixel add up to.
+    /// The sums over the samples of a pixel.
     type Sums: SampleSums;
 
-    /// What a thread needs to trace rays.
+    /// The state of a thread that traces rays.
     type Worker;
 
     /// A new one.

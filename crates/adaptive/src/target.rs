@@ -32,12 +32,12 @@ pub enum Stop {
     Time,
 }
 
-/// Which pixels are doubled in a pass, where their samples need a fraction of a doubling.
+/// The pixels whose samples a pass doubles, if the target needs a fraction of a doubling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Selection {
     /// All of them.
     Every,
-    /// That fraction of them, evenly over the picture.
+    /// A fraction of the pixels, spread evenly over the picture.
     Fraction,
     /// The same; if that is none, the pixel that needs most.
     FractionOrFirst,
@@ -66,7 +66,7 @@ pub struct NoiseTarget {
     pub most_samples: u32,
     /// Maximum number of passes, counted in [`crate::SamplingState::passes`].
     pub most_passes: u32,
-    /// Which pixels are doubled.
+    /// The pixels whose samples are doubled.
     pub selection: Selection,
     /// How certain it must be.
     pub certainty: Certainty,

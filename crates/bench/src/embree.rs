@@ -11,7 +11,7 @@ const SCRIPT: &str = include_str!("with_embree.py");
 pub(crate) struct Embree {
     process: Child,
     asked: ChildStdin,
-    told: BufReader<ChildStdout>,
+    answers: BufReader<ChildStdout>,
     /// Growth of the process in bytes, due to hierarchy and triangles.
     pub(crate) bytes: f64,
 }
@@ -27,10 +27,10 @@ impl Embree {
         let mut command = Command::new(PathBuf::from(python));
         command.arg(script).args([scene, rays]).stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut process = command.spawn().map_err(|error| error.to_string())?;
-        let (Some(asked), Some(told)) = (process.stdin.take(), process.stdout.take()) else {
+        let (Some(asked), Some(answers)) = (process.stdin.take(), process.stdout.take()) else {
             return Err("its streams cannot be had".to_owned());
         };
-        let mut embree = Embree { process, asked, told: BufReader::new(told), bytes: f64::NAN };
+        let mut embree = Embree { process, asked, answers: BufReader::new(answers), bytes: f64::NAN };
         let [bytes] = embree.numbers()?;
         embree.bytes = bytes;
         Ok(embree)
@@ -45,7 +45,7 @@ impl Embree {
 
     fn numbers<const N: usize>(&mut self) -> Result<[f64; N], String> {
         let mut line = String::new();
-        self.told.read_line(&mut line).map_err(|error| error.to_string())?;
+        self.answers.read_line(&mut line).map_err(|error| error.to_string())?;
         let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
         numbers.try_into().map_err(|_| "it ended early".to_owned())
     }

@@ -64,16 +64,16 @@ pub(crate) fn taken_within(
             wrapper.env(name, value);
         }
     }
-    let told =
+    let output =
         wrapper.stderr(Stdio::inherit()).output().map_err(|reason| start_error("radsight-bench cost", reason))?;
-    let text = String::from_utf8_lossy(&told.stdout);
+    let text = String::from_utf8_lossy(&output.stdout);
     let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     match numbers[..] {
-        [processor, wall, peak] if told.status.success() => Ok(Taken { processor, wall, peak }),
+        [processor, wall, peak] if output.status.success() => Ok(Taken { processor, wall, peak }),
         [seconds] => Err(BenchError::TookTooLong { seconds }),
         _ => Err(BenchError::Failed {
             command: program.get_program().to_string_lossy().into_owned(),
-            status: told.status,
+            status: output.status,
             message: text.into_owned(),
         }),
     }

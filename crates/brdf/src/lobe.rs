@@ -1,4 +1,4 @@
-//! What models that consist of one lobe have in common: a scale in each band times a shape.
+//! Models of one lobe: a scale in each band times a shape.
 
 use crate::{BrdfSample, Density};
 use glam::DVec3;

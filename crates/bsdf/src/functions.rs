@@ -17,7 +17,7 @@ use radsight_texture::{Function, bands, spread};
 /// `plasfunc`, `metfunc`, `transfunc`, `plasdata`, `metdata`, `transdata`.
 #[derive(Clone, Debug)]
 pub struct ScatteringKind {
-    /// Which of the six materials it is.
+    /// The material type, one of six.
     pub role: ScatteringRole,
     /// The scattering function; for a `…data` material also the coordinates.
     pub function: Function,

@@ -29,7 +29,7 @@ impl<const BANDS: usize> BelowThreshold<BANDS> {
     /// All highlights are sampled.
     pub const NOTHING: Self = BelowThreshold { sides: [None; 2] };
 
-    /// Those of the highlights that do not exceed the threshold.
+    /// Selects the highlights that do not exceed the threshold.
     pub fn new(threshold: f64, sides: [LobeStrength<BANDS>; 2]) -> Self {
         let weak = |side: LobeStrength<BANDS>| {
             let is_weak = side.share > 0.0 && side.share <= threshold + TINY && threshold > 0.0;

@@ -9,14 +9,14 @@ use radsight_pinhole::{FilmPlane, PinholeCamera};
 /// A turn of more degrees is no misalignment.
 const LARGEST_TURN_DEG: f64 = 45.0;
 
-/// How many LEDs there are to be put somewhere.
+/// The number of LEDs that the alignment can move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leds {
-    /// So many.
+    /// The number of LEDs of the [rig].
     Known(usize),
-    /// There is no [rig].
+    /// The file has no [rig].
     None,
-    /// The [rig] is wrong, which has been told.
+    /// The [rig] is wrong, which has been reported.
     Wrong,
 }
 
@@ -26,7 +26,7 @@ impl Leds {
     }
 }
 
-/// What the two tables say together; `None` where neither is there, or something is wrong.
+/// The sum of both tables; `None` if neither is there, or one is wrong.
 pub(crate) fn read(
     stated: Option<Section<'_>>,
     tolerated: Option<Section<'_>>,
@@ -89,7 +89,7 @@ fn read_leds(
 ) -> Vec<f64> {
     let stated = LED_KEYS.into_iter().find(|key| section.has(key));
     let (Some(_), Leds::Known(count)) = (stated, leds) else {
-        // Numbers of any length, so that what else is wrong with them is told.
+        // Numbers of any length, so that other mistakes in them are reported.
         LED_KEYS.into_iter().for_each(|key| drop(section.optional_numbers(key, None, Range::Finite, sources, found)));
         if let (Some(key), Leds::None) = (stated, leds) {
             let message = format!("\"{key}\" needs LEDs, but the camera file has no [rig]");

@@ -105,7 +105,7 @@ fn read_keys(
                 CameraError::NoWavelength => "pinhole_model",
                 CameraError::BandsApart { .. } => "band_wavelengths_nm",
                 CameraError::TooWide { .. } => "f_number",
-                // What is left is an underflow: a quantity above 0 in its own unit that is 0 in the
+                // The remaining case is an underflow: a quantity above 0 in its own unit that is 0 in the
                 // SI unit.
                 _ => "",
             };
@@ -203,7 +203,7 @@ fn lens(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> Option
     lens.checked().map_err(refuse).ok()
 }
 
-/// What diffraction needs besides the wavelength.
+/// The keys of diffraction, without the wavelength.
 #[derive(Default)]
 struct Diffracting {
     object_distance_m: Option<f64>,
@@ -254,7 +254,7 @@ fn pinhole_model(section: &Section<'_>, sources: &SourceMap, found: &mut Found) 
     None
 }
 
-/// What is possible, but more likely a wrong unit.
+/// Warns of values that are possible, but more likely have a wrong unit.
 fn warn(asked: &CameraDescription, section: &Section<'_>, sources: &SourceMap, found: &mut Found) {
     let mut warn = |key, message: String| {
         found.warnings.push(Diagnostic::warning(message).at(section.span_of(key, sources)));

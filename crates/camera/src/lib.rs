@@ -95,7 +95,7 @@ pub struct CameraFile {
     pub shutter: Shutter,
     /// Lamps that flicker, each named once.
     pub flickering: Vec<FlickeringLamp>,
-    /// What is allowed but looks like a slip.
+    /// Warnings: values that are allowed but are probably mistakes.
     pub warnings: Vec<Diagnostic>,
 }
 
@@ -172,8 +172,8 @@ fn as_text<'a>(bytes: &'a [u8], source: SourceId, sources: &SourceMap) -> Result
     })
 }
 
-/// What the TOML parser says, the first of each line: what follows on a line is mostly its own
-/// confusion.
+/// The messages of the TOML parser, the first of each line: later ones of a line mostly follow
+/// from the first.
 fn syntax_errors(errors: &[toml::de::Error], text: &str, source: SourceId, sources: &SourceMap) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     let mut lines_seen = BTreeSet::new();
@@ -247,7 +247,7 @@ fn read_document(
         Some(alignment) => alignment_section::apply(alignment, camera?, rig, found)?,
         None => (camera?, rig),
     };
-    // What the wings of a pattern bring to a row was there when that row was exposed.
+    // The light that the wings of a pattern add to a row belongs to the time of that row.
     let rolls = shutter != Shutter::Global && !flickering.is_empty();
     let camera = if rolls { camera.with_whole_pattern() } else { camera };
     let warnings = Vec::new();

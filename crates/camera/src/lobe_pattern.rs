@@ -125,7 +125,7 @@ fn turn_to(axis: DVec3) -> Vec<String> {
     let mut words = Vec::new();
     if polar != 0.0 {
         words.extend(["-ry".to_owned(), polar.to_string()]);
-        // About the axis itself the lobe is round, so this turn matters only after the first.
+        // A lobe along the axis is symmetric about it, so this rotation has an effect only after the first.
         if azimuth != 0.0 {
             words.extend(["-rz".to_owned(), azimuth.to_string()]);
         }

@@ -26,7 +26,7 @@ const DISTORTION_NAMES: [&str; 7] = [
 const WIDTH_NAMES: [&str; 3] = ["image_width", "image_Width", "width"];
 const HEIGHT_NAMES: [&str; 3] = ["image_height", "image_Height", "height"];
 
-/// What a file says.
+/// The content of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MatrixFile {
     pub(crate) matrix: CameraMatrix,

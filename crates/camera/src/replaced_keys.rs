@@ -6,7 +6,7 @@ use toml::de::{DeTable, DeValue};
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum KeyError {
-    /// It is not the name of a table, a dot, and the name of a key.
+    /// The word is not the name of a table, a dot, and the name of a key.
     Name,
     /// Its table is not written under a header of its own.
     NoHeader,
@@ -23,11 +23,11 @@ impl std::fmt::Display for KeyError {
 
 impl std::error::Error for KeyError {}
 
-/// The text of a camera file with the value of `table.key` replaced, or added where it has none. A
-/// value that is no TOML is taken as a string.
+/// Replaces the value of `table.key` in the text of a camera file, or adds it. A value that is not
+/// TOML becomes a string.
 ///
-/// A text that cannot be read stays as it is: reading it says why. Whether key and value fit is for
-/// reading, too.
+/// A text that is not TOML is returned unchanged. Such a text, unknown keys and wrong values are
+/// reported when the result is read.
 ///
 /// ```
 /// let text = "[rig]\nleds = 12 # of 5 mm\n";
@@ -72,7 +72,7 @@ fn as_toml(value: &str) -> String {
         && DeTable::parse(&line).is_ok_and(|table| table.get_ref().len() == 1 && table.get_ref().contains_key("value"));
     match value.parse::<f64>() {
         _ if is_value => value.to_owned(),
-        // Such as .5, which other files take.
+        // Numbers such as .5, which TOML does not allow.
         Ok(number) if number.is_finite() => format!("{number:?}"),
         _ => format!("\"{}\"", value.replace('\\', "\\\\").replace('"', "\\\"")),
     }

@@ -71,7 +71,7 @@ fn emission(
     if section.has("led_table") {
         let name = section.optional_string("led_table", sources, found)?;
         if section.has("led_cone_deg") {
-            let message = "\"led_cone_deg\" is not used: \"led_table\" wins";
+            let message = "\"led_cone_deg\" has no effect: \"led_table\" replaces it";
             found.warnings.push(Diagnostic::warning(message).at(section.span_of("led_cone_deg", sources)));
         }
         return load_table(name, file, sources, loader, found).map(LedEmission::Table);

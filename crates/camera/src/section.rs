@@ -11,7 +11,7 @@ use toml::de::{DeTable, DeValue};
 /// The longest piece of a file's own text that a message repeats, characters.
 const LONGEST_QUOTE: usize = 80;
 
-/// What a number must be.
+/// The allowed range of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Range {
     /// Any finite number.

@@ -19,7 +19,7 @@ const SAME_WAVELENGTH_M: f64 = 5e-9;
 /// Bands of a coloured scene.
 const COLORS: usize = 3;
 
-/// What `[sensor]` says.
+/// The content of `[sensor]`.
 pub(crate) struct SensorRead {
     pub(crate) sensor: Sensor,
     pub(crate) band_weights: Option<BandWeights>,

@@ -33,7 +33,7 @@ pub enum Waveform {
     Sine,
     /// On for a share of the period, from φ = 0 on: `1 − m + m/duty` while it is on, `1 − m` else.
     Square {
-        /// That share, above 0 and at most 1.
+        /// Fraction of a period during which the lamp is on, above 0 and at most 1.
         duty: f64,
     },
 }

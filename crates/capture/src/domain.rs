@@ -8,7 +8,7 @@ use radsight_pinhole::{CameraRay, Hole, Rays};
 use radsight_sampling::unit_disk;
 use std::f64::consts::PI;
 
-/// What is aimed.
+/// The domain whose points are chosen so that rays hit lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Domain {
     /// The pinhole, in its radii.

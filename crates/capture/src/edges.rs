@@ -41,7 +41,7 @@ pub(crate) struct Edges {
 /// By how much the edges near a cell are blurred.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EdgeBlurs {
-    /// There is no edge.
+    /// No edge.
     None,
     /// By the extent of a lamp or of the pinhole.
     One,

@@ -333,7 +333,7 @@ fn samples_to_double(estimate: &SparseEstimate, allowed: f64, most: u32) -> Vec<
     let target = allowed_noise(bias, allowed) * estimate.values.len() as f64;
     let errors: Vec<PixelError> = estimate.nodes.iter().map(|(_, error)| *error).collect();
     let needed = doublings(&errors, target / errors.len() as f64, most);
-    // What is needed beyond one doubling is extrapolated, so one doubling less is done at a time.
+    // More than one doubling is an extrapolation, so one doubling less is done at a time.
     let list = |times: usize| -> Vec<usize> {
         let least = if times == 0 { 0.0 } else { times as f64 + 1.0 };
         let nodes = estimate.nodes.iter().zip(&needed);

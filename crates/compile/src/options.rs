@@ -119,7 +119,7 @@ pub struct Gathering {
     pub divisions: u32,
     /// Additional hemisphere samples, distributed like the others (`-as`). Default 0.
     pub super_samples: u32,
-    /// What to do at a point that no cache record covers.
+    /// How irradiance is estimated at a point that no cache record covers.
     pub uncached: Uncached,
     /// Relative disagreement of the records around a point, in a scene with caustics, above which
     /// the point is treated as uncached. Single rays hardly find caustics, so this suits only
@@ -166,7 +166,7 @@ impl Gathering {
     }
 }
 
-/// What to do at a point that no cache record covers.
+/// How irradiance is estimated at a point that no cache record covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncached {
     /// Trace one ray: for pictures, whose pixels average many.
@@ -208,9 +208,9 @@ pub enum RayTreeOutput {
 /// Whether surfaces without a material are reported. Rays pass through them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BareSurfaces {
-    /// They are not reported.
+    /// Surfaces without a material are not reported.
     LeftOut,
-    /// They are reported.
+    /// Surfaces without a material are reported.
     Reported,
 }
 

@@ -219,7 +219,7 @@ impl VisiblePortals<'_> {
             left -= importance;
         }
         let (index, importance) = chosen?;
-        // What is left of the choice is evenly spread again.
+        // The remainder of the random number is uniform again.
         let depth = (left / importance).clamp(0.0, 1.0);
         let place = self.portals[index as usize].form.point([u, v, depth])?;
         (place - self.point).try_normalize()

@@ -50,9 +50,9 @@ pub struct Receiver {
 /// Light that light sampling does not cover.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UnsampledLight {
-    /// There is none.
+    /// No such light.
     None,
-    /// There may be some.
+    /// Possibly such light.
     Some,
 }
 

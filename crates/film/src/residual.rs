@@ -35,7 +35,7 @@ const REGION_RADIUS: usize = 3;
 /// Radii of the corrections' means, in cells.
 const CORRECTION_RADII: [usize; 2] = [1, 3];
 
-/// These means, and no correction.
+/// The means at these radii, and no correction.
 const CORRECTIONS: usize = CORRECTION_RADII.len() + 1;
 
 /// Number of standard errors by which the estimate must be below the requested error: rare bright

@@ -65,7 +65,7 @@ pub(crate) struct Emitters<const BANDS: usize> {
 /// A point emitter around a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Emitter<const BANDS: usize> {
-    /// Its position, or the unit direction towards it if it is at infinity.
+    /// The emitter's position, or the unit direction towards an emitter at infinity.
     position: DVec3,
     is_distant: bool,
     /// Zero if the emitter radiates equally in all directions.

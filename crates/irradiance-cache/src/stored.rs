@@ -13,7 +13,7 @@ pub struct StoredBytes<'b> {
 }
 
 impl<'b> StoredBytes<'b> {
-    /// From all bytes.
+    /// Starts at the first byte.
     #[must_use]
     pub fn new(bytes: &'b [u8]) -> Self {
         StoredBytes { rest: bytes }

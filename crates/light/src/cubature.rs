@@ -18,7 +18,7 @@ type UnitNode = [f64; 3];
 /// Seven nodes, exact up to degree 5: Stroud, "Approximate Calculation of Multiple Integrals",
 /// 1971, S₂ 5-1.
 const DEGREE_5: [UnitNode; 7] = {
-    // √(2/3), and its half times √3.
+    // The outer nodes are a hexagon of radius √(2/3); its upper vertices are at √3/2 of that radius.
     let (radius, height) = (0.816_496_580_927_726, 0.707_106_781_186_547_5);
     let (half, share) = (0.5 * radius, 0.125);
     [

@@ -160,7 +160,7 @@ pub fn end_with(code: i32) -> ! {
 
 #[cfg(unix)]
 fn end_process(signal: i32) {
-    // It fails only for signals that do not end a program.
+    // This fails only for signals that do not end a program.
     let _ = signal_hook::low_level::emulate_default_handler(signal);
     std::process::exit(128 + signal);
 }

@@ -62,7 +62,7 @@ pub enum ToolError {
     OtherSize {
         /// Pixels per scanline, and scanlines.
         found: [usize; 2],
-        /// Those of the first picture.
+        /// Columns and rows of the first picture.
         expected: [usize; 2],
     },
     /// A definition cannot be evaluated.

@@ -52,9 +52,9 @@ pub enum Kernel {
 /// Whether hot pixels count in the average brightness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HotPixels {
-    /// They are excluded.
+    /// The pixels are excluded.
     LeftOut,
-    /// They are included.
+    /// The pixels are included.
     Averaged,
 }
 
@@ -63,7 +63,7 @@ pub enum HotPixels {
 pub enum AspectRecord {
     /// A `PIXASPECT` line records it.
     Written,
-    /// It is not recorded: the change corrects the aspect.
+    /// The change is not recorded: it corrects the aspect ratio.
     LeftOut,
 }
 

@@ -33,7 +33,7 @@ pub enum Hole {
     Disk,
     /// By a diffraction pattern.
     Pattern,
-    /// As a lens that is not thin, or a camera of one's own, distributes them.
+    /// As a lens that is not thin, or a custom camera, distributes them.
     Other,
 }
 
@@ -84,7 +84,7 @@ impl Rays {
         }
     }
 
-    /// The rays of a camera of one's own, with the pixels, the exposure time and the exposure for a
+    /// The rays of a custom camera, with the pixels, the exposure time and the exposure for a
     /// radiance of 1 of `camera`. Its weights replace cos⁴θ.
     #[must_use]
     pub fn with_own(camera: &PinholeCamera, own: Arc<dyn FilmRays>, samples: u32, seed: u64) -> Self {

@@ -39,7 +39,7 @@ pub enum ShiftError {
     /// A picture of the wrong size.
     #[error("picture {index} has {found_columns} x {found_rows} pixels, expected {columns} x {rows}")]
     Size {
-        /// Which picture, from 0.
+        /// Index of the picture, from 0.
         index: usize,
         /// Its columns.
         found_columns: u32,
@@ -53,7 +53,7 @@ pub enum ShiftError {
     /// The number of values differs from the picture's size.
     #[error("picture {index} has {found} values, expected {expected}")]
     Values {
-        /// Which picture, from 0.
+        /// Index of the picture, from 0.
         index: usize,
         /// Values found.
         found: usize,

@@ -109,7 +109,7 @@ pub enum StreamError {
         left_over_bytes: u64,
     },
     /// More radiances than rays.
-    #[error("the stream goes on after all {expected} radiances of {bands} value(s)")]
+    #[error("the stream continues after all {expected} radiances of {bands} value(s)")]
     Long {
         /// Number of rays.
         expected: u64,
@@ -410,7 +410,7 @@ mod tests {
         let mut bytes = answer(&rays, NumberFormat::Double, 1);
         bytes.push(0);
         let error = exposures(&rays, NumberFormat::Double, 1, &bytes, 16).unwrap_err();
-        assert_eq!(error.to_string(), "the stream goes on after all 30 radiances of 1 value(s)");
+        assert_eq!(error.to_string(), "the stream continues after all 30 radiances of 1 value(s)");
         let three = answer(&rays, NumberFormat::Ascii, 3);
         assert!(matches!(exposures(&rays, NumberFormat::Ascii, 1, &three, 9), Err(StreamError::Long { .. })));
     }

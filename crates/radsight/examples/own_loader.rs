@@ -1,4 +1,4 @@
-//! A loader of one's own: scene files that are made when they are asked for. It needs no disk.
+//! A custom loader, which generates scene files on request. It needs no disk.
 
 use radsight::{Error, FileKind, LoadError, Loaded, Loader, Renderer, Scene, View};
 

@@ -13,10 +13,10 @@ pub(crate) fn main() -> Result<(), Error> {
     let rays: Vec<Ray> = (-2..=2).filter_map(|x| Ray::new(DVec3::new(f64::from(x), 0.0, 1.0), -DVec3::Z)).collect();
     let mut renderer = Renderer::new(&scene)?;
     let traced = renderer.trace(&rays)?;
-    let owed = renderer.contributions(&rays, &["left", "right"])?;
-    for ((ray, traced), owed) in rays.iter().zip(&traced).zip(&owed) {
+    let contributions = renderer.contributions(&rays, &["left", "right"])?;
+    for ((ray, traced), by_lamp) in rays.iter().zip(&traced).zip(&contributions) {
         let distance = traced.first_hit.map_or(f64::INFINITY, |hit| hit.distance);
-        let [left, right] = [owed[0].value[1], owed[1].value[1]];
+        let [left, right] = [by_lamp[0].value[1], by_lamp[1].value[1]];
         println!(
             "x = {:+.0}: {:.4} W/(sr·m²) at distance {distance}, {left:.4} of it from the left and {right:.4} from the right",
             ray.origin.x, traced.value[1]

@@ -22,7 +22,7 @@ const USUAL_SAMPLES: u32 = 16;
 /// Approximate number of rays requested from a custom camera at once.
 const CAMERA_BATCH: usize = 4096;
 
-/// What is traced, and how far it is.
+/// The rays of a picture, and the progress of tracing them.
 struct CameraRays<'s> {
     renderer: &'s radsight_render::Renderer,
     integrator: &'s dyn Integrator,

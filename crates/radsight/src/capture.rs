@@ -283,7 +283,7 @@ impl Capture {
     }
 
     /// Exposes with a custom camera: a [`View`](crate::View) of any type, with or without a thin
-    /// lens, or rays of one's own. Pixels, exposure time, sensor and light ring remain those of the
+    /// lens, or custom rays. Pixels, exposure time, sensor and light ring remain those of the
     /// file, and so does the exposure for a mean of weight times radiance of 1 W/(sr·m²), the
     /// exposure time times `A/f²` of the file's pinhole or lens. The weight of a ray thus takes the
     /// place of cos⁴θ.

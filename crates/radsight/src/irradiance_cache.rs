@@ -8,9 +8,9 @@ use radsight_render::{Ray, RaySpacing, RenderOptions, Uncached};
 /// Whether a renderer's rays gather irradiance where the cache has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CacheFilling {
-    /// They do.
+    /// Rays gather irradiance, and new records are added.
     Gather,
-    /// There is what was loaded, and nothing more; elsewhere paths are followed.
+    /// Only loaded records are used; paths are traced where they do not suffice.
     Loaded,
 }
 
@@ -70,10 +70,10 @@ impl Renderer {
         Ok(records)
     }
 
-    /// Rests on this cache alone, which was saved for the same scene and light: rays gather nothing
-    /// more, and follow paths where it has nothing. So parts of a list of rays get the answers of
-    /// the whole list, where the cache was filled for that. Whether it fits is found when rays are
-    /// traced.
+    /// Uses only the records of this cache, which was saved for the same scene and light. No records
+    /// are added: where the cache has none, paths are traced. Parts of a list of rays thus get the
+    /// results of the whole list if the cache was filled for the whole list. A cache of another
+    /// scene or other options is an error when rays are traced.
     ///
     /// ```
     /// # use radsight::example::scene;
@@ -92,8 +92,8 @@ impl Renderer {
         (self.loaded, self.filling, self.ready) = (Some(bytes), CacheFilling::Loaded, None);
     }
 
-    /// Fills the irradiance cache for rays that [`Renderer::trace`] is to answer, and gives it as
-    /// bytes; `None` where the options ask for none, or where `progress` stopped it.
+    /// Fills the irradiance cache for the rays of [`Renderer::trace`], and returns it as bytes;
+    /// `None` if the options use no cache, or if `progress` stopped the work.
     ///
     /// ```
     /// # use radsight::example::scene;
@@ -134,7 +134,7 @@ impl Renderer {
         }
         let found = renderer.gather_irradiance_until(&rays(), spacing, &|| progress.stops());
         if found.is_none() {
-            // What was loaded is taken over again when rays are traced the next time.
+            // The loaded records are read again when rays are traced the next time.
             self.ready = None;
         }
         Ok(found.map(drop))

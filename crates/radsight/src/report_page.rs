@@ -87,18 +87,18 @@ impl CapturedImage {
             return Err(Error::Size { columns: self.columns, rows: self.rows, most: size[0] * size[1] });
         }
         let [across, along] = file.camera.pixel_pitch_m();
-        let told = "the maps have the size of the picture";
-        let mut page = Page::new(title, single(&self.exposure_j_per_m2)?, Quantity::Exposure).expect(told);
+        let reason = "the maps have the size of the picture";
+        let mut page = Page::new(title, single(&self.exposure_j_per_m2)?, Quantity::Exposure).expect(reason);
         page = page.pixel_aspect((along / across).clamp(1e-3, 1e3)).expect("it was clamped");
         page = page.fact("camera", file.summary()).record(self.record.clone());
         if let Some(pixels) = &self.pixels {
             let rays: Vec<f64> = pixels.samples.iter().map(|samples| f64::from(*samples)).collect();
-            page = page.error_map(ErrorMap::Absolute(single(&pixels.standard_errors)?)).expect(told);
-            page = page.ray_map(single(&rays)?).expect(told);
+            page = page.error_map(ErrorMap::Absolute(single(&pixels.standard_errors)?)).expect(reason);
+            page = page.ray_map(single(&rays)?).expect(reason);
         }
         if let Some(sensor) = &file.sensor {
             let values = Values::new(self.columns, self.rows, 1, self.greys(camera)?).map_err(wrong)?;
-            page = page.grey_picture(GreyPicture { values, largest: sensor.bits().largest() }).expect(told);
+            page = page.grey_picture(GreyPicture { values, largest: sensor.bits().largest() }).expect(reason);
         }
         Ok(page)
     }

@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn every_mistake_says_where() {
         let text = "name,leds,move \nx,1,\n../y,1,\nz,1\n\"a,b\n";
-        let told = errors(text);
+        let message = errors(text);
         for expected in [
             "s.csv:1:6: error: unknown column \"leds\"",
             "s.csv:1:11: error: unknown column \"move\"",
@@ -284,7 +284,7 @@ mod tests {
             "s.csv:4:1: error: 2 cells, expected 3",
             "s.csv:5:1: error: the quotes are not closed",
         ] {
-            assert!(told.contains(expected), "{expected}\n{told}");
+            assert!(message.contains(expected), "{expected}\n{message}");
         }
         assert!(errors("rig.leds\n").contains("has no picture"));
         assert!(errors("").contains("is empty"));

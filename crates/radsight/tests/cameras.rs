@@ -26,7 +26,7 @@ exposure_ms = 10.0
 const PINHOLE: &str = "focal_distance_mm = 4.0\npinhole_diameter_mm = 0.01";
 const TELECENTRIC: &str = "projection = \"parallel\"\nfield_width_mm = 400.0\nf_number = 4.0\nfocus_distance_m = 3.0";
 
-/// A camera of one's own: all around, without an aperture.
+/// A custom camera: it looks in all directions and has no aperture.
 struct Panorama;
 
 impl Camera for Panorama {

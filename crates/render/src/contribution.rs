@@ -51,9 +51,9 @@ struct DeferredContribution<const BANDS: usize> {
 struct Open<const BANDS: usize> {
     modifier: u32,
     interaction: SurfaceInteraction,
-    /// The ray's radiance before.
+    /// Radiance of the ray before this surface was reached.
     before: [f64; BANDS],
-    /// Number of other pending rays at that time; those beyond start there.
+    /// Number of other pending rays at that time; pending rays beyond it start at this surface.
     waiting: usize,
 }
 

@@ -37,7 +37,7 @@ const SAME_IMAGE: f64 = 0.5;
 #[derive(Clone, Debug)]
 pub struct MirroredLight {
     light: usize,
-    /// What happens to a ray on the way. None for a virtual source, whose rays are straight.
+    /// The specular events along a ray. Empty for a virtual source, whose rays are straight.
     events: Vec<SpecularEvent>,
     /// The plane mirror of a virtual source, and its outline if it is a ring.
     mirror: Option<SurfaceHandle>,

@@ -20,11 +20,11 @@ const MAGIC: &[u8] = b"radsight irradiance cache 1\n";
 pub enum CacheError {
     /// The bytes are not an irradiance cache, or one of another version.
     Unknown,
-    /// They are truncated or changed.
+    /// The bytes are truncated or changed.
     Damaged,
-    /// It belongs to another scene.
+    /// The cache belongs to another scene.
     OtherScene,
-    /// It was made with another option.
+    /// The cache was made with another option.
     OtherOptions {
         /// The option in the cache.
         saved: String,

@@ -25,9 +25,9 @@ const MAX_CROSSINGS: u32 = 1000;
 /// The effect of a surface on a shadow ray.
 enum ShadowEvent<const BANDS: usize> {
     Blocked,
-    /// It continues in this direction, attenuated.
+    /// The shadow ray continues in this direction, attenuated.
     SpecularBounce(DVec3, [f64; BANDS]),
-    /// It continues in another medium.
+    /// The shadow ray continues in another medium.
     Into(Medium<BANDS>, DVec3, [f64; BANDS]),
 }
 

@@ -20,7 +20,7 @@ const DIFFUSE: usize = 15;
 const TENTHS_COVERED: usize = 22;
 const AEROSOL_DEPTH: usize = 29;
 
-/// What is written of each record.
+/// The output of each record.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Columns {
     Light,

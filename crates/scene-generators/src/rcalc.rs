@@ -25,7 +25,7 @@ use crate::supply::Supply;
 use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 
-/// Which input without records is copied to the output.
+/// The input without records that is copied to the output.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Passing {
     Nothing,

@@ -1,4 +1,4 @@
-//! What a capture tells of itself: error map, ray map, run record, and the page of all.
+//! The reports of a capture: error map, ray map, run record, and the page with all of them.
 
 use super::{DEFAULT_ERROR, exposure_image, header, partial};
 use crate::args::{Accounts, Capture};
@@ -92,7 +92,7 @@ pub(super) fn record(
     record.push_setting("scene", arguments.scenes.join(" "));
     match (arguments.samples, asked) {
         (Some(samples), _) => record.push_setting("rays a pixel", samples.to_string()),
-        (None, asked) => record.push_setting("error asked for", asked.unwrap_or(DEFAULT_ERROR).to_string()),
+        (None, asked) => record.push_setting("requested error", asked.unwrap_or(DEFAULT_ERROR).to_string()),
     }
     record.push_setting("seed", arguments.seed.to_string());
     record.push_setting("threads", rayon::current_num_threads().to_string());

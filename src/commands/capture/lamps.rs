@@ -8,7 +8,7 @@ use crate::failure::{Failure, Outcome};
 use radsight_camera::{CameraFile, Flicker};
 use radsight_ir::{Rgb, Scene};
 
-/// What flickering makes of a scene.
+/// A scene divided by the flicker of its lamps.
 #[derive(Debug, Default)]
 pub(crate) struct FlickeringScenes {
     /// Scenes of the lamps whose light differs from row to row, and their brightness by row.

@@ -52,7 +52,7 @@ impl CheckpointFile {
         Ok(CheckpointFile { path, key, every, next: Mutex::new(Some(Instant::now() + every)) })
     }
 
-    /// What an interrupted capture has left, if it is to be gone on with.
+    /// The checkpoint of an interrupted capture that is to be resumed.
     pub(super) fn read(
         &self,
         arguments: &Capture,
@@ -138,7 +138,7 @@ fn key(
     for text in planned.sources.texts() {
         key.update(Sha256::digest(text));
     }
-    // What stands in files, whatever their names and their order.
+    // The contents of the files, independent of their names and order.
     let mut files: Vec<[u8; 32]> = Vec::new();
     for name in inputs::names() {
         let bytes = read_once::owned(Path::new(&name));

@@ -17,7 +17,7 @@ pub(super) fn run(arguments: &Cache, trust: &Trust) -> Outcome {
     check_writable(&output)?;
     use_threads(arguments.threads)?;
     let mut inputs = Inputs::read(&arguments.job)?;
-    // It is there by then.
+    // The file exists when the job reads it.
     inputs.job.irradiance_cache.get_or_insert_with(|| arguments.output.clone());
     let (Planned { plan, registry, sources, fingerprint }, reading) = inputs.plan(&arguments.plugin_guard, trust)?;
     let mut renderer = Renderer::new(plan);

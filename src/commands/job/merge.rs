@@ -19,7 +19,7 @@ pub(super) fn run(arguments: &Merge, trust: &Trust) -> Outcome {
         parts.push(JobResult::from_bytes(path, &read_file(path, "part")?).map_err(failure)?);
     }
     let merged = MergedJob::of(&parts).map_err(|error| named(error, &arguments.parts))?;
-    let missing = told(&merged);
+    let missing = missing_parts(&merged);
     match &missing {
         Some(missing) if !arguments.partial => {
             Err(Failure::input(format!("{missing} are in no part\nhint: --partial writes what is there")))
@@ -29,7 +29,7 @@ pub(super) fn run(arguments: &Merge, trust: &Trust) -> Outcome {
 }
 
 /// What is missing, in words; `None` if nothing is.
-fn told(merged: &MergedJob) -> Option<String> {
+fn missing_parts(merged: &MergedJob) -> Option<String> {
     let missing = merged.missing();
     let [columns, rows] = merged.size;
     let range = |range: &std::ops::Range<usize>| format!("{} to {}", range.start, range.end - 1);

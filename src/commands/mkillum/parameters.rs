@@ -5,7 +5,7 @@
 pub(super) enum Selected {
     All,
     Nothing,
-    /// Those with a modifier.
+    /// The surfaces with a modifier.
     Only(String),
     /// All except those with a modifier.
     Except(String),

@@ -63,7 +63,7 @@ impl Accounts {
         files.into_iter().flatten().filter(|name| ***name != *"-").try_for_each(|name| check_writable(name))
     }
 
-    /// Writes them for a finished picture.
+    /// Writes the reports of a finished picture.
     pub(super) fn write(
         &self,
         options: &Options,

@@ -10,22 +10,22 @@ const HOUR: f64 = 3600.0;
 pub(super) struct Report {
     every: Duration,
     begun: Instant,
-    told: Instant,
+    last: Instant,
 }
 
 impl Report {
     /// Starts with the first report. `seconds` is the time between reports; 0 for none.
     pub(super) fn new(seconds: u64) -> Report {
         let now = Instant::now();
-        let report = Report { every: Duration::from_secs(seconds), begun: now, told: now };
+        let report = Report { every: Duration::from_secs(seconds), begun: now, last: now };
         report.say(0.0, 0.0);
         report
     }
 
     /// Reports if it is time, or if the picture is finished. `rays` are those of pixels.
     pub(super) fn update(&mut self, share: f64, rays: f64) {
-        if share >= 1.0 || self.told.elapsed() >= self.every {
-            self.told = Instant::now();
+        if share >= 1.0 || self.last.elapsed() >= self.every {
+            self.last = Instant::now();
             self.say(share, rays);
         }
     }

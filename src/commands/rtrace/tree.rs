@@ -60,13 +60,13 @@ pub(super) fn answers(options: &Options, renderer: &Renderer, first_index: u64, 
             if options.limits_distance {
                 worker.limit_distance(input.length);
             }
-            let (traced, told) = worker.tree(first_index + place as u64, ray);
+            let (traced, tree_rays) = worker.tree(first_index + place as u64, ray);
             if let Some(tree) = &options.tree {
-                write_tree(options, renderer.plan(), tree, (&writer, &told), &mut bytes);
+                write_tree(options, renderer.plan(), tree, (&writer, &tree_rays), &mut bytes);
             }
             let found = Found::Traced(traced);
             let found = if options.limits_rays() { found.clipped(input.length) } else { found };
-            writer.write(input, Some(&found), told.last(), &mut bytes);
+            writer.write(input, Some(&found), tree_rays.last(), &mut bytes);
             bytes
         },
     );
@@ -77,10 +77,10 @@ fn write_tree(
     options: &Options,
     plan: &RenderPlan,
     tree: &TreeOutput,
-    (writer, told): (&Writer<'_>, &[TreeRay]),
+    (writer, tree_rays): (&Writer<'_>, &[TreeRay]),
     out: &mut Vec<u8>,
 ) {
-    for ray in told.iter().filter(|ray| options.tree_ends.include(plan, ray.hit.as_ref())) {
+    for ray in tree_rays.iter().filter(|ray| options.tree_ends.include(plan, ray.hit.as_ref())) {
         out.extend(std::iter::repeat_n(b'\t', ray.depth));
         writer.write_node(ray, &tree.fields, out);
     }

@@ -29,7 +29,7 @@ pub(super) struct Pair {
     pub(super) own: Call,
 }
 
-/// What prepares scenes.
+/// Prepares scenes.
 pub(super) struct Preparation<'a> {
     pub(super) radiance: &'a Radiance,
     pub(super) radsight: &'a Radsight,

@@ -29,7 +29,7 @@ pub(super) struct Row {
     pub(super) blocks: Values,
     /// Rms error of blocks.
     pub(super) error: Values,
-    /// That of the truth itself.
+    /// Noise of the reference itself.
     pub(super) noise: f64,
 }
 

@@ -160,7 +160,7 @@ fn mesh(places: &Places<'_>) -> Result<Option<Scene>, BenchError> {
     Ok(Some(Scene::new("mesh", what, places.folder, "land.rad daylight.rad", view, 2).translated()))
 }
 
-const MIRRORS: &str = "# A room with two mirrors that face each other, glass bodies, and a bright panel that shines only by way of what it meets.
+const MIRRORS: &str = "# A room with two mirrors that face each other, glass bodies, and a bright panel that is seen only through mirrors and glass.
 void plastic wall 0 0 5 .4 .38 .35 0 0
 void plastic tiles 0 0 5 .3 .4 .5 0 0
 void mirror silver 0 0 3 .8 .82 .8
@@ -191,7 +191,7 @@ fn mirrors(places: &Places<'_>) -> Result<Option<Scene>, BenchError> {
     ))
 }
 
-const CAUSTICS: &str = "# A small lamp throws light by way of a ring of metal and a lens onto a table.
+const CAUSTICS: &str = "# A small lamp lights a table through a ring of metal and a lens.
 void plastic table_paint 0 0 5 .6 .55 .5 0 0
 void mirror steel 0 0 3 .9 .9 .9
 void dielectric crystal 0 0 5 1 1 1 1.5 0

@@ -38,7 +38,7 @@ pub(crate) struct Real<'a> {
     octree: PathBuf,
 }
 
-/// Which program of Radiance.
+/// A program of Radiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RealKind {
     Rtrace,

@@ -88,7 +88,7 @@ impl Scene {
         self
     }
 
-    /// Sets light of lamps by way of mirrors and glass as part of the task. Real Radiance computes
+    /// Includes light of lamps through mirrors and glass in the task. Real Radiance computes
     /// it for glows only, so it gets files in which the lamps are glows.
     pub(crate) fn with_caustics(mut self, radiance_files: &str) -> Scene {
         self.own_task.extend(words("--caustics"));

@@ -45,7 +45,7 @@ pub(super) struct RealRadiance {
 }
 
 impl RealRadiance {
-    /// Renders them: every series of `rtrace` and of `rpict` continues until it reaches the error
+    /// Renders the rooms: every series of `rtrace` and of `rpict` continues until it reaches the error
     /// `least`, or until a picture takes longer than `limit` seconds of processor time.
     pub(super) fn new(
         radiance: &Radiance,

@@ -204,7 +204,7 @@ impl Worker {
             }
             Err(error) if error.kind() == io::ErrorKind::InvalidData => {
                 let text = &breadcrumb.text().0;
-                guard::end_program(&format!("fault in {text}: its process answers nonsense: {error}"))
+                guard::end_program(&format!("fault in {text}: its process sent a malformed answer: {error}"))
             }
             // The worker has ended; the waiting thread reports that.
             Err(_) => loop {

@@ -1,4 +1,4 @@
-//! Which pixels see the outline of something that moves in the picture.
+//! The pixels that see the outline of something that moves in the picture.
 
 use super::ParameterStep;
 use crate::{Progress, Workers};
@@ -12,9 +12,9 @@ use rayon::prelude::*;
 pub enum Motion {
     /// Not at all: it changes light only.
     Still,
-    /// It moves the camera's rays: all outlines move in the picture.
+    /// The parameter moves the camera's rays: all outlines move in the picture.
     Camera,
-    /// It moves a part.
+    /// The parameter moves a part.
     Part(PartMotion),
 }
 
@@ -51,10 +51,10 @@ impl Motion {
 /// Rays traced per pixel to find outlines. Those of the neighbouring pixels count as well.
 const RAYS_PER_PIXEL: u32 = 8;
 
-/// What some rays of a pixel see.
+/// The surfaces that some rays of a pixel hit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
-    /// What the first ray sees.
+    /// The surface that the first ray hits.
     first: Option<u64>,
     /// Whether others see something else.
     is_mixed: bool,

@@ -111,7 +111,7 @@ pub(super) const RENDERING: Group = Group {
         value("-af", "FILE", "File for the irradiance cache of rpict and rtrace, shared by runs and processes"),
         flag(
             "--caustics",
-            "Sample caustics: light of lamps by way of curved mirrors and glass on diffuse surfaces (radsight's own)",
+            "Sample caustics: light of lamps on diffuse surfaces through curved mirrors and glass (radsight's own)",
         ),
         value("-ap", "FILE", "Photon map; not supported"),
     ],

@@ -91,7 +91,7 @@ pub enum UnusedModifiers {
     /// warnings.
     #[default]
     Skip,
-    /// They are treated as if a surface used them.
+    /// Unused modifiers are treated as if a surface used them.
     Lower,
 }
 

@@ -13,9 +13,9 @@ const TINY: f64 = 1e-6;
 
 /// Why a surface cannot be built.
 enum Refusal {
-    /// It is left out with a warning, as in Radiance.
+    /// The surface is left out with a warning, as in Radiance.
     LeftOut(&'static str),
-    /// It is an error.
+    /// The surface is an error.
     Wrong(String),
 }
 

@@ -61,7 +61,7 @@ pub enum Mistake {
     /// A count is not a non-negative integer.
     #[error("expected the number of {} arguments of {primitive}, found \"{word}\"", section.words())]
     BadCount {
-        /// Which arguments.
+        /// The group of arguments.
         section: Section,
         /// Type and name.
         primitive: String,
@@ -71,7 +71,7 @@ pub enum Mistake {
     /// A count exceeds what the rest of the text can hold.
     #[error("{primitive} declares {count} {} arguments, but only {bytes} bytes follow", section.words())]
     CountTooLarge {
-        /// Which arguments.
+        /// The group of arguments.
         section: Section,
         /// Type and name.
         primitive: String,

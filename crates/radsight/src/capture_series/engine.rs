@@ -238,14 +238,14 @@ impl<S: SeriesScenes> Series<'_, S> {
             within = parts.iter().fold(within, |within, part| within.union(part));
         }
         let bare = without(&self.scene, &moved).validate().map_err(|errors| self.scenes.invalid(errors))?.scene;
-        let told = RenderOptions { ray_tree: Some(RayTreeOutput::AllAndLit), ..options.clone() };
-        let told = self.renderer(bare.clone(), told)?;
+        let with_tree = RenderOptions { ray_tree: Some(RayTreeOutput::AllAndLit), ..options.clone() };
+        let tree_renderer = self.renderer(bare.clone(), with_tree)?;
         let renderer = self.renderer(bare, options.clone())?;
         let (rays, weights) = self.rays(self.lead.camera_file(), renderer.plan())?;
         let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &[] };
         let share = (poses.len() as f64).cbrt().recip().max(LEAST_BACKGROUND_ERROR);
         let target = ErrorTarget { error: share * target.error, ..target };
-        let background = Background::expose(&exposer, &told, &within, target, self.progress);
+        let background = Background::expose(&exposer, &tree_renderer, &within, target, self.progress);
         self.scenes.check(renderer.plan())?;
         Ok(background.map(|background| Shared { background, moved }))
     }

@@ -304,7 +304,7 @@ fn wrong(option: &'static str, value: impl ToString, expected: &'static str) -> 
     Error::Option { option, value: value.to_string(), expected }
 }
 
-/// What is wrong with a text that is no job, with its place.
+/// The error of a text that is not a job, with its position.
 fn bad_json(name: &str, text: &[u8], error: &serde_json::Error) -> Error {
     let said = error.to_string();
     let reason = said.split(" at line ").next().unwrap_or(&said);

@@ -86,11 +86,11 @@ pub(super) fn pass_bytes(input: &mut Supply<'_>, text: &mut Text, plan: &Plan, s
     }
 }
 
-/// What is checked of each word.
+/// How each word is checked.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum WordCheck {
     Nothing,
-    /// It is a number.
+    /// The word is a number.
     Number,
 }
 
