@@ -94,7 +94,8 @@ fn members(content: &str) -> usize {
 #[test]
 fn no_parameter_is_a_bool_or_a_long_tuple() {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let files = ["crates", "plugins", "src", "tests", "xtask"].map(|folder| rust_files(&repository.join(folder)));
+    let files =
+        ["bindings", "crates", "plugins", "src", "tests", "xtask"].map(|folder| rust_files(&repository.join(folder)));
     let (mut wrong, mut used, mut count) = (Vec::new(), vec![false; EXCEPTIONS.len()], 0);
     for path in files.concat() {
         let name = path.strip_prefix(repository).expect("it is inside").to_string_lossy().replace('\\', "/");
