@@ -22,6 +22,22 @@ const WITHOUT_EFFECT: [&str; 5] = ["-dj", "-dt", "-dc", "-dp", "-ss"];
 /// is not computed.
 const AMBIENT_WEIGHT: &str = "-aw";
 
+/// Parses the number of highlight samples (`-ss`) at the front, for programs whose rays count by
+/// themselves; returns the number of words it used. Other programs average many rays, each of which
+/// needs one sample.
+pub(crate) fn take_highlight_samples(words: &[String], options: &mut RenderOptions) -> Result<usize, Failure> {
+    if words[0] != "-ss" {
+        return Ok(0);
+    }
+    let expected = "a number of rays for each highlight, 0 or more";
+    let samples: f64 = number(words, "-ss", expected)?;
+    if !(samples >= 0.0 && samples.is_finite()) {
+        return Err(Failure::usage(format!("option \"-ss\" with {samples}: expected {expected}")));
+    }
+    options.highlight_samples = samples;
+    Ok(2)
+}
+
 /// Removes the rendering options from a command line and returns them with the rest.
 ///
 /// Commands whose own arguments could look like such options do not use this.

@@ -76,6 +76,36 @@ fn smooth_light_has_no_grain() {
     }
 }
 
+/// A floor below a small bright ball, which its highlight rarely meets.
+const GLINT: &str = "
+void glow hot 0 0 4 400 380 300 0
+hot sphere ball 0 0 4 0 3 2 .12
+void metal rough 0 0 5 .7 .7 .7 .9 .2
+rough ring floor 0 0 8 0 0 0 0 0 1 0 30
+void glow sky 0 0 4 1 1 1 0
+sky source dome 0 0 4 0 0 1 360
+";
+
+const FLOOR_VIEW: &str = "-vp 0 -5 1.5 -vd 0 1 -.15 -vh 50 -vv 50 -x 128 -y 128 -ff -pj 1";
+
+/// The pixels of the floor, the lower half of the picture.
+fn floor(scene: &str, options: &str) -> Vec<f64> {
+    red(scene, &format!("{FLOOR_VIEW} {options}")).split_off(70 * SIDE)
+}
+
+/// The rms difference of the floor between two seeds.
+fn grain(scene: &str, options: &str) -> f64 {
+    let [one, other] = [1, 2].map(|seed| floor(scene, &format!("{options} --seed {seed}")));
+    let squares: f64 = one.iter().zip(&other).map(|(one, other)| (one - other).powi(2)).sum();
+    (squares / one.len() as f64).sqrt()
+}
+
+#[test]
+fn highlights_take_as_many_samples_as_requested() {
+    let [one, many] = ["1", "16"].map(|samples| grain(GLINT, &format!("-ps 1 -ss {samples}")));
+    assert!(many < 0.5 * one, "{one} with one sample, {many} with sixteen");
+}
+
 #[test]
 fn silhouettes_are_averaged_over_pixels() {
     // A disk that fills a known share of a parallel view, with nothing around it.

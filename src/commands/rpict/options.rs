@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::option_table::options_of;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
-use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
+use crate::render_args::{number, take_definition, take_highlight_samples, take_irradiance, take_one, take_own};
 use crate::sampling_args;
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
@@ -135,6 +135,9 @@ impl Options {
             options = Options::parse_once(&kept, options.reading.trust.for_file())?;
         }
         options.pixels = options.budget().apply(&mut options.render);
+        if !matches!(options.pixels, SamplingBudget::Interpolated(_)) {
+            options.render.highlight_samples = 1.0;
+        }
         options.render.camera_rays = options.expected_rays();
         if options.recover.is_some() && options.format != OutputFormat::Pixels {
             return Err(Failure::usage("rpict: -ff cannot continue a picture (-r, -ro)"));
@@ -185,7 +188,8 @@ impl Options {
 
     /// Parses one option; returns the number of words it used.
     fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
-        const TAKERS: [Taker; 9] = [
+        const TAKERS: [Taker; 10] = [
+            |options, words| take_highlight_samples(words, &mut options.render),
             |options, words| take_one(words, &mut options.render),
             |options, words| view_args::take_one(words, &mut options.view),
             |options, words| take_own(words, &mut options.reading, &mut options.render),

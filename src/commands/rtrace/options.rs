@@ -10,7 +10,9 @@ use crate::failure::Failure;
 use crate::option_table::options_of;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
-use crate::render_args::{names_in_file, number, take_definition, take_irradiance, take_one, take_own};
+use crate::render_args::{
+    names_in_file, number, take_definition, take_highlight_samples, take_irradiance, take_one, take_own,
+};
 use crate::sampling_args;
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
@@ -240,7 +242,7 @@ impl Options {
 
     /// Parses one option; returns the number of words it used.
     fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
-        let mut used = self.take_highlight_samples(words)?;
+        let mut used = take_highlight_samples(words, &mut self.render)?;
         if used == 0 {
             used = take_one(words, &mut self.render)?;
         }
@@ -292,21 +294,6 @@ impl Options {
                 return Ok(0);
             }
         }
-        Ok(2)
-    }
-
-    /// Parses the number of highlight samples. Other programs average many rays, each of which
-    /// needs one sample.
-    fn take_highlight_samples(&mut self, words: &[String]) -> Result<usize, Failure> {
-        if words[0] != "-ss" {
-            return Ok(0);
-        }
-        let expected = "a number of rays for each highlight, 0 or more";
-        let samples: f64 = number(words, "-ss", expected)?;
-        if !(samples >= 0.0 && samples.is_finite()) {
-            return Err(Failure::usage(format!("option \"-ss\" with {samples}: expected {expected}")));
-        }
-        self.render.highlight_samples = samples;
         Ok(2)
     }
 

@@ -140,7 +140,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         (set, draws): (u32, u32),
     ) {
         for draw in 0..draws {
-            let u = self.sampler.take(DimensionSet::render(set + draw));
+            let u = self.highlight_point(set, draw, draws);
             if let Some(drawn) = point.sample_highlight([u[0], u[1], u[2]]) {
                 let drawn = drawn.split(f64::from(draws));
                 let drawn = match (direct.specular_return, drawn.pdf) {
@@ -155,6 +155,14 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if let Some(images) = direct.specular_return {
             self.sample_images(path, direct, point, (images, draws));
         }
+    }
+
+    /// The sample point of one of the highlight rays, which are stratified together.
+    fn highlight_point(&self, set: u32, draw: u32, draws: u32) -> [f64; 4] {
+        if draws == 1 {
+            return self.sampler.take(DimensionSet::render(set));
+        }
+        self.sampler.branch(DimensionSet::render(set), draw, draws).take(DimensionSet::render(0))
     }
 
     /// Adds rays to the images of lights through a specular chain; `draws` is the number of
@@ -255,8 +263,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Number of highlight samples: the requested number times the path's weight.
+    /// Number of highlight samples: the requested number times the path's weight, and one after
+    /// scattering, since many such paths are averaged.
     fn highlight_samples(&self, path: &PathState<BANDS>) -> u32 {
+        if path.is_scattered() {
+            return 1;
+        }
         let strongest = path.throughput.iter().copied().fold(0.0, f64::max).min(1.0);
         (self.plan.options.highlight_samples * strongest + 0.5).clamp(1.0, MAX_HIGHLIGHT_SAMPLES) as u32
     }
