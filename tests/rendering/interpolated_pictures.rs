@@ -86,6 +86,15 @@ void glow sky 0 0 4 1 1 1 0
 sky source dome 0 0 4 0 0 1 360
 ";
 
+/// A floor with a ball's shadow in the light of a panel.
+const PENUMBRA: &str = "
+void light panel 0 0 3 10 10 10
+panel polygon window 0 0 12 -1 1 4  -1 3 4  1 3 4  1 1 4
+void plastic grey 0 0 5 .5 .5 .5 0 0
+grey ring floor 0 0 8 0 0 0 0 0 1 0 30
+grey sphere ball 0 0 4 0 2 1.2 .7
+";
+
 const FLOOR_VIEW: &str = "-vp 0 -5 1.5 -vd 0 1 -.15 -vh 50 -vv 50 -x 128 -y 128 -ff -pj 1";
 
 /// The pixels of the floor, the lower half of the picture.
@@ -104,6 +113,12 @@ fn grain(scene: &str, options: &str) -> f64 {
 fn highlights_take_as_many_samples_as_requested() {
     let [one, many] = ["1", "16"].map(|samples| grain(GLINT, &format!("-ps 1 -ss {samples}")));
     assert!(many < 0.5 * one, "{one} with one sample, {many} with sixteen");
+}
+
+#[test]
+fn single_rays_divide_lights() {
+    let [whole, divided] = ["0", ".2"].map(|size| grain(PENUMBRA, &format!("-ps 1 -ds {size}")));
+    assert!(divided < 0.25 * whole, "{whole} with whole lights, {divided} with divided ones");
 }
 
 #[test]

@@ -37,7 +37,7 @@ pub(crate) fn light_draws(lights: &[Light], tree: Option<&LightTree>, options: &
     let samples_all = tree.is_none() || !options.tracked_modifiers.is_empty() || options.ray_tree.is_some();
     let first = match options.light_division {
         _ if splits_first(options) => SPLIT_SELECTION,
-        LightDivision::BySize => DIVIDED_SELECTION,
+        LightDivision::BySize(_) => DIVIDED_SELECTION,
         LightDivision::Whole => SELECTION[0],
     };
     [first, SELECTION[1]]

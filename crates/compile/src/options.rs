@@ -227,13 +227,13 @@ pub enum PathLimit {
 }
 
 /// Subdivision of lights at the first surface of a radiance ray that does not split.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightDivision {
     /// One point on each light, or on the selected ones: pixels average many rays.
     Whole,
-    /// One point in each part of the requested size (`-ds`), on all lights unless they are very
-    /// many: pixels have few rays.
-    BySize,
+    /// So many points in each square whose side is the requested fraction of the distance (`-ds`),
+    /// on all lights unless they are very many: pixels have few rays.
+    BySize(f64),
 }
 
 /// Whether view rays see light sources.

@@ -31,8 +31,8 @@ const MIN_CELLS: usize = 8;
 
 /// Rays per pixel, initial and maximum: on the coarsest grids, on finer grids where samples are
 /// noisy, and where they are not.
-const COARSE_RAYS: (u32, u32) = (4, 8);
-const NOISY_RAYS: (u32, u32) = (2, 3);
+const COARSE_RAYS: (u32, u32) = (2, 4);
+const NOISY_RAYS: (u32, u32) = (2, 2);
 const FINE_RAYS: (u32, u32) = (1, 1);
 
 /// Rays that find the surfaces in a silhouette pixel, and the offset of their ray numbers.
@@ -244,6 +244,12 @@ pub(crate) fn block(
 }
 
 impl Interpolation {
+    /// Maximum number of rays of a pixel of the coarsest grid.
+    #[must_use]
+    pub fn most_rays(&self) -> u32 {
+        rays_of(self.spacing as usize, Noise::Low).1
+    }
+
     /// The spacing of the coarsest grid for a picture whose shorter side has `side` pixels, a power
     /// of two.
     fn grid(&self, side: usize) -> usize {

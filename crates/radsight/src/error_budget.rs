@@ -32,6 +32,14 @@ const NOISE_OF_A_RAY: f64 = 1.5;
 /// Neighbouring records share their rays.
 const RECORD_SHARE: f64 = 0.75;
 
+/// Maximum interpolation error of a preview's irradiance cache (`-aa`), relative to the noise of a
+/// record: records of many rays are worth a smaller spacing.
+const INTERPOLATION_NOISES: f64 = 2.0;
+
+/// Points on each part of a light (`-ds`), together over the rays of a pixel. Radiance takes about
+/// as many.
+const POINTS_PER_SQUARE: f64 = 2.0;
+
 /// Radiance's default of `-pj`. A picture with a requested error averages over whole pixels.
 const USUAL_JITTER: f64 = 0.67;
 
@@ -212,11 +220,44 @@ impl ErrorBudget {
             Asked::Preview(interpolation) => {
                 let rays = f64::from(gathering.divisions + gathering.super_samples);
                 gathering.noise = NOISE_OF_A_RAY / rays.max(1.0).sqrt();
+                gathering.accuracy = gathering.accuracy.min(INTERPOLATION_NOISES * gathering.noise);
                 gathering.record_share = RECORD_SHARE;
                 gathering.most_residual = f64::INFINITY;
-                options.light_division = LightDivision::BySize;
+                options.light_division = LightDivision::BySize(points_per_square(interpolation.spacing));
                 SamplingBudget::Interpolated(interpolation)
             }
         }
+    }
+}
+
+/// Points in each part of a light for one ray of a preview, whose first grid has this spacing.
+fn points_per_square(spacing: f64) -> f64 {
+    POINTS_PER_SQUARE / f64::from(Interpolation { spacing, contrast: 0.0 }.most_rays())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The options of a preview with this spacing and cache (`-aa`, `-ad`).
+    fn preview(spacing: f64, accuracy: f64, divisions: u32) -> RenderOptions {
+        let gathering = Gathering { accuracy, divisions, ..Gathering::default() };
+        let mut options = RenderOptions { gathering, ..RenderOptions::default() };
+        let pixels = ErrorBudget::preview(Interpolation { spacing, contrast: 0.05 }).apply(&mut options);
+        assert!(matches!(pixels, SamplingBudget::Interpolated(_)));
+        options
+    }
+
+    #[test]
+    fn single_rays_take_as_many_points_on_lights_as_several_rays() {
+        let [single, several] = [1.0, 4.0].map(|spacing| preview(spacing, 0.1, 64).light_division);
+        assert_eq!([single, several], [LightDivision::BySize(2.0), LightDivision::BySize(0.5)]);
+    }
+
+    #[test]
+    fn records_of_many_rays_are_nearer_to_each_other() {
+        assert_eq!(preview(4.0, 0.3, 64).gathering.accuracy, 0.3);
+        assert_eq!(preview(4.0, 0.1, 3600).gathering.accuracy, 0.05);
+        assert_eq!(preview(4.0, 0.0, 3600).gathering.accuracy, 0.0);
     }
 }

@@ -148,9 +148,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     pub(super) fn light_samples(&self, path: &PathState<BANDS>, branches: Branches) -> LightSampleCount {
         let options = &self.plan.options;
         let is_sensor = options.quantity != Quantity::Radiance && path.mis.is_none();
-        if options.light_division == LightDivision::BySize && path.mis.is_none() {
+        if let (LightDivision::BySize(density), None) = (options.light_division, &path.mis) {
             let side = options.source_sampling;
-            let per_sr = if side > 0.0 { 0.25 * self.weight(path) / (side * side) } else { 0.0 };
+            let per_sr = if side > 0.0 { density * self.weight(path) / (side * side) } else { 0.0 };
             return LightSampleCount { per_sr, least: 1.0 };
         }
         if !self.splits || !(is_sensor || branches.diffuse > 1) {
