@@ -86,6 +86,14 @@ void glow sky 0 0 4 1 1 1 0
 sky source dome 0 0 4 0 0 1 360
 ";
 
+/// A floor that reflects a large window, less than the specular threshold.
+const WINDOW: &str = "
+void light panel 0 0 3 10 10 10
+panel polygon window 0 0 12 -2 6 .5  2 6 .5  2 6 2.5  -2 6 2.5
+void plastic gloss 0 0 5 .2 .2 .2 .04 .05
+gloss ring floor 0 0 8 0 0 0 0 0 1 0 30
+";
+
 /// A floor with a ball's shadow in the light of a panel.
 const PENUMBRA: &str = "
 void light panel 0 0 3 10 10 10
@@ -102,11 +110,31 @@ fn floor(scene: &str, options: &str) -> Vec<f64> {
     red(scene, &format!("{FLOOR_VIEW} {options}")).split_off(70 * SIDE)
 }
 
+/// The mean of the floor with some seeds, relative to many rays through each pixel.
+fn mean_of_seeds(scene: &str, options: &str) -> f64 {
+    let seeds = 0..4;
+    let sum = |options: &str| floor(scene, options).iter().sum::<f64>();
+    let quick: f64 = seeds.clone().map(|seed| sum(&format!("{options} --seed {seed}"))).sum();
+    quick / f64::from(seeds.end) / sum("--samples 256")
+}
+
 /// The rms difference of the floor between two seeds.
 fn grain(scene: &str, options: &str) -> f64 {
     let [one, other] = [1, 2].map(|seed| floor(scene, &format!("{options} --seed {seed}")));
     let squares: f64 = one.iter().zip(&other).map(|(one, other)| (one - other).powi(2)).sum();
     (squares / one.len() as f64).sqrt()
+}
+
+#[test]
+fn rare_bright_reflections_keep_their_light() {
+    let mean = mean_of_seeds(GLINT, "-ss 16");
+    assert!((mean - 1.0).abs() < 0.1, "{mean} of the light");
+}
+
+#[test]
+fn windows_reflected_below_the_threshold_keep_their_light() {
+    let mean = mean_of_seeds(WINDOW, "-ps 4");
+    assert!((mean - 1.0).abs() < 0.03, "{mean} of the light");
 }
 
 #[test]

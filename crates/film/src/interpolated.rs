@@ -14,6 +14,7 @@ use glam::DVec3;
 use radsight_render::{FirstHit, Ray, RayWorker, Renderer};
 use radsight_sampling::RaySampler;
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// How a picture is interpolated.
@@ -38,6 +39,9 @@ const FINE_RAYS: (u32, u32) = (1, 1);
 /// Rays that find the surfaces in a silhouette pixel, and the offset of their ray numbers.
 const SILHOUETTE_PROBES: u32 = 4;
 const PROBES: u64 = 1 << (46 + INDEX_LOG2);
+
+/// Number of rings of glossy cells around a noisy one that are divided with it.
+const HIGHLIGHT_RINGS: u32 = 2;
 
 /// Minimum cosine between the normals of corners of an interpolated cell.
 const MIN_COSINE: f64 = 0.9;
@@ -73,6 +77,8 @@ struct Sample {
     /// Squared standard error of the mean over the bands, from the variance of the rays.
     variance: f64,
     surface: Surface,
+    /// Whether a highlight was sampled.
+    is_glossy: bool,
 }
 
 /// The rays of a pixel so far.
@@ -82,11 +88,13 @@ struct Tally {
     sum: [f64; 3],
     squares: f64,
     surface: Option<Surface>,
+    is_glossy: bool,
 }
 
 impl Tally {
-    fn add(&mut self, (value, met): ([f64; 3], Surface)) {
+    fn add(&mut self, RayValue { value, surface: met, is_glossy }: RayValue) {
         self.rays += 1;
+        self.is_glossy |= is_glossy;
         self.sum = std::array::from_fn(|band| self.sum[band] + value[band]);
         self.squares += mean(&value).powi(2);
         self.surface = Some(match self.surface {
@@ -101,7 +109,8 @@ impl Tally {
         let value = self.sum.map(|band| band / count);
         let spread = (self.squares / count - mean(&value).powi(2)).max(0.0);
         let variance = spread / (count - 1.0).max(1.0);
-        Sample { rays: self.rays, value, variance, surface: self.surface.unwrap_or(Surface::NONE) }
+        let surface = self.surface.unwrap_or(Surface::NONE);
+        Sample { rays: self.rays, value, variance, surface, is_glossy: self.is_glossy }
     }
 }
 
@@ -118,6 +127,19 @@ struct Surface {
 
 /// Outside the view, or beyond the aft clipping plane.
 const OUTSIDE: Surface = Surface { key: 1, ..Surface::NONE };
+
+/// The result of a ray.
+#[derive(Clone, Copy, Debug)]
+struct RayValue {
+    value: [f64; 3],
+    surface: Surface,
+    /// Whether a highlight was sampled.
+    is_glossy: bool,
+}
+
+impl RayValue {
+    const OUTSIDE: RayValue = RayValue { value: [0.0; 3], surface: OUTSIDE, is_glossy: false };
+}
 
 /// No single surface.
 const SEVERAL: u64 = 0;
@@ -310,7 +332,10 @@ impl Block<'_> {
         let mut smooth = Vec::new();
         let mut finer = spacing;
         while !cells.is_empty() {
-            let is_smooth: Vec<bool> = cells.par_iter().with_min_len(64).map(|cell| self.is_smooth(cell)).collect();
+            let mut is_smooth: Vec<bool> = cells.par_iter().with_min_len(64).map(|cell| self.is_smooth(cell)).collect();
+            for _ in 0..HIGHLIGHT_RINGS {
+                self.spread_noise(&cells, &mut is_smooth);
+            }
             let mut divided = Vec::new();
             let mut wanted = Vec::new();
             for (cell, is_smooth) in cells.into_iter().zip(is_smooth) {
@@ -333,6 +358,29 @@ impl Block<'_> {
             cells = divided.into_iter().filter(Cell::is_divisible).collect();
         }
         smooth
+    }
+
+    /// Divides glossy cells next to noisy ones. A cell whose corners all missed a rare bright
+    /// reflection looks smooth: interpolating it, but not its neighbours, would lose light.
+    fn spread_noise(&self, cells: &[Cell], is_smooth: &mut [bool]) {
+        let mut noisy = HashSet::new();
+        for (cell, _) in cells.iter().zip(&*is_smooth).filter(|(cell, is_smooth)| !**is_smooth && self.is_glossy(cell))
+        {
+            noisy.extend(cell.corners());
+        }
+        for (cell, is_smooth) in cells.iter().zip(is_smooth) {
+            *is_smooth &= !(self.is_glossy(cell) && cell.corners().iter().any(|corner| noisy.contains(corner)));
+        }
+    }
+
+    /// Whether all corners of a cell see the same surface and sample its highlight.
+    fn is_glossy(&self, cell: &Cell) -> bool {
+        let [Some(first), Some(second), Some(third), Some(fourth)] = cell.corners().map(|corner| self.sampled(corner))
+        else {
+            return false;
+        };
+        first.is_glossy
+            && [second, third, fourth].into_iter().all(|other| other.is_glossy && first.surface.joins(&other.surface))
     }
 
     /// The median of the samples so far that are not black.
@@ -388,7 +436,7 @@ impl Block<'_> {
                 let index = numbered([column, row], spacing, COARSE_RAYS.1, number);
                 let sampler = RaySampler::new(self.renderer.plan().seed(), index);
                 let ray = self.camera.ray(column, row, &sampler);
-                tally.add(ray.map_or(([0.0; 3], OUTSIDE), |ray| trace_sample(worker, index, &ray)));
+                tally.add(ray.map_or(RayValue::OUTSIDE, |ray| trace_sample(worker, index, &ray)));
             }
             let sample = tally.sample();
             let is_exact = sample.variance.sqrt() <= self.allowed_noise(&sample) + self.darkness;
@@ -644,8 +692,10 @@ fn morton(number: u64) -> u64 {
 }
 
 /// The radiance of a ray, and the surfaces that it hits.
-fn trace_sample(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> ([f64; 3], Surface) {
-    traced(worker, index, ray).map_or(([0.0; 3], OUTSIDE), |traced| {
-        (traced.value, Surface::new(traced.surface_key, traced.first_hit, ray.direction))
+fn trace_sample(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> RayValue {
+    traced(worker, index, ray).map_or(RayValue::OUTSIDE, |traced| RayValue {
+        value: traced.value,
+        surface: Surface::new(traced.surface_key, traced.first_hit, ray.direction),
+        is_glossy: traced.samples_highlight,
     })
 }

@@ -15,6 +15,7 @@ use crate::lobe_weighting::LobePeak;
 use crate::tree_build::{self, Item};
 use crate::tree_node::{Angle, Content, Node};
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// The lights of a plan.
 #[derive(Debug)]
@@ -26,6 +27,9 @@ pub struct LightTree {
     /// The leaf of each light.
     leaf_of: Vec<u32>,
 }
+
+/// Half width of a lobe, in 1/e half-widths, beyond which its highlight is invisible.
+const LOBE_REACH: f64 = 2.0;
 
 /// Shape of a receiver's BSDF, for selecting lights.
 #[derive(Clone, Copy, Debug)]
@@ -51,11 +55,16 @@ pub struct LightSampleCount {
     pub per_sr: f64,
     /// Minimum number of points.
     pub least: f64,
+    /// Points on a light that a narrow lobe sees, per solid angle of the lobe, if light samples
+    /// alone find the highlight; limited by `most_per_sr`.
+    pub per_lobe: f64,
+    /// Maximum number of these points per steradian of the light.
+    pub most_per_sr: f64,
 }
 
 impl LightSampleCount {
     /// One point, whatever the light's size.
-    pub const ONE: LightSampleCount = LightSampleCount { per_sr: 0.0, least: 1.0 };
+    pub const ONE: LightSampleCount = LightSampleCount { per_sr: 0.0, least: 1.0, per_lobe: 0.0, most_per_sr: 0.0 };
 }
 
 /// A selected light.
@@ -109,10 +118,33 @@ impl Reception {
             return 1;
         }
         let distance = if light.radius.is_infinite() { 1.0 } else { point.distance(light.center).max(light.radius) };
-        let samples =
-            (self.samples.per_sr * light.form.solid_angle(distance)).clamp(self.samples.least, MOST_SAMPLES.into());
+        let wanted = (self.samples.per_sr * light.form.solid_angle(distance)).max(self.highlight_samples(light, point));
+        let samples = wanted.clamp(self.samples.least, MOST_SAMPLES.into());
         // Only powers of two of a scrambled sequence are stratified in both dimensions.
         if samples > 1.0 { (samples.ceil() as u32).next_power_of_two() } else { 1 }
+    }
+
+    /// Number of points on a light whose reflection in a narrow lobe is sampled by light samples
+    /// alone; 0 where the lobe does not see the light.
+    ///
+    /// One sample finds the lobe with the probability `l / ω`, with the solid angles l of the lobe
+    /// and ω of the light. With the share h of the highlight in the light that it reflects, the
+    /// relative variance of one sample is about `h² ω / l`, and so many samples are taken.
+    pub fn highlight_samples(&self, light: &Light, point: DVec3) -> f64 {
+        if self.samples.per_lobe <= 0.0 || self.peak.width <= 0.0 || light.radius.is_infinite() {
+            return 0.0;
+        }
+        let offset = light.center - point;
+        let distance = offset.length().max(light.radius);
+        let chord = light.radius / distance + LOBE_REACH / self.peak.width.sqrt();
+        if offset.distance_squared(self.peak.axis * distance) > (chord * distance).powi(2) {
+            return 0.0;
+        }
+        let (lobe, solid_angle) = (PI / self.peak.width, light.form.solid_angle(distance));
+        let highlight = self.peak.height * lobe;
+        let share = highlight / (highlight + self.peak.floor * solid_angle);
+        let wanted = self.samples.per_lobe * share * share * solid_angle / lobe;
+        wanted.min(self.samples.most_per_sr * solid_angle)
     }
 
     /// Upper bound on the BSDF times cosine within `half_width` of a unit direction, 1/sr.
@@ -371,6 +403,23 @@ mod tests {
                 }
             })
             .collect()
+    }
+
+    #[test]
+    fn narrow_lobes_take_more_samples_of_lights_that_they_reflect() {
+        let normal = DVec3::NEG_Z;
+        let corner = DVec3::new(-1.0, -1.0, 4.0);
+        let form = LightForm::Parallelogram { corner, x: 2.0 * DVec3::X, y: 2.0 * DVec3::Y, normal, area: 4.0 };
+        let panel = light(DVec3::new(0.0, 0.0, 4.0), 2.0_f64.sqrt(), form);
+        let samples = LightSampleCount { per_lobe: 4.0, most_per_sr: 50.0, ..LightSampleCount::ONE };
+        let lobe = |axis: DVec3, width: f64| {
+            let peak = LobePeak { axis, width, height: width, floor: 0.0 };
+            Reception { peak, samples, ..Reception::NONE }.samples_on(&panel, DVec3::ZERO)
+        };
+        // The panel has 1/4 sr, the lobe π/100 sr: four times the quotient is 31.8, and the maximum 12.5.
+        assert_eq!(lobe(DVec3::Z, 10.0), 4);
+        assert_eq!(lobe(DVec3::Z, 100.0), 16);
+        assert_eq!(lobe(DVec3::X, 100.0), 1);
     }
 
     fn receptions() -> [Reception; 2] {

@@ -159,6 +159,7 @@ impl DirectSampler<'_> {
         }
         let half = 2 * (index % 2);
         let samples = self.reception.samples_on(light, self.point);
+        tracer.samples_highlight |= samples > 1 && self.reception.highlight_samples(light, self.point) > 1.0;
         // Without shadow rays, twice as many points cost less.
         let (between, samples) = if samples >= SAMPLES_FOR_A_SHAFT && self.sees_all_of(tracer.plan, light, between) {
             (&VisibilityClass::Nothing, (2 * samples).min(MOST_SAMPLES))

@@ -46,6 +46,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let lights_suffice = receiver.is_some_and(|receiver| receiver.lights_suffice);
         let alone = receiver.is_some_and(|receiver| receiver.sees_only_lights);
         let follow_highlight = point.has_highlight() && !(alone && lights_suffice);
+        self.samples_highlight |= follow_highlight && !path.is_scattered();
         // Other highlights are combined with light sampling, whose number of samples must not
         // depend on the receiver.
         let lights_suffice = lights_suffice && point.is_retroreflector();
@@ -79,7 +80,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let is_split = branches != requested;
         self.next_set += if is_split { Branches::SETS } else { branches.highlight.max(1) };
         let mut reception = point.reception(self.plan.light_draws[usize::from(path.is_scattered())]);
-        reception.samples = self.light_samples(path, branches);
+        reception.samples = self.light_samples(path, point, branches);
         // Mist attenuates shadow rays less than others, so MIS does not apply.
         let shared = !self.plan.lights_are_covered;
         let mut visible_portals =

@@ -59,6 +59,9 @@ pub struct Traced {
     /// Identifies what is seen directly and through specular surfaces: rays with equal keys hit
     /// surfaces of the same materials in the same order.
     pub surface_key: u64,
+    /// Whether highlights of a surface were sampled that is seen directly or through specular
+    /// surfaces: the value varies with the sampled directions, and rare bright ones may be missed.
+    pub samples_highlight: bool,
 }
 
 /// Surfaces with less than this fraction of a ray's weight are not part of the key.
@@ -90,6 +93,7 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     /// Distance of the last plane mirror or pane of the direct view; 0 for none.
     passed_distance: f64,
     surface_key: u64,
+    pub(crate) samples_highlight: bool,
     /// Cached irradiance.
     pub(crate) caches: Caches<'p, BANDS>,
     /// The path guide, if there is one.
@@ -125,6 +129,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             effective_distance: f64::INFINITY,
             passed_distance: 0.0,
             surface_key: 0,
+            samples_highlight: false,
             caches,
             guide: None,
             cache_query: None,
@@ -179,6 +184,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             first_hit: self.first_hit,
             effective_distance: self.effective_distance,
             surface_key: self.surface_key,
+            samples_highlight: self.samples_highlight,
         }
     }
 
@@ -212,6 +218,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         self.effective_distance = f64::INFINITY;
         self.passed_distance = 0.0;
         self.surface_key = 0;
+        self.samples_highlight = false;
         if medium == self.media[0] {
             return MediumId(0);
         }

@@ -66,6 +66,9 @@ impl Branches {
 /// points have as much noise in penumbrae with about two per square.
 const SAMPLES_PER_SQUARE: f64 = 2.0;
 
+/// Samples of a light per solid angle of the narrow lobe that reflects it.
+const SAMPLES_PER_LOBE: f64 = 4.0;
+
 /// Number of branches per additional sample of each light, and the maximum.
 const BRANCHES_PER_SAMPLE: f64 = 32.0;
 const MAX_SAMPLES_FOR_BRANCHES: f64 = 16.0;
@@ -145,13 +148,24 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     ///
     /// Unsplit rays of radiance get one sample: the caller averages many, and they use the sample
     /// points of pictures.
-    pub(super) fn light_samples(&self, path: &PathState<BANDS>, branches: Branches) -> LightSampleCount {
+    pub(super) fn light_samples(
+        &self,
+        path: &PathState<BANDS>,
+        point: &Bsdf<'_, BANDS>,
+        branches: Branches,
+    ) -> LightSampleCount {
         let options = &self.plan.options;
         let is_sensor = options.quantity != Quantity::Radiance && path.mis.is_none();
         if let (LightDivision::BySize(density), None) = (options.light_division, &path.mis) {
             let side = options.source_sampling;
-            let per_sr = if side > 0.0 { density * self.weight(path) / (side * side) } else { 0.0 };
-            return LightSampleCount { per_sr, least: 1.0 };
+            let squares = if side > 0.0 { self.weight(path) / (side * side) } else { 0.0 };
+            let per_lobe = if point.has_highlight() { 0.0 } else { SAMPLES_PER_LOBE };
+            return LightSampleCount {
+                per_sr: density * squares,
+                least: 1.0,
+                per_lobe,
+                most_per_sr: SAMPLES_PER_SQUARE * squares,
+            };
         }
         if !self.splits || !(is_sensor || branches.diffuse > 1) {
             return LightSampleCount::ONE;
@@ -160,7 +174,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let per_sr = if side > 0.0 { SAMPLES_PER_SQUARE * self.weight(path) / (side * side) } else { 0.0 };
         let for_branches = (f64::from(branches.diffuse) / BRANCHES_PER_SAMPLE).min(MAX_SAMPLES_FOR_BRANCHES).floor();
         let for_few = if is_sensor && self.plan.lights.len() <= FEW_LIGHTS { SAMPLES_OF_FEW_LIGHTS } else { 1.0 };
-        LightSampleCount { per_sr, least: for_branches.max(for_few) }
+        LightSampleCount { per_sr, least: for_branches.max(for_few), ..LightSampleCount::ONE }
     }
 
     /// Begins the branches of the current ray, which take their sample points instead of its `set`.
