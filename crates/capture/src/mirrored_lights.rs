@@ -111,6 +111,7 @@ impl PixelImages {
             .with_min_len(64)
             .map_init(|| renderer.worker(), of_pixel)
             .unzip();
+        let images = if images.iter().all(Vec::is_empty) { Vec::new() } else { images };
         PixelImages { domain, images, in_plane_mirrors, plane: PlaneImages::new(plane) }
     }
 
@@ -130,7 +131,8 @@ impl PixelImages {
         let is_point = self.domain == Domain::Square;
         let [fixed, drawn] = if is_point { [[u[2], u[3]], [u[0], u[1]]] } else { [[u[0], u[1]], [u[2], u[3]]] };
         let fixed = DVec2::from(fixed);
-        let mixed = |drawn| self.mixed_point(&self.images[pixel], fixed, drawn);
+        let curved = self.images.get(pixel).map_or(&[][..], Vec::as_slice);
+        let mixed = |drawn| self.mixed_point(curved, fixed, drawn);
         let ray = |at| self.domain.ray(rays, pixel as u64, fixed, at);
         let hits = |at, light: usize| {
             let ray = ray(at).and_then(|ray| Ray::new(ray.origin, ray.direction));
