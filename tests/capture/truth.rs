@@ -78,6 +78,19 @@ fn an_asked_error_is_the_true_error_where_lamps_are_integrated() {
     }
 }
 
+/// Behind a finite pinhole pixels share rays.
+#[test]
+fn an_asked_error_is_the_true_error_where_pixels_share_rays() {
+    for (number, scenes) in [(10, RETRO), (11, RETRO), (14, WASHER)] {
+        for (asked, text) in [(0.003, "0.003"), (0.02, "0.02")] {
+            let captured = capture(number, scenes, &["--error", text]);
+            let difference = Difference::new(&captured.exposure, &captured.truth);
+            assert!(difference.rms < asked, "figure {number}: asked for {asked}, got {difference:?}");
+            assert!(difference.mean.abs() < 0.2 * asked, "figure {number}: asked for {asked}, got {difference:?}");
+        }
+    }
+}
+
 /// A spot half a pixel wide lies between the points of any lattice but those of the finest, and a
 /// smooth sheet around it.
 #[test]

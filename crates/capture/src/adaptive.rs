@@ -12,6 +12,7 @@
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
 use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
+use crate::shared_rays::UnblurredFilm;
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
 use radsight_adaptive::{
     ErrorEstimate, ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource,
@@ -81,9 +82,9 @@ impl Exposer<'_> {
         };
         let camera = self.rays.camera();
         state.pixels.resize(camera.pixel_count() as usize, Pixel::default());
-        let sampler = AdaptiveSampler::new(self, error, progress, &state.pixels);
+        let mut sampler = AdaptiveSampler::new(self, error, progress, &state.pixels);
         let is_new = state.pixels.iter().all(|pixel| pixel.samples == 0);
-        let sparse = if is_new { sampler.sparse(&mut state, target) } else { None };
+        let sparse = if is_new { sampler.interpolated(&mut state, target) } else { None };
         if sparse.is_none() && !sampler.is_on_lattice.load(Ordering::Relaxed) {
             begin(&sampler, &mut state);
         }
@@ -125,6 +126,8 @@ pub(crate) struct AdaptiveSampler<'a> {
     /// Number of separate bands; 0 where bands are added up.
     pub(crate) bands: usize,
     pub(crate) images: PixelImages,
+    /// What is exposed instead of the picture.
+    pub(crate) film: Option<UnblurredFilm>,
     pub(crate) progress: &'a dyn Progress,
     /// Whether points of a pixel are followed by their mirror images: the exposure is the integral of
     /// a smooth function over the pixel alone.
@@ -147,6 +150,7 @@ impl<'a> AdaptiveSampler<'a> {
             exposer,
             bands: bands_apart(exposer.rays, exposer.weights),
             images: images(exposer),
+            film: None,
             progress,
             mirrors_points: AtomicBool::new(false),
             cubature_error: CUBATURE_FRACTION * error,
@@ -238,7 +242,11 @@ impl<'a> PixelSource for AdaptiveSampler<'a> {
         let drawn = samples.filter_map(|sample| {
             let index = ray_number(number, sample);
             let u = self.camera_point(pixel, sample);
-            self.images.ray((plan, rays), pixel, u).map(|(ray, weight)| (index, ray, weight))
+            let drawn = match &self.film {
+                Some(film) => film.sampled_ray(rays, pixel, u).map(|ray| (ray, 1.0)),
+                None => self.images.ray((plan, rays), pixel, u),
+            };
+            drawn.map(|(ray, weight)| (index, ray, weight))
         });
         if self.bands == 0 {
             let light = drawn

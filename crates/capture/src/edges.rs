@@ -9,6 +9,8 @@
 use crate::Exposer;
 use crate::lattice::Lattice;
 use crate::mirrored_lights::PixelImages;
+use crate::shared_rays::UnblurredFilm;
+use glam::DVec2;
 use radsight_pinhole::{CameraRay, Rays};
 use radsight_render::{Ray, SmoothView};
 use rayon::prelude::*;
@@ -49,6 +51,15 @@ pub(crate) enum EdgeBlurs {
     Two,
 }
 
+/// The film whose edges are found.
+#[derive(Clone, Copy)]
+pub(crate) struct SearchedFilm<'a> {
+    pub(crate) exposer: &'a Exposer<'a>,
+    pub(crate) images: &'a PixelImages,
+    /// Instead of that of the picture.
+    pub(crate) unblurred: Option<&'a UnblurredFilm>,
+}
+
 /// The edges of the pixels of a picture.
 struct PixelEdges {
     /// The width of the sharpest edge at each pixel, pixels; infinite where there is none.
@@ -59,11 +70,11 @@ struct PixelEdges {
 
 impl Edges {
     /// Finds the edges of a picture.
-    pub(crate) fn find(exposer: &Exposer<'_>, images: &PixelImages, lattice: &Lattice) -> Edges {
-        let rays = exposer.rays;
-        let (columns, rows) = (rays.camera().columns() as usize, rays.camera().rows() as usize);
-        let PixelEdges { widths, by_pinhole } = PixelEdges::find(exposer, images);
-        let distance = |pixel: usize| center_ray(rays, pixel).and_then(|ray| exposer.renderer.plan().distance(&ray));
+    pub(crate) fn find(film: SearchedFilm<'_>, lattice: &Lattice) -> Edges {
+        let (rays, plan) = (film.exposer.rays, film.exposer.renderer.plan());
+        let [columns, rows] = film.size();
+        let PixelEdges { widths, by_pinhole } = PixelEdges::find(film);
+        let distance = |pixel: usize| film.center_ray(pixel).and_then(|ray| plan.distance(&ray));
         let blur_at = |pixel: usize| {
             let near = [Some(pixel), Some(pixel + 1), Some(pixel + columns)].into_iter().flatten();
             let nearest = near.filter(|near| *near < columns * rows).filter_map(distance).fold(f64::INFINITY, f64::min);
@@ -122,20 +133,44 @@ impl Edges {
     }
 }
 
-impl PixelEdges {
-    fn find(exposer: &Exposer<'_>, images: &PixelImages) -> PixelEdges {
-        let rays = exposer.rays;
-        let columns = rays.camera().columns() as usize;
-        let views = views(exposer);
+impl SearchedFilm<'_> {
+    /// Columns and rows.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        let camera = self.exposer.rays.camera();
+        self.unblurred.map_or([camera.columns(), camera.rows()].map(|count| count as usize), UnblurredFilm::size)
+    }
+
+    /// The ray through the centres of a pixel and of the pinhole.
+    fn center_ray(&self, pixel: usize) -> Option<Ray> {
+        let (rays, place) = (self.exposer.rays, [0.5; 2]);
+        let ray = match self.unblurred {
+            Some(film) => film.ray(rays, pixel, place, DVec2::ZERO),
+            None => rays.ray_through(pixel as u64, place, [0.0; 2]),
+        }?;
+        Ray::new(ray.origin, ray.direction)
+    }
+
+    /// Number of pixels over which the pinhole blurs any edge, at the least.
+    fn least_blur(&self) -> f64 {
+        let [columns, rows] = self.size();
         // At the middle of the picture pixels are farthest apart by direction.
-        let middle = ((views.len() + columns) / 2).min(views.len() - 1);
-        let [across, down] = blur(rays, middle as u64, f64::INFINITY);
-        let by_pinhole = 2.0 * across.min(down);
+        let middle = ((columns * rows + columns) / 2).min(columns * rows - 1);
+        let by_pinhole = || blur(self.exposer.rays, middle as u64, f64::INFINITY);
+        let [across, down] = self.unblurred.map_or_else(by_pinhole, |_| [0.0; 2]);
+        2.0 * across.min(down)
+    }
+}
+
+impl PixelEdges {
+    fn find(film: SearchedFilm<'_>) -> PixelEdges {
+        let [columns, _] = film.size();
+        let views = views(film);
+        let by_pinhole = film.least_blur();
         let width = |pixel: usize| {
             let differs = |other: usize| views.get(other).is_some_and(|other| !are_alike(&views[pixel], other));
             let is_last = (pixel + 1).is_multiple_of(columns);
             match &views[pixel] {
-                _ if images.sees_any(pixel) => 0.0,
+                _ if film.images.sees_any(pixel) => 0.0,
                 Some(view) if !(differs(pixel + columns) || !is_last && differs(pixel + 1)) => {
                     view.edge_width() + by_pinhole
                 }
@@ -147,12 +182,12 @@ impl PixelEdges {
 }
 
 /// The views of all pixels.
-fn views(exposer: &Exposer<'_>) -> Vec<Option<SmoothView>> {
-    let (plan, rays) = (exposer.renderer.plan(), exposer.rays);
-    let columns = rays.camera().columns() as usize;
-    let pixels = columns * rays.camera().rows() as usize;
+fn views(film: SearchedFilm<'_>) -> Vec<Option<SmoothView>> {
+    let plan = film.exposer.renderer.plan();
+    let [columns, rows] = film.size();
+    let pixels = columns * rows;
     let centers: Vec<Option<Ray>> =
-        (0..pixels).into_par_iter().with_min_len(64).map(|pixel| center_ray(rays, pixel)).collect();
+        (0..pixels).into_par_iter().with_min_len(64).map(|pixel| film.center_ray(pixel)).collect();
     // The distance to the next pixel, which is on the other side in the last column and row.
     let spacing = |pixel: usize, ray: &Ray| {
         let beside = if (pixel + 1).is_multiple_of(columns) { pixel.wrapping_sub(1) } else { pixel + 1 };
@@ -162,11 +197,6 @@ fn views(exposer: &Exposer<'_>) -> Vec<Option<SmoothView>> {
     };
     let view = |pixel: usize| centers[pixel].and_then(|ray| plan.smooth_view(&ray, spacing(pixel, &ray)));
     (0..pixels).into_par_iter().with_min_len(64).map(view).collect()
-}
-
-fn center_ray(rays: &Rays, pixel: usize) -> Option<Ray> {
-    let ray = rays.ray_through(pixel as u64, [0.5; 2], [0.0; 2])?;
-    Ray::new(ray.origin, ray.direction)
 }
 
 fn are_alike(a: &Option<SmoothView>, b: &Option<SmoothView>) -> bool {

@@ -18,6 +18,7 @@ mod lattice;
 mod mirrored_lights;
 mod plane_images;
 mod region;
+mod shared_rays;
 mod sparse;
 mod sparse_estimate;
 

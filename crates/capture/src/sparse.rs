@@ -11,11 +11,15 @@
 
 use crate::adaptive::{AdaptiveSampler, Estimate, MAX_PASSES, Pixel, SELECTION_BIAS, Sums};
 use crate::checkpoint::AdaptiveState;
-use crate::edges::Edges;
-use crate::lattice::Lattice;
-use crate::sparse_estimate::{SparseEstimate, residual_ratio};
+use crate::edges::{Edges, SearchedFilm};
+use crate::fixed::radiance;
+use crate::lattice::{Lattice, STRIDE};
+use crate::shared_rays::{PinholeBlur, PinholeDerivatives, PinholeProbe, UnblurredFilm};
+use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
+use crate::{Exposer, Workers};
+use glam::DVec2;
 use radsight_adaptive::{
-    ErrorTarget, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, selection_threshold,
+    ErrorTarget, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, ray_number, selection_threshold,
 };
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
@@ -27,6 +31,9 @@ const MAX_NODE_FRACTION: f64 = 0.6;
 
 /// Fraction of the squared error that is allotted to interpolation.
 const INTERPOLATION_FRACTION: f64 = 0.25;
+
+/// Maximum fraction of the squared error that is due to blurring an unblurred film.
+const MAX_FILM_FRACTION: f64 = 0.7;
 
 /// Cells are refined only when the noise is below this multiple of what is allowed.
 const LOW_NOISE: f64 = 2.0;
@@ -42,6 +49,10 @@ const SIGNIFICANT_ERRORS: f64 = 5.0;
 /// A ray this many times as bright as the brightest pixel of its cell has hit something that the
 /// lattice missed.
 const OUTLIER_RATIO: f64 = 30.0;
+
+/// The finest level of the lattice on which the dependence on the pinhole's point is measured: it
+/// changes less from pixel to pixel than radiance.
+const FINEST_PROBED: u8 = 2;
 
 /// Maximum number of audits of a picture.
 const MAX_AUDITS: u32 = 3;
@@ -85,12 +96,47 @@ impl Sparse {
         nodes as f64 > MAX_NODE_FRACTION * self.nodes.len() as f64
     }
 
-    fn estimate(&self, state: &AdaptiveState) -> SparseEstimate {
-        SparseEstimate::new(&self.lattice, (&self.levels, &self.ratios), &self.nodes, &state.pixels)
+    fn estimate(&self, state: &AdaptiveState, film: Option<&UnblurredFilm>) -> SparseEstimate {
+        SparseEstimate::new(&self.lattice, (&self.levels, &self.ratios), &self.nodes, &state.pixels, film)
     }
 }
 
-impl AdaptiveSampler<'_> {
+impl<'a> AdaptiveSampler<'a> {
+    /// Exposes some pixels and interpolates the others: where it pays, those of the film behind a
+    /// point pinhole, which is then blurred. Otherwise as [`AdaptiveSampler::sparse`].
+    pub(crate) fn interpolated(
+        &mut self,
+        state: &mut AdaptiveState,
+        target: ErrorTarget,
+    ) -> Option<(Estimate, Option<Stop>)> {
+        self.film = self.unblurred_film();
+        if let Some(film) = &self.film {
+            let mut film_state = AdaptiveState::new(film.pixel_count());
+            let found = self.sparse(&mut film_state, target);
+            self.film = None;
+            if found.is_some() {
+                *state = film_state;
+                return found;
+            }
+            if self.progress.stops() {
+                return None;
+            }
+        }
+        self.sparse(state, target)
+    }
+
+    fn unblurred_film(&self) -> Option<UnblurredFilm> {
+        let shares_rays = self.is_plain() && self.images.is_empty();
+        shares_rays.then(|| UnblurredFilm::new(self.exposer)).flatten()
+    }
+
+    /// Whether each ray adds its radiance to one pixel, in the same way for all pixels.
+    fn is_plain(&self) -> bool {
+        let (exposer, rays) = (self.exposer, self.exposer.rays);
+        let has_points = rays.hole().has_points() && rays.cells() == rays.camera().pixel_count();
+        self.bands == 0 && has_points && exposer.by_row.is_empty() && !exposer.weights.has_mosaic()
+    }
+
     /// Exposes some pixels and interpolates the others, until the requested error is reached.
     /// `None` if this does not pay, with no samples kept, or if it was stopped: then some pixels
     /// have samples and others have none, and the checkpoint is empty.
@@ -99,31 +145,44 @@ impl AdaptiveSampler<'_> {
         let mut sparse = self.lattice().filter(|sparse| !sparse.is_dense())?;
         self.mirrors_points.store(sparse.is_smooth && self.exposer.renderer.integrates_all_lights(), Ordering::Relaxed);
         self.is_on_lattice.store(true, Ordering::Relaxed);
-        let mut audits = 0;
+        let blur = self.film.as_ref().map(|film| self.blur(film, &sparse));
+        let (mut audits, mut film_error) = (0, None);
         while state.passes < MAX_PASSES {
             self.expose_nodes(state, &sparse.nodes);
             if self.progress.stops() {
                 return None;
             }
-            let estimate = sparse.estimate(state);
+            let estimate = sparse.estimate(state, self.film.as_ref());
             let mean = estimate.mean();
             if mean <= 0.0 {
                 break;
             }
-            let allowed = (target.error * mean / SELECTION_BIAS).powi(2);
+            let requested = (target.error * mean / SELECTION_BIAS).powi(2);
+            let of_blur = |blur: &PinholeBlur<'_>| blur.mean_squared_error(&estimate.values);
+            let film_error = *film_error.get_or_insert_with(|| blur.as_ref().map_or(0.0, of_blur));
+            if film_error > MAX_FILM_FRACTION * requested {
+                break;
+            }
+            let allowed = requested - film_error;
             let refined = cells_to_refine(&sparse, &estimate, allowed);
             let needed = samples_to_double(&estimate, allowed, most);
             state.passes += 1;
             if refined.is_empty() && needed.is_empty() {
+                let picture = blur.as_ref().map(|blur| estimate.blurred(blur, (&sparse.lattice, &sparse.nodes)));
+                let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
                 let cells_to_refine =
-                    if audits < MAX_AUDITS { self.audit(&sparse, &estimate, audits) } else { Vec::new() };
+                    if audits < MAX_AUDITS { self.audit(&sparse, values, audits) } else { Vec::new() };
                 audits += 1;
                 if self.progress.stops() {
                     return None;
                 }
                 if cells_to_refine.is_empty() {
                     self.is_on_lattice.store(false, Ordering::Relaxed);
-                    return Some((fill_interpolated(state, &sparse, &estimate), Some(Stop::Rays)));
+                    let estimate = match (&self.film, picture) {
+                        (Some(film), Some(picture)) => develop(state, film, &picture),
+                        _ => fill_interpolated(state, &sparse, &estimate),
+                    };
+                    return Some((estimate, Some(Stop::Rays)));
                 }
                 sparse.refine(cells_to_refine);
                 continue;
@@ -141,25 +200,30 @@ impl AdaptiveSampler<'_> {
                 }
             }
         }
+        self.abandon(state);
+        None
+    }
+
+    /// Forgets the samples of a lattice.
+    fn abandon(&self, state: &mut AdaptiveState) {
         self.is_on_lattice.store(false, Ordering::Relaxed);
         self.mirrors_points.store(false, Ordering::Relaxed);
         let given_up = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
         self.discarded.fetch_add(given_up, Ordering::Relaxed);
         *state = AdaptiveState::new(state.pixels.len());
-        None
     }
 
     /// The first lattice of a picture; `None` where neighbouring pixels have little in common.
     fn lattice(&self) -> Option<Sparse> {
         let exposer = self.exposer;
-        let (rays, camera) = (exposer.rays, exposer.rays.camera());
-        let is_plain = self.bands == 0 && rays.hole().has_points() && rays.cells() == camera.pixel_count();
-        if !is_plain || !exposer.by_row.is_empty() || exposer.weights.has_mosaic() {
+        if !self.is_plain() {
             return None;
         }
-        let [x, y, ..] = RaySampler::new(rays.seed(), RESERVED_NUMBER).take(DimensionSet::CAMERA);
-        let lattice = Lattice::new(camera.columns(), camera.rows(), [x, y])?;
-        let edges = Edges::find(exposer, &self.images, &lattice);
+        let [x, y, ..] = RaySampler::new(exposer.rays.seed(), RESERVED_NUMBER).take(DimensionSet::CAMERA);
+        let film = SearchedFilm { exposer, images: &self.images, unblurred: self.film.as_ref() };
+        let [columns, rows] = film.size().map(|count| count as u32);
+        let lattice = Lattice::new(columns, rows, [x, y])?;
+        let edges = Edges::find(film, &lattice);
         let [across, down] = lattice.cells();
         let levels: Vec<u8> = (0..across * down).map(|cell| edges.level(&lattice, cell)).collect();
         let nodes = lattice.nodes(&levels);
@@ -186,7 +250,7 @@ impl AdaptiveSampler<'_> {
 
     /// Compares interpolated pixels with their own rays. Returns the cells to refine, with their
     /// new levels.
-    fn audit(&self, sparse: &Sparse, estimate: &SparseEstimate, round: u32) -> Vec<(usize, u8)> {
+    fn audit(&self, sparse: &Sparse, values: &[f64], round: u32) -> Vec<(usize, u8)> {
         let chosen = self.audited_pixels(sparse, round);
         let rays: Vec<(usize, f64)> = chosen
             .into_par_iter()
@@ -196,13 +260,48 @@ impl AdaptiveSampler<'_> {
                 |worker, pixel| {
                     self.report(1);
                     self.discarded.fetch_add(1, Ordering::Relaxed);
-                    (pixel, self.sums(worker, pixel, 0..1).whole)
+                    (pixel, self.light_of_picture(worker, pixel))
                 },
             )
             .collect();
-        let mut traced = vec![f64::NAN; estimate.values.len()];
+        let mut traced = vec![f64::NAN; values.len()];
         rays.into_iter().for_each(|(pixel, light)| traced[pixel] = light);
-        Audit::new(sparse, estimate, &traced).cells_to_refine(sparse)
+        Audit::new(sparse, values, &traced).cells_to_refine(sparse)
+    }
+
+    /// The light of one ray of a pixel of the picture, in the frame of the film.
+    fn light_of_picture(&self, worker: &mut Workers<'a>, pixel: usize) -> f64 {
+        let Some(film) = &self.film else { return self.sums(worker, pixel, 0..1).whole };
+        let Exposer { rays, weights, .. } = *self.exposer;
+        let Some(own) = film.in_picture(pixel) else { return f64::NAN };
+        let (own, index) = (own as u64, ray_number(own as u64, 0));
+        let ray = rays.ray(own, RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA));
+        ray.cos4 * radiance(worker, index, (rays, own), &ray, weights)
+    }
+
+    /// The blur of a film, with its dependence on the point of the pinhole from a coarse lattice.
+    fn blur<'f>(&self, film: &'f UnblurredFilm, sparse: &Sparse) -> PinholeBlur<'f> {
+        let lattice = &sparse.lattice;
+        let levels: Vec<u8> = sparse.levels.iter().map(|level| *level.min(&FINEST_PROBED)).collect();
+        let nodes = lattice.nodes(&levels);
+        let probed: Vec<usize> = (0..nodes.len()).filter(|pixel| nodes[*pixel] > 0).collect();
+        let probe = |worker: &mut Workers<'a>, pixel: usize| {
+            self.report(4);
+            self.discarded.fetch_add(4, Ordering::Relaxed);
+            (pixel, PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, pixel, on_pinhole)))
+        };
+        let probes: Vec<_> = probed.into_par_iter().with_min_len(8).map_init(|| self.worker(), probe).collect();
+        let derivatives = PinholeDerivatives::new(film, (lattice, &nodes), &probes, STRIDE as usize);
+        PinholeBlur { film, derivatives }
+    }
+
+    /// The light of a film pixel through a point of the pinhole. All points have the same random
+    /// numbers.
+    fn light_of_film(&self, worker: &mut Workers<'a>, film: &UnblurredFilm, pixel: usize, on_pinhole: DVec2) -> f64 {
+        let Exposer { rays, weights, .. } = *self.exposer;
+        let number = pixel as u64;
+        let ray = film.ray(rays, pixel, [0.5; 2], on_pinhole);
+        ray.map_or(0.0, |ray| ray.cos4 * radiance(worker, ray_number(number, 0), (rays, number), &ray, weights))
     }
 
     /// One interpolated pixel of each square.
@@ -217,7 +316,15 @@ impl AdaptiveSampler<'_> {
             (x < columns && y < rows).then_some(y * columns + x)
         };
         let squares = (0..rows).step_by(AUDIT_SIDE).flat_map(|y| (0..columns).step_by(AUDIT_SIDE).map(move |x| (x, y)));
-        squares.filter_map(of_square).filter(|pixel| sparse.nodes[*pixel] == 0).collect()
+        squares.filter_map(of_square).filter(|pixel| self.is_estimated(sparse, *pixel)).collect()
+    }
+
+    /// Whether a pixel of the film is in the picture, and not exposed itself.
+    fn is_estimated(&self, sparse: &Sparse, pixel: usize) -> bool {
+        match &self.film {
+            Some(film) => film.in_picture(pixel).is_some(),
+            None => sparse.nodes[pixel] == 0,
+        }
     }
 }
 
@@ -256,13 +363,13 @@ impl Residuals {
 
 impl Audit {
     /// `traced` is NaN where no ray was traced.
-    fn new(sparse: &Sparse, estimate: &SparseEstimate, traced: &[f64]) -> Audit {
+    fn new(sparse: &Sparse, values: &[f64], traced: &[f64]) -> Audit {
         let of_cell = |cell: usize| {
             let pixels = || sparse.lattice.pixels(cell).map(|(pixel, _)| pixel);
-            let brightest = pixels().map(|pixel| estimate.values[pixel]).fold(0.0, f64::max);
+            let brightest = pixels().map(|pixel| values[pixel]).fold(0.0, f64::max);
             let mut residuals = Residuals::default();
             for pixel in pixels().filter(|pixel| !traced[*pixel].is_nan()) {
-                let residual = traced[pixel] - estimate.values[pixel];
+                let residual = traced[pixel] - values[pixel];
                 residuals.count += 1.0;
                 residuals.sum += residual;
                 residuals.squares += residual * residual;
@@ -330,7 +437,7 @@ fn allowed_noise(bias: f64, allowed: f64) -> f64 {
 /// lists.
 fn samples_to_double(estimate: &SparseEstimate, allowed: f64, most: u32) -> Vec<Vec<usize>> {
     let [_, bias] = estimate.squared_errors();
-    let target = allowed_noise(bias, allowed) * estimate.values.len() as f64;
+    let target = allowed_noise(bias, allowed) * estimate.pixel_count as f64;
     let errors: Vec<PixelError> = estimate.nodes.iter().map(|(_, error)| *error).collect();
     let needed = doublings(&errors, target / errors.len() as f64, most);
     // More than one doubling is an extrapolation, so one doubling less is done at a time.
@@ -362,4 +469,25 @@ fn fill_interpolated(state: &mut AdaptiveState, sparse: &Sparse, estimate: &Spar
         }
     }
     Estimate { pixels: errors, mean }
+}
+
+/// Assigns the blurred picture to pixels, with the average number of samples of a film pixel.
+fn develop(state: &mut AdaptiveState, film: &UnblurredFilm, picture: &Picture) -> Estimate {
+    let traced: u64 = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+    let samples = ((traced / film.picture_pixels() as u64).max(1) as u32).next_power_of_two().min(MAX_SAMPLES);
+    let in_picture: Vec<usize> = (0..picture.values.len()).filter(|pixel| film.in_picture(*pixel).is_some()).collect();
+    let mean = in_picture.iter().map(|pixel| picture.values[*pixel]).sum::<f64>() / in_picture.len() as f64;
+    let unit = (mean * mean).recip();
+    let squared = |pixel: usize| picture.noise[pixel] + picture.bias[pixel];
+    let error = |pixel: usize| PixelError { squared: unit * squared(pixel), gain: 0.5, samples };
+    let developed = |pixel: usize| {
+        let sums = Sums { whole: picture.values[pixel] * f64::from(samples), ..Sums::default() };
+        Pixel { samples, sums, last: squared(pixel), before: 2.0 * squared(pixel) }
+    };
+    *state = AdaptiveState {
+        pixels: in_picture.iter().map(|pixel| developed(*pixel)).collect(),
+        passes: state.passes,
+        pending: Vec::new(),
+    };
+    Estimate { pixels: in_picture.iter().map(|pixel| error(*pixel)).collect(), mean }
 }

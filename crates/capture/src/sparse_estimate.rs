@@ -3,6 +3,7 @@
 use crate::adaptive::{ERROR_WINDOW, GAIN_WINDOW, Pixel, gain, unit_error};
 use crate::edges::EdgeBlurs;
 use crate::lattice::Lattice;
+use crate::shared_rays::{PinholeBlur, UnblurredFilm};
 use radsight_adaptive::PixelError;
 
 /// Squared interpolation error of a level relative to the squared residual of the previous level,
@@ -68,6 +69,12 @@ pub(crate) struct SparseEstimate {
     pub(crate) nodes: Vec<(usize, PixelError)>,
     /// Of each cell.
     pub(crate) residuals: Vec<InterpolationResidual>,
+    /// Mean over all pixels of the picture.
+    mean: f64,
+    /// Mean squared error of all pixels of the picture due to noise.
+    mean_noise: f64,
+    /// Number of pixels of the picture.
+    pub(crate) pixel_count: usize,
 }
 
 impl SparseEstimate {
@@ -78,6 +85,7 @@ impl SparseEstimate {
         (levels, ratios): (&[u8], &[f64]),
         nodes: &[u8],
         pixels: &[Pixel],
+        film: Option<&UnblurredFilm>,
     ) -> SparseEstimate {
         let mut values: Vec<f64> = pixels.iter().map(Pixel::mean).collect();
         lattice.fill(&mut values, nodes, |weight| weight);
@@ -104,35 +112,86 @@ impl SparseEstimate {
         let mean_bias = interpolated * f64::max(total / f64::max(count, 1.0), 0.0);
         let weigh = |(pixel, error): (usize, PixelError)| {
             let area = Lattice::stride(nodes[pixel]).pow(2) as f64;
-            let spread = if area > 1.0 { MEAN_SQUARED_WEIGHT * area } else { 1.0 };
+            let spread = match film {
+                Some(film) => film.share(pixel) * film.squared_weights(area, MEAN_SQUARED_WEIGHT),
+                None if area > 1.0 => MEAN_SQUARED_WEIGHT * area,
+                None => 1.0,
+            };
             (pixel, PixelError { squared: spread * error.squared, ..error })
         };
-        let nodes = errors.into_iter().map(weigh).collect();
-        SparseEstimate { values, noise, bias, mean_bias, nodes, residuals }
+        let nodes: Vec<_> = errors.into_iter().map(weigh).collect();
+        let (pixel_count, mean, mean_noise) = match film {
+            None => {
+                let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+                (values.len(), mean(&values), mean(&noise))
+            }
+            Some(film) => {
+                let count = film.picture_pixels();
+                let sum = values.iter().enumerate().map(|(pixel, value)| film.share(pixel) * value).sum::<f64>();
+                let noise = nodes.iter().map(|(_, error)| error.squared).sum::<f64>();
+                (count, sum / count as f64, noise / count as f64)
+            }
+        };
+        SparseEstimate { values, noise, bias, mean_bias, nodes, residuals, mean, mean_noise, pixel_count }
     }
 
     pub(crate) fn mean(&self) -> f64 {
-        self.values.iter().sum::<f64>() / self.values.len() as f64
+        self.mean
     }
 
     /// Mean squared error of all pixels due to noise and to interpolation.
     pub(crate) fn squared_errors(&self) -> [f64; 2] {
-        [self.noise.iter().sum::<f64>() / self.noise.len() as f64, self.mean_bias]
+        [self.mean_noise, self.mean_bias]
     }
+
+    /// The picture that the film blurs to, in the frame of the film.
+    pub(crate) fn blurred(&self, blur: &PinholeBlur<'_>, (lattice, nodes): (&Lattice, &[u8])) -> Picture {
+        let PinholeBlur { film, derivatives } = blur;
+        let mut spread = vec![0.0; self.values.len()];
+        for (pixel, error) in &self.nodes {
+            let area = Lattice::stride(nodes[*pixel]).pow(2) as f64;
+            spread[*pixel] = error.squared / (area * film.share(*pixel)).max(f64::MIN_POSITIVE);
+        }
+        lattice.fill(&mut spread, nodes, |weight| weight);
+        let mut bias = film.blurred(&self.bias);
+        bias.iter_mut()
+            .zip(film.squared_errors(&self.values, derivatives))
+            .for_each(|(bias, squared)| *bias += squared);
+        let not_negative = |values: Vec<f64>| values.into_iter().map(|value| value.max(0.0)).collect();
+        Picture {
+            values: not_negative(film.picture(&self.values, derivatives)),
+            noise: not_negative(film.blurred(&spread)),
+            bias: not_negative(bias),
+        }
+    }
+}
+
+/// All pixels of a picture, in units of radiance.
+#[derive(Debug)]
+pub(crate) struct Picture {
+    pub(crate) values: Vec<f64>,
+    /// Squared error due to noise.
+    pub(crate) noise: Vec<f64>,
+    /// Squared error due to interpolation.
+    pub(crate) bias: Vec<f64>,
 }
 
 /// The noise of each node, pooled with neighbouring nodes as the adaptive sampler pools pixels.
 fn node_errors(lattice: &Lattice, nodes: &[u8], pixels: &[Pixel]) -> Vec<(usize, PixelError)> {
     let columns = lattice.columns();
     let summed = |of_node: fn(&Pixel) -> f64| {
-        Sums::new(pixels.iter().zip(nodes).map(|(pixel, node)| if *node > 0 { of_node(pixel) } else { 0.0 }), columns)
+        WindowSums::new(
+            pixels.iter().zip(nodes).map(|(pixel, node)| if *node > 0 { of_node(pixel) } else { 0.0 }),
+            columns,
+        )
     };
     let count = summed(|_| 1.0);
     let last = summed(|pixel| pixel.last * f64::from(pixel.samples));
     let before = summed(|pixel| pixel.before * f64::from(pixel.samples));
     let of_node = |(index, level): (usize, &u8)| {
         let stride = Lattice::stride(*level);
-        let mean = |sums: &Sums, reach: usize| sums.around(index, reach * stride) / count.around(index, reach * stride);
+        let mean =
+            |sums: &WindowSums, reach: usize| sums.around(index, reach * stride) / count.around(index, reach * stride);
         let gain = gain(mean(&last, GAIN_WINDOW), mean(&before, GAIN_WINDOW));
         (index, unit_error(&pixels[index], mean(&last, ERROR_WINDOW), gain, 1.0))
     };
@@ -156,14 +215,14 @@ fn residual(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise
 }
 
 /// Summed-area table of pixels.
-struct Sums {
+pub(crate) struct WindowSums {
     /// Sum of all values left of and above each corner.
     corners: Vec<f64>,
     columns: usize,
 }
 
-impl Sums {
-    fn new(values: impl Iterator<Item = f64>, columns: usize) -> Sums {
+impl WindowSums {
+    pub(crate) fn new(values: impl Iterator<Item = f64>, columns: usize) -> WindowSums {
         let mut corners = vec![0.0; columns + 1];
         let mut of_row = 0.0;
         for value in values {
@@ -174,17 +233,23 @@ impl Sums {
             of_row += value;
             corners.push(corners[corners.len() - columns - 1] + of_row);
         }
-        Sums { corners, columns }
+        WindowSums { corners, columns }
     }
 
-    /// Sum over the square of pixels within `reach` of a pixel, clipped to the picture.
+    /// Sum over the square of pixels within `reach` of a pixel, clipped to the picture, of values
+    /// that are not negative.
     fn around(&self, pixel: usize, reach: usize) -> f64 {
+        self.signed_around(pixel, reach).max(0.0)
+    }
+
+    /// The same of any values.
+    pub(crate) fn signed_around(&self, pixel: usize, reach: usize) -> f64 {
         let rows = self.corners.len() / (self.columns + 1) - 1;
         let near = |at: usize, count: usize| [at.saturating_sub(reach), (at + reach + 1).min(count)];
         let [left, right] = near(pixel % self.columns, self.columns);
         let [top, bottom] = near(pixel / self.columns, rows);
         let corner = |x: usize, y: usize| self.corners[y * (self.columns + 1) + x];
-        (corner(right, bottom) - corner(left, bottom) - corner(right, top) + corner(left, top)).max(0.0)
+        corner(right, bottom) - corner(left, bottom) - corner(right, top) + corner(left, top)
     }
 }
 
@@ -194,7 +259,7 @@ mod tests {
 
     #[test]
     fn window_sums_are_clipped_to_the_picture() {
-        let sums = Sums::new((0..12).map(f64::from), 4);
+        let sums = WindowSums::new((0..12).map(f64::from), 4);
         assert_eq!(sums.around(0, 1), 0.0 + 1.0 + 4.0 + 5.0);
         assert_eq!(sums.around(5, 1), [0, 1, 2, 4, 5, 6, 8, 9, 10].iter().sum::<i32>().into());
         assert_eq!(sums.around(11, 9), 66.0);

@@ -96,6 +96,24 @@ impl RenderPlan {
         Some(view)
     }
 
+    /// Whether sharp images of lights can be seen in mirrors alone: nothing refracts, mixes or
+    /// scatters by a measured distribution.
+    #[must_use]
+    pub fn images_lights_by_mirrors_alone(&self) -> bool {
+        let is_known = |kind: &Kind| {
+            matches!(
+                kind,
+                Kind::Transparent
+                    | Kind::Emitter(_)
+                    | Kind::Glossy(_)
+                    | Kind::Retro(_)
+                    | Kind::Mirror { .. }
+                    | Kind::Plugin(_)
+            )
+        };
+        !self.has_media && !self.has_antimatter && self.shaders.iter().all(|shader| is_known(&shader.kind))
+    }
+
     /// How a light reaches a point and what is within `margin` of it, scene units; `None` where it
     /// may be reflected by a mirror, whose outline is sharp.
     fn coverage_of(&self, hit: &Intersection, margin: f64, index: usize, light: &Light) -> Option<LightCoverage> {

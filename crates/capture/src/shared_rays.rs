@@ -1,0 +1,475 @@
+//! Rays that the pixels behind a finite pinhole share.
+//!
+//! Behind a finite pinhole each pixel is a blurred point of the scene, and neighbouring pixels see
+//! nearly the same points. Through a point of a pinhole of radius r at a focal distance f, a film
+//! point x sees what a point pinhole at its centre shows at x + S·p, where p is the point of the
+//! pinhole in radii and S = r·(1 + f/z) for points at a depth z. So the picture of a point pinhole,
+//! convolved with the disk of radius S, is the picture of the finite pinhole, if the radiance that
+//! leaves a point is the same for all points of the pinhole. It is nearly: its first derivative is
+//! measured, and the convolution includes it (`derivative_kernels`).
+//!
+//! The picture of the point pinhole is the *unblurred film*. It has a margin, from where light is
+//! blurred into the picture. Its rays pass through all points of the pinhole, each with the film
+//! point from which it sees its point of the scene. So what depends on the pinhole's point is
+//! averaged, and only its correlation over neighbouring pixels is lost.
+//!
+//! The convolution spreads the noise of each ray over all pixels of the disk. A pixel then needs
+//! many times fewer rays of its own, and edges need not be resolved by the rays of each pixel.
+
+use crate::Exposer;
+use crate::lattice::Lattice;
+use crate::sparse_estimate::WindowSums;
+use glam::DVec2;
+use radsight_pinhole::{CameraRay, Hole, Rays};
+use radsight_render::Ray;
+use radsight_sampling::unit_disk;
+use rayon::prelude::*;
+
+/// Minimum radius of the disk, pixels: below, the pixels have little in common.
+const MIN_RADIUS: f64 = 1.5;
+
+/// Maximum radius of the disk, pixels: beyond, the convolution takes longer than rays.
+const MAX_RADIUS: f64 = 24.0;
+
+/// Accepted difference of the disk's radius between the surfaces of a scene, relative to it.
+const MAX_DEPTH_EFFECT: f64 = 0.005;
+
+/// The same for what mirrors show, whose depth is not known.
+const MAX_FOCAL_RATIO: f64 = 0.03;
+
+/// Error of what the derivatives by the point of the pinhole change, relative to it: 0.27 in Figure
+/// 10, where cones end.
+const DERIVATIVE_ERROR: f64 = 0.25;
+
+/// Points of the pinhole for the weights of the convolution.
+const KERNEL_POINTS: u32 = 1 << 14;
+
+/// Points of the film around a place from which it is interpolated, along each axis.
+const INTERPOLATED: usize = 4;
+
+/// The film of a point pinhole at the centre of a finite one.
+#[derive(Debug)]
+pub(crate) struct UnblurredFilm {
+    columns: usize,
+    rows: usize,
+    /// Pixels around the picture, on each side along both axes.
+    margin: [usize; 2],
+    /// Shift of a film point per radius of the pinhole, pixels along columns and rows.
+    shift: DVec2,
+    kernels: Kernels,
+    /// For each pixel of the film the number of pixels of the picture that it adds up to.
+    shares: Vec<f64>,
+}
+
+/// How a film becomes the picture.
+#[derive(Debug)]
+pub(crate) struct PinholeBlur<'f> {
+    pub(crate) film: &'f UnblurredFilm,
+    pub(crate) derivatives: PinholeDerivatives,
+}
+
+/// The weights of the film around a pixel of the picture.
+#[derive(Debug)]
+struct Kernels {
+    /// Of radiance.
+    blur: Vec<f64>,
+    /// Of radiance that is constant within each pixel of the film, [`sharpened`].
+    constant: Vec<f64>,
+    /// Of its relative derivatives along the two axes of the pinhole, per radius.
+    derivatives: [Vec<f64>; 2],
+    /// Number of pixels over which noise is averaged.
+    area: f64,
+}
+
+impl UnblurredFilm {
+    /// `None` where pixels cannot share rays.
+    pub(crate) fn new(exposer: &Exposer<'_>) -> Option<UnblurredFilm> {
+        let (rays, plan) = (exposer.rays, exposer.renderer.plan());
+        let camera = rays.camera();
+        if rays.hole() != Hole::Disk || !camera.is_plain_pinhole() || !plan.images_lights_by_mirrors_alone() {
+            return None;
+        }
+        let radius = 0.5 * camera.pinhole_diameter_m();
+        let [x, y] = camera.pixel_pitch_m().map(|pitch| radius / pitch);
+        let is_suitable = |radius: f64| (MIN_RADIUS..=MAX_RADIUS).contains(&radius);
+        let focal_ratio = if is_suitable(x) && is_suitable(y) { focal_ratio(exposer)? } else { return None };
+        // A column is farther right, and a row is farther down.
+        let shift = DVec2::new(x, -y) * (1.0 + focal_ratio);
+        let margin = [x, y].map(|radius| (radius * (1.0 + focal_ratio)).ceil() as usize + INTERPOLATED / 2);
+        let [columns, rows] = [(camera.columns(), margin[0]), (camera.rows(), margin[1])]
+            .map(|(count, margin)| count as usize + 2 * margin);
+        let kernels = Kernels::new(shift, margin);
+        let mut film = UnblurredFilm { columns, rows, margin, shift, kernels, shares: Vec::new() };
+        film.shares = film.shares();
+        Some(film)
+    }
+
+    /// Columns and rows, with the margin.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        [self.columns, self.rows]
+    }
+
+    /// Number of pixels, with the margin.
+    pub(crate) fn pixel_count(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Whether a pixel of the film is one of the picture, and which.
+    pub(crate) fn in_picture(&self, pixel: usize) -> Option<usize> {
+        let [columns, rows] = self.picture_size();
+        let (x, y) = (pixel % self.columns, pixel / self.columns);
+        let [x, y] = [x.wrapping_sub(self.margin[0]), y.wrapping_sub(self.margin[1])];
+        (x < columns && y < rows).then_some(y * columns + x)
+    }
+
+    /// Number of pixels of the picture.
+    pub(crate) fn picture_pixels(&self) -> usize {
+        self.picture_size().into_iter().product()
+    }
+
+    fn picture_size(&self) -> [usize; 2] {
+        [self.columns - 2 * self.margin[0], self.rows - 2 * self.margin[1]]
+    }
+
+    /// The ray that sees what a point pinhole would show at a place of a pixel, through a point of
+    /// the pinhole, in its radii.
+    pub(crate) fn ray(&self, rays: &Rays, pixel: usize, place: [f64; 2], on_pinhole: DVec2) -> Option<CameraRay> {
+        let film = DVec2::new((pixel % self.columns) as f64, (pixel / self.columns) as f64);
+        let margin = DVec2::new(self.margin[0] as f64, self.margin[1] as f64);
+        let place = film - margin + DVec2::from(place) - self.shift * on_pinhole;
+        rays.ray_through(0, place.into(), on_pinhole.into())
+    }
+
+    /// The same for a point of the unit cube.
+    pub(crate) fn sampled_ray(&self, rays: &Rays, pixel: usize, u: [f64; 4]) -> Option<CameraRay> {
+        self.ray(rays, pixel, [u[0], u[1]], unit_disk(u[2], u[3]).into())
+    }
+
+    /// The number of pixels of the picture that a pixel of the film adds up to, between 0 and about
+    /// 1.
+    pub(crate) fn share(&self, pixel: usize) -> f64 {
+        self.shares[pixel]
+    }
+
+    /// The sum over the picture of the squared weights of a film pixel that stands for `area` of
+    /// them.
+    pub(crate) fn squared_weights(&self, area: f64, mean_squared_weight: f64) -> f64 {
+        let interpolated = if area > 1.0 { area / mean_squared_weight } else { 0.0 };
+        area * area / (interpolated + self.kernels.area)
+    }
+
+    /// The picture of some values of the film, in the frame of the film; 0 in the margin.
+    pub(crate) fn blurred(&self, values: &[f64]) -> Vec<f64> {
+        self.convolved(values, &self.kernels.blur)
+    }
+
+    /// The picture of radiance that depends on the point of the pinhole.
+    pub(crate) fn picture(&self, values: &[f64], derivatives: &PinholeDerivatives) -> Vec<f64> {
+        let mut picture = self.blurred(values);
+        for (derivative, kernel) in derivatives.0.iter().zip(&self.kernels.derivatives) {
+            let varying: Vec<f64> = values.iter().zip(derivative).map(|(value, by)| value * by).collect();
+            picture.iter_mut().zip(self.convolved(&varying, kernel)).for_each(|(sum, term)| *sum += term);
+        }
+        picture
+    }
+
+    /// The squared errors of [`UnblurredFilm::picture`], in the frame of the film, that no number of
+    /// rays lowers. One is due to the finite size of the film's pixels: beside sharp edges it is
+    /// nearly the difference from pixels of constant radiance (in Figure 14 0.15 and 0.18 %, rms).
+    /// The other is a fraction of what the derivatives change.
+    pub(crate) fn squared_errors(&self, values: &[f64], derivatives: &PinholeDerivatives) -> Vec<f64> {
+        let (blurred, constant) = (self.blurred(values), self.convolved(values, &self.kernels.constant));
+        let picture = self.picture(values, derivatives);
+        let squared = |(blurred, (constant, picture)): (f64, (f64, f64))| {
+            (blurred - constant).powi(2) + (DERIVATIVE_ERROR * (picture - blurred)).powi(2)
+        };
+        blurred.into_iter().zip(constant.into_iter().zip(picture)).map(squared).collect()
+    }
+
+    /// The mean over the picture of values in the frame of the film.
+    pub(crate) fn mean_over_picture(&self, values: &[f64]) -> f64 {
+        let pixels = values.iter().enumerate().filter(|(pixel, _)| self.in_picture(*pixel).is_some());
+        pixels.map(|(_, value)| value).sum::<f64>() / self.picture_pixels() as f64
+    }
+
+    fn convolved(&self, values: &[f64], kernel: &[f64]) -> Vec<f64> {
+        let ([columns, rows], [left, top]) = (self.picture_size(), self.margin);
+        let width = 2 * left + 1;
+        let mut picture = vec![0.0; values.len()];
+        picture.par_chunks_exact_mut(self.columns).enumerate().skip(top).take(rows).for_each(|(row, sums)| {
+            let sums = &mut sums[left..left + columns];
+            for (index, weight) in kernel.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+                let start = (row - top + index / width) * self.columns + index % width;
+                let near = &values[start..start + columns];
+                sums.iter_mut().zip(near).for_each(|(sum, value)| *sum += weight * value);
+            }
+        });
+        picture
+    }
+
+    /// [`UnblurredFilm::share`] of all pixels: the picture's pixels, convolved. The disk is
+    /// symmetric.
+    fn shares(&self) -> Vec<f64> {
+        let (width, [left, top]) = (2 * self.margin[0] + 1, self.margin);
+        let [columns, rows] = self.picture_size();
+        let mut shares = vec![0.0; self.columns * self.rows];
+        for (index, weight) in self.kernels.blur.iter().enumerate() {
+            let (right, down) = (index % width, index / width);
+            debug_assert!(right <= 2 * left && down <= 2 * top);
+            for row in (down..down + rows).map(|row| row * self.columns) {
+                shares[row + right..row + right + columns].iter_mut().for_each(|share| *share += weight);
+            }
+        }
+        shares
+    }
+}
+
+/// Relative derivatives of the radiance of each film pixel by the point of the pinhole, per radius
+/// along (right, up).
+#[derive(Debug)]
+pub(crate) struct PinholeDerivatives([Vec<f64>; 2]);
+
+/// The radiance of a film pixel through four points of the pinhole.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PinholeProbe {
+    /// Sum over the four points.
+    sum: f64,
+    /// Sums over the two points of each axis, weighted by their positions.
+    moments: [f64; 2],
+}
+
+impl PinholeProbe {
+    /// Distance of the four points from the centre, radii. A function of the third degree then has
+    /// the same first moment over the disk as these points.
+    const DISTANCE: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+    /// From the radiance through a point of the pinhole.
+    pub(crate) fn new(mut radiance: impl FnMut(DVec2) -> f64) -> PinholeProbe {
+        let mut probe = PinholeProbe::default();
+        for (axis, moment) in [DVec2::X, DVec2::Y].into_iter().zip(&mut probe.moments) {
+            let [low, high] = [-Self::DISTANCE, Self::DISTANCE].map(|at| radiance(axis * at));
+            *moment = Self::DISTANCE * (high - low);
+            probe.sum += low + high;
+        }
+        probe
+    }
+}
+
+impl PinholeDerivatives {
+    /// From the probes of the nodes of a lattice, each with its index. Where no light arrives, the
+    /// probes within `reach` pixels decide.
+    pub(crate) fn new(
+        film: &UnblurredFilm,
+        (lattice, nodes): (&Lattice, &[u8]),
+        probes: &[(usize, PinholeProbe)],
+        reach: usize,
+    ) -> PinholeDerivatives {
+        let pooled = |of_probe: &dyn Fn(&PinholeProbe) -> f64| {
+            let mut values = vec![0.0; film.pixel_count()];
+            probes.iter().for_each(|(pixel, probe)| values[*pixel] = of_probe(probe));
+            let sums = WindowSums::new(values.into_iter(), film.columns);
+            move |pixel| POOLED_WEIGHT * sums.signed_around(pixel, reach)
+        };
+        let sum = pooled(&|probe| probe.sum);
+        PinholeDerivatives([0, 1].map(|axis| {
+            let moment = pooled(&|probe| probe.moments[axis]);
+            let mut slopes = vec![0.0; film.pixel_count()];
+            for (pixel, probe) in probes {
+                // A slope g per radius has the moment 2·d²·g = g, and the sum of four points 4.
+                let slope = 4.0 * (probe.moments[axis] + moment(*pixel)) / (probe.sum + sum(*pixel));
+                slopes[*pixel] = if slope.is_finite() { slope } else { 0.0 };
+            }
+            lattice.fill(&mut slopes, nodes, |weight| weight);
+            slopes
+        }))
+    }
+}
+
+/// Weight of the probes around a probe relative to its own.
+const POOLED_WEIGHT: f64 = 0.01;
+
+impl PinholeBlur<'_> {
+    /// Mean squared error over the picture that no number of rays lowers.
+    pub(crate) fn mean_squared_error(&self, values: &[f64]) -> f64 {
+        self.film.mean_over_picture(&self.film.squared_errors(values, &self.derivatives))
+    }
+}
+
+impl Kernels {
+    /// For a shift by radius and a kernel that reaches `margin` pixels to each side.
+    fn new(shift: DVec2, margin: [usize; 2]) -> Kernels {
+        let [width, height] = margin.map(|margin| 2 * margin + 1);
+        let mut moments = [(); 3].map(|()| vec![0.0; width * height]);
+        let mut constant = vec![0.0; width * height];
+        for index in 0..KERNEL_POINTS {
+            let u = [(f64::from(index) + 0.5) / f64::from(KERNEL_POINTS), (f64::from(index) * GOLDEN_RATIO).fract()];
+            let (sin, cos) = (std::f64::consts::TAU * u[1]).sin_cos();
+            let on_pinhole = u[0].sqrt() * DVec2::new(cos, sin);
+            let at = shift * on_pinhole;
+            let [columns, rows] = [at.x, at.y].map(cubic_weights);
+            let first = [at.x, at.y].map(|at| at.floor() as isize - 1);
+            let nearest =
+                [(at.x, margin[0]), (at.y, margin[1])].map(|(at, margin)| (at.round() + margin as f64) as usize);
+            constant[nearest[1] * width + nearest[0]] += f64::from(KERNEL_POINTS).recip();
+            for (down, by_row) in rows.into_iter().enumerate() {
+                for (right, by_column) in columns.into_iter().enumerate() {
+                    let x = (first[0] + right as isize + margin[0] as isize) as usize;
+                    let y = (first[1] + down as isize + margin[1] as isize) as usize;
+                    let weight = by_row * by_column / f64::from(KERNEL_POINTS);
+                    let factors = [1.0, on_pinhole.x, on_pinhole.y];
+                    moments.iter_mut().zip(factors).for_each(|(sums, factor)| sums[y * width + x] += weight * factor);
+                }
+            }
+        }
+        let constant = sharpened(&constant, width);
+        let [blur, x, y] = moments;
+        let area = blur.iter().map(|weight| weight * weight).sum::<f64>().recip();
+        Kernels { blur, constant, derivatives: [x, y], area }
+    }
+}
+
+/// A kernel of pixels of constant radiance, without the blur that a smooth function suffers by them:
+/// 1/24 of its second derivatives.
+fn sharpened(kernel: &[f64], width: usize) -> Vec<f64> {
+    let at = |index: Option<usize>| index.and_then(|index| kernel.get(index)).copied().unwrap_or(0.0);
+    let of_pixel = |(index, own): (usize, &f64)| {
+        let near = [index.checked_sub(1), Some(index + 1), index.checked_sub(width), Some(index + width)];
+        own - near.into_iter().map(|near| at(near) - own).sum::<f64>() / 24.0
+    };
+    kernel.iter().enumerate().map(of_pixel).collect()
+}
+
+/// Its multiples fill the unit interval evenly.
+const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
+
+/// Weights of the four integers around a place: Lagrange's cubic polynomial.
+fn cubic_weights(at: f64) -> [f64; INTERPOLATED] {
+    let t = at - at.floor();
+    [
+        -t * (t - 1.0) * (t - 2.0) / 6.0,
+        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+        -(t + 1.0) * t * (t - 2.0) / 2.0,
+        (t + 1.0) * t * (t - 1.0) / 6.0,
+    ]
+}
+
+/// The focal distance relative to the depth of what the camera sees; `None` where depths differ too
+/// much.
+fn focal_ratio(exposer: &Exposer<'_>) -> Option<f64> {
+    let (rays, plan) = (exposer.rays, exposer.renderer.plan());
+    let camera = rays.camera();
+    let of_pixel = |pixel: usize| {
+        let ray = rays.ray_through(pixel as u64, [0.5; 2], [0.0; 2])?;
+        let distance = plan.distance(&Ray::new(ray.origin, ray.direction)?)?;
+        let depth = distance * camera.scene_unit_m() * ray.direction.dot(camera.direction());
+        Some(camera.focal_distance_m() / depth)
+    };
+    let ratios = (0..camera.pixel_count() as usize).into_par_iter().with_min_len(64).filter_map(of_pixel);
+    let extent = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let [least, most] = ratios.map(|ratio| [ratio; 2]).reduce(|| [f64::INFINITY, 0.0], extent);
+    let is_even = most - least <= MAX_DEPTH_EFFECT * (1.0 + most) && most <= MAX_FOCAL_RATIO;
+    (is_even && most > 0.0).then_some(0.5 * (least + most))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn film(radii: [f64; 2], size: [usize; 2]) -> UnblurredFilm {
+        let margin = radii.map(|radius| radius.ceil() as usize + INTERPOLATED / 2);
+        let [columns, rows] = [0, 1].map(|axis| size[axis] + 2 * margin[axis]);
+        let shift = DVec2::new(radii[0], -radii[1]);
+        let kernels = Kernels::new(shift, margin);
+        let film = UnblurredFilm { columns, rows, margin, shift, kernels, shares: Vec::new() };
+        UnblurredFilm { shares: film.shares(), ..film }
+    }
+
+    /// Values of all pixels by their coordinates in the picture.
+    fn values(film: &UnblurredFilm, of_point: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+        let at = |index: usize, margin: usize| index as f64 - margin as f64;
+        let pixels = 0..film.pixel_count();
+        pixels.map(|p| of_point(at(p % film.columns, film.margin[0]), at(p / film.columns, film.margin[1]))).collect()
+    }
+
+    fn in_picture(film: &UnblurredFilm, picture: &[f64]) -> Vec<f64> {
+        (0..picture.len()).filter(|pixel| film.in_picture(*pixel).is_some()).map(|pixel| picture[pixel]).collect()
+    }
+
+    #[test]
+    fn a_quadratic_function_is_blurred_exactly() {
+        let film = film([3.7, 3.2], [9, 7]);
+        let picture = film.blurred(&values(&film, |x, y| 2.0 + x - 0.5 * y + 0.3 * x * x - 0.1 * y * y + 0.2 * x * y));
+        // The mean of x² over a disk of radius r is r²/4.
+        let added = 0.25 * (0.3 * 3.7 * 3.7 - 0.1 * 3.2 * 3.2);
+        for (pixel, value) in in_picture(&film, &picture).into_iter().enumerate() {
+            let (x, y) = ((pixel % 9) as f64, (pixel / 9) as f64);
+            let correct = 2.0 + x - 0.5 * y + 0.3 * x * x - 0.1 * y * y + 0.2 * x * y + added;
+            assert!((value - correct).abs() < 2e-3, "{value} for {correct}");
+        }
+    }
+
+    #[test]
+    fn radiance_that_depends_on_the_point_of_the_pinhole_is_blurred_with_it() {
+        let film = film([2.4, 4.1], [6, 6]);
+        let radiance = values(&film, |x, y| 5.0 + x + 2.0 * y);
+        let derivatives = PinholeDerivatives([vec![0.1; radiance.len()], vec![-0.2; radiance.len()]]);
+        // The mean of L(x + S·p)·(1 + g·p) is L(x) + ¼ Σ S·g·∂L; rows are counted downwards.
+        let added = 0.25 * (2.4 * 0.1 * 1.0 + -4.1 * -0.2 * 2.0);
+        let picture = in_picture(&film, &film.picture(&radiance, &derivatives));
+        for (pixel, value) in picture.into_iter().enumerate() {
+            let correct = 5.0 + (pixel % 6) as f64 + 2.0 * (pixel / 6) as f64 + added;
+            assert!((value - correct).abs() < 2e-3, "{value} for {correct}");
+        }
+    }
+
+    #[test]
+    fn probes_find_the_derivatives() {
+        let probe = PinholeProbe::new(|p| 2.0 * (1.0 + 0.1 * p.x - 0.3 * p.y + 0.2 * p.x * p.x));
+        let slopes = probe.moments.map(|moment| 4.0 * moment / probe.sum);
+        // The sum has the quadratic term as well.
+        let mean = 1.0 + 0.2 * 0.5 * PinholeProbe::DISTANCE.powi(2);
+        assert!((slopes[0] * mean - 0.1).abs() < 1e-12 && (slopes[1] * mean + 0.3).abs() < 1e-12, "{slopes:?}");
+    }
+
+    /// The estimate of what the size of pixels errs beside an edge is right in the mean over its
+    /// positions.
+    #[test]
+    fn the_error_beside_edges_is_estimated() {
+        let radius = 3.6;
+        let film = film([radius; 2], [24, 5]);
+        let none = PinholeDerivatives([(); 2].map(|()| vec![0.0; film.pixel_count()]));
+        let [mut correct, mut estimated] = [0.0; 2];
+        for step in 0..40 {
+            let edge = 12.0 + f64::from(step) * 0.025;
+            // A pixel spans from x − ½ to x + ½.
+            let sharp = values(&film, |x, _| (edge - x + 0.5).clamp(0.0, 1.0));
+            let picture = film.blurred(&sharp);
+            let squared = film.squared_errors(&sharp, &none);
+            for pixel in (0..picture.len()).filter(|pixel| film.in_picture(*pixel).is_some()) {
+                let x = (pixel % film.columns) as f64 - film.margin[0] as f64;
+                let steps = 200;
+                let at = |step: i32| x - 0.5 + (f64::from(step) + 0.5) / f64::from(steps);
+                let blurred = (0..steps).map(|step| left_of(radius, edge - at(step))).sum::<f64>() / f64::from(steps);
+                correct += (picture[pixel] - blurred).powi(2);
+                estimated += squared[pixel];
+            }
+        }
+        let ratio = (estimated / correct).sqrt();
+        assert!((0.67..1.5).contains(&ratio), "{ratio}");
+        assert!((correct / (40.0 * 24.0 * 5.0)).sqrt() < 0.01, "{correct}");
+    }
+
+    /// Fraction of a disk on the left of a vertical line at an offset from its centre.
+    fn left_of(radius: f64, offset: f64) -> f64 {
+        let t = (offset / radius).clamp(-1.0, 1.0);
+        0.5 + (t * (1.0 - t * t).sqrt() + t.asin()) / std::f64::consts::PI
+    }
+
+    #[test]
+    fn the_weights_of_all_film_pixels_add_up_to_the_picture() {
+        let film = film([3.7, 3.2], [12, 10]);
+        let uniform = in_picture(&film, &film.blurred(&vec![1.0; film.pixel_count()]));
+        assert!(uniform.iter().all(|value| (value - 1.0).abs() < 1e-9));
+        assert!((film.shares.iter().sum::<f64>() / 120.0 - 1.0).abs() < 1e-9);
+    }
+}
