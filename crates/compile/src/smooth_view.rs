@@ -8,7 +8,7 @@ use crate::plan::RenderPlan;
 use crate::shader::{Kind, Shader};
 use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
-use radsight_accel::{Intersection, PrimitiveId, Ray};
+use radsight_accel::{Intersection, MemberId, PrimitiveId, Ray};
 use radsight_light::{Light, LightCone, LightForm};
 use radsight_texture::Step;
 
@@ -84,9 +84,10 @@ impl RenderPlan {
         }
         let mut view = SmoothView { primitive: hit.primitive, ..SmoothView::NOTHING };
         let pixel = spacing * hit.distance / hit.front.dot(ray.direction).abs().max(GRAZING);
+        let is_free = self.sees_all_centers(&hit);
         for (index, light) in self.lights.iter().enumerate() {
             let bit = 1 << index;
-            match self.coverage_of(&hit, pixel, index, light)? {
+            match self.coverage_of(&hit, pixel, (index, is_free), light)? {
                 LightCoverage::Hidden => view.hidden |= bit,
                 LightCoverage::Outside => view.outside |= bit,
                 LightCoverage::Inside => view.inside |= bit,
@@ -116,11 +117,18 @@ impl RenderPlan {
 
     /// How a light reaches a point and what is within `margin` of it, scene units; `None` where it
     /// may be reflected by a mirror, whose outline is sharp.
-    fn coverage_of(&self, hit: &Intersection, margin: f64, index: usize, light: &Light) -> Option<LightCoverage> {
+    /// `is_free` says that the centre is known to be visible.
+    fn coverage_of(
+        &self,
+        hit: &Intersection,
+        margin: f64,
+        (index, is_free): (usize, bool),
+        light: &Light,
+    ) -> Option<LightCoverage> {
         let is_free = match self.receiver(hit.primitive).map(|receiver| &receiver.between[index]) {
             Some(VisibilityClass::Dark) => return Some(LightCoverage::Outside),
             Some(VisibilityClass::Nothing) => true,
-            _ => false,
+            _ => is_free,
         };
         if !light.virtual_sources.is_empty() {
             return light.misses(hit.point).then_some(LightCoverage::Outside);
@@ -130,6 +138,38 @@ impl RenderPlan {
             _ if !is_free && self.hides(hit, light) => Some(LightCoverage::Hidden),
             reach => Some(reach),
         }
+    }
+
+    /// Whether all possible blockers are beside the segments from a point to the lights, by a
+    /// bounding sphere of the lights' centres and one of each blocker. Saves shadow rays.
+    fn sees_all_centers(&self, hit: &Intersection) -> bool {
+        let Some(receiver) = self.receiver(hit.primitive) else { return false };
+        // Virtual sources need no shadow rays here.
+        let lights = || self.lights.iter().zip(&receiver.between).filter(|(light, _)| light.virtual_sources.is_empty());
+        let centers = || lights().map(|(light, _)| light.center);
+        let center = centers().sum::<DVec3>() / centers().count() as f64;
+        let radius = centers().map(|other| other.distance(center)).fold(0.0, f64::max);
+        let is_beside = |member: &MemberId| {
+            let shape = self.scene.surfaces[self.geometry.surface_of(*member)].shape;
+            let Some(bounds) = self.geometry.bounds(&self.scene, shape) else { return false };
+            let (blocker, reach) = (0.5 * (bounds.min + bounds.max), 0.5 * bounds.min.distance(bounds.max));
+            distance_from_segment(blocker, [hit.point, center]) > radius + reach
+        };
+        // Lights of a group have the same blockers.
+        let mut checked: &[MemberId] = &[];
+        for (light, class) in lights() {
+            match class {
+                VisibilityClass::Dark | VisibilityClass::Nothing => {}
+                VisibilityClass::Few(blockers) if light.radius.is_finite() => {
+                    if checked != blockers && !blockers.iter().all(is_beside) {
+                        return false;
+                    }
+                    checked = blockers;
+                }
+                _ => return false,
+            }
+        }
+        true
     }
 
     /// Whether the centre of a light is occluded from a point.
@@ -146,6 +186,12 @@ impl RenderPlan {
         let ray = Ray { origin: hit.point, direction };
         self.geometry.any_between(&self.scene, &ray, Some(hit.primitive), distance.max(0.0), |_| true)
     }
+}
+
+fn distance_from_segment(point: DVec3, [start, end]: [DVec3; 2]) -> f64 {
+    let along = end - start;
+    let share = ((point - start).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    (start + share * along).distance(point)
 }
 
 /// The position of a point, and of what is within `margin` of it, relative to the cone of a light.
