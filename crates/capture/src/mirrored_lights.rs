@@ -90,7 +90,9 @@ impl PixelImages {
             return none;
         }
         let position = camera.position_m() / camera.scene_unit_m();
-        let curved = renderer.worker().mirrored_lights(position);
+        let field = FieldOfView::new(rays);
+        let is_seen = |axis, reach| field.as_ref().is_none_or(|field| field.meets(axis, reach));
+        let curved = renderer.worker().mirrored_lights(position, is_seen);
         let in_plane_mirrors = MirroredLight::in_plane_mirrors(renderer.plan(), position);
         if curved.is_empty() && in_plane_mirrors.is_empty() {
             return none;
@@ -162,6 +164,41 @@ impl PixelImages {
         let density = |image: &PixelImage| if image.ellipse.contains(fixed, at) { image.density } else { 0.0 };
         let mixed = (1.0 - IMAGE_FRACTION) + IMAGE_FRACTION * images.iter().map(density).sum::<f64>();
         Some((at, mixed.recip()))
+    }
+}
+
+/// A cone around all rays of a plain pinhole camera.
+struct FieldOfView {
+    /// Unit.
+    axis: DVec3,
+    /// Radians.
+    half_angle: f64,
+}
+
+impl FieldOfView {
+    /// `None` for cameras whose corners may not be farthest from the axis.
+    fn new(rays: &Rays) -> Option<FieldOfView> {
+        let camera = rays.camera();
+        if !camera.is_plain_pinhole() {
+            return None;
+        }
+        let (axis, last) = (camera.direction(), camera.pixel_count() - 1);
+        let [columns, rows] = [camera.columns(), camera.rows()].map(u64::from);
+        let corners =
+            [(0, [0.0, 0.0]), (columns - 1, [1.0, 0.0]), ((rows - 1) * columns, [0.0, 1.0]), (last, [1.0; 2])];
+        let mut half_angle = 0.0_f64;
+        for (pixel, place) in corners {
+            // The rim of the pinhole is at most as far from its centre as the wider of two points.
+            let at = |on_pinhole: [f64; 2]| rays.ray_through(pixel, place, on_pinhole).map(|ray| ray.direction);
+            let (middle, rim) = (at([0.0; 2])?, at([1.0, 0.0])?.distance(at([-1.0, 0.0])?));
+            half_angle = half_angle.max(middle.angle_between(axis) + rim);
+        }
+        Some(FieldOfView { axis, half_angle })
+    }
+
+    /// Whether a cone with a half angle by its tangent may contain a ray.
+    fn meets(&self, axis: DVec3, tangent: f64) -> bool {
+        self.axis.angle_between(axis) <= self.half_angle + tangent.atan()
     }
 }
 

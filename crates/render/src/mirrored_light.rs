@@ -120,7 +120,7 @@ type Passing = [Option<DVec2>; MAX_MIRRORS];
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The images of lights in curved mirrors that are found from a point.
-    pub(crate) fn mirrored_lights(&mut self, from: DVec3) -> Vec<MirroredLight> {
+    pub(crate) fn mirrored_lights(&mut self, from: DVec3, is_seen: &dyn Fn(DVec3, f64) -> bool) -> Vec<MirroredLight> {
         let plan = self.plan;
         let mut found = Vec::new();
         if plan.has_antimatter || plan.lights.len() > MAX_LIGHTS || plan.reflectors.is_empty() {
@@ -129,7 +129,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let side = (MAX_RAYS / plan.reflectors.len() as f64).sqrt() as usize;
         let side = side.clamp(MIN_SIDE, MAX_SIDE);
         for reflector in &plan.reflectors {
-            let Some((axis, reach)) = reflector.cone(from) else { continue };
+            let Some((axis, reach)) = reflector.cone(from).filter(|(axis, reach)| is_seen(*axis, *reach)) else {
+                continue;
+            };
             let frame = TangentPlane::new(axis);
             let at = |index: usize| {
                 let along = |index: usize| reach * (2.0 * (index as f64 + 0.5) / side as f64 - 1.0);

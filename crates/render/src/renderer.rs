@@ -227,10 +227,12 @@ impl RayWorker<'_> {
         (traced, tree)
     }
 
-    /// The images of lights in curved mirrors that are found from a point; scene units.
+    /// The images of lights in curved mirrors that are found from a point; scene units. `is_seen`
+    /// says whether a mirror may be seen, from the unit direction and the tangent of the half angle
+    /// of a cone around it.
     #[must_use]
-    pub fn mirrored_lights(&mut self, from: DVec3) -> Vec<MirroredLight> {
-        in_bands!(&mut self.0, Bands(tracer) => tracer.mirrored_lights(from))
+    pub fn mirrored_lights(&mut self, from: DVec3, is_seen: impl Fn(DVec3, f64) -> bool) -> Vec<MirroredLight> {
+        in_bands!(&mut self.0, Bands(tracer) => tracer.mirrored_lights(from, &is_seen))
     }
 
     /// Where a ray passes a mirrored light: its offset from the light's centre across the light, in
