@@ -35,6 +35,9 @@ const INTERPOLATION_FRACTION: f64 = 0.25;
 /// Maximum fraction of the squared error that is due to blurring an unblurred film.
 const MAX_FILM_FRACTION: f64 = 0.7;
 
+/// Change of that error, relative to the requested squared error, that is taken into account.
+const FILM_ERROR_STEP: f64 = 0.02;
+
 /// Cells are refined only when the noise is below this multiple of what is allowed.
 const LOW_NOISE: f64 = 2.0;
 
@@ -159,15 +162,22 @@ impl<'a> AdaptiveSampler<'a> {
             }
             let requested = (target.error * mean / SELECTION_BIAS).powi(2);
             let of_blur = |blur: &PinholeBlur<'_>| blur.mean_squared_error(&estimate.values);
-            let film_error = *film_error.get_or_insert_with(|| blur.as_ref().map_or(0.0, of_blur));
-            if film_error > MAX_FILM_FRACTION * requested {
+            let measured = || blur.as_ref().map_or(0.0, of_blur);
+            let known = *film_error.get_or_insert_with(measured);
+            if known > MAX_FILM_FRACTION * requested {
                 break;
             }
-            let allowed = requested - film_error;
+            let allowed = requested - known;
             let refined = cells_to_refine(&sparse, &estimate, allowed);
             let needed = samples_to_double(&estimate, allowed, most);
             state.passes += 1;
             if refined.is_empty() && needed.is_empty() {
+                // With less noise there are more edges.
+                let measured = measured();
+                if measured > known + FILM_ERROR_STEP * requested {
+                    film_error = Some(measured);
+                    continue;
+                }
                 let picture = blur.as_ref().map(|blur| estimate.blurred(blur, (&sparse.lattice, &sparse.nodes)));
                 let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
                 let cells_to_refine =
@@ -179,7 +189,7 @@ impl<'a> AdaptiveSampler<'a> {
                 if cells_to_refine.is_empty() {
                     self.is_on_lattice.store(false, Ordering::Relaxed);
                     let estimate = match (&self.film, picture) {
-                        (Some(film), Some(picture)) => develop(state, film, &picture),
+                        (Some(film), Some(picture)) => develop(state, film, &estimate, &picture),
                         _ => fill_interpolated(state, &sparse, &estimate),
                     };
                     return Some((estimate, Some(Stop::Rays)));
@@ -441,11 +451,17 @@ fn samples_to_double(estimate: &SparseEstimate, allowed: f64, most: u32) -> Vec<
     let errors: Vec<PixelError> = estimate.nodes.iter().map(|(_, error)| *error).collect();
     let needed = doublings(&errors, target / errors.len() as f64, most);
     // More than one doubling is an extrapolation, so one doubling less is done at a time.
+    let chosen = |is_chosen: &dyn Fn(usize, f64) -> bool| -> Vec<usize> {
+        let nodes = estimate.nodes.iter().zip(&needed);
+        nodes.filter(|((node, _), needed)| is_chosen(*node, **needed)).map(|((node, _), _)| *node).collect()
+    };
+    let most_needed = needed.iter().copied().fold(0.0, f64::max);
     let list = |times: usize| -> Vec<usize> {
         let least = if times == 0 { 0.0 } else { times as f64 + 1.0 };
-        let nodes = estimate.nodes.iter().zip(&needed);
-        let is_chosen = |node: usize, needed: f64| needed > least + selection_threshold(node);
-        nodes.filter(|((node, _), needed)| is_chosen(*node, **needed)).map(|((node, _), _)| *node).collect()
+        let nodes = chosen(&|node, needed| needed > least + selection_threshold(node));
+        // Where all need a small fraction, those that need most.
+        let is_done = times > 0 || most_needed == 0.0 || !nodes.is_empty();
+        if is_done { nodes } else { chosen(&|_, needed| needed > 0.5 * most_needed) }
     };
     (0..3).map(list).take_while(|list| !list.is_empty()).collect()
 }
@@ -471,18 +487,22 @@ fn fill_interpolated(state: &mut AdaptiveState, sparse: &Sparse, estimate: &Spar
     Estimate { pixels: errors, mean }
 }
 
-/// Assigns the blurred picture to pixels, with the average number of samples of a film pixel.
-fn develop(state: &mut AdaptiveState, film: &UnblurredFilm, picture: &Picture) -> Estimate {
-    let traced: u64 = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
-    let samples = ((traced / film.picture_pixels() as u64).max(1) as u32).next_power_of_two().min(MAX_SAMPLES);
+/// Assigns the blurred picture to pixels, with the number of samples that each would need by itself.
+/// The adaptive sampler can then refine them like any others.
+fn develop(state: &mut AdaptiveState, film: &UnblurredFilm, estimate: &SparseEstimate, picture: &Picture) -> Estimate {
+    let whole = |samples: f64| (samples.max(1.0) as u32).next_power_of_two().min(MAX_SAMPLES);
+    let nodes = estimate.nodes.len().max(1) as f64;
+    let own = whole(estimate.own_samples(film).sum::<f64>() / nodes);
+    let traced = state.pixels.iter().map(|pixel| f64::from(pixel.samples)).sum::<f64>();
+    let samples = whole(traced / film.picture_pixels() as f64);
     let in_picture: Vec<usize> = (0..picture.values.len()).filter(|pixel| film.in_picture(*pixel).is_some()).collect();
     let mean = in_picture.iter().map(|pixel| picture.values[*pixel]).sum::<f64>() / in_picture.len() as f64;
     let unit = (mean * mean).recip();
     let squared = |pixel: usize| picture.noise[pixel] + picture.bias[pixel];
     let error = |pixel: usize| PixelError { squared: unit * squared(pixel), gain: 0.5, samples };
     let developed = |pixel: usize| {
-        let sums = Sums { whole: picture.values[pixel] * f64::from(samples), ..Sums::default() };
-        Pixel { samples, sums, last: squared(pixel), before: 2.0 * squared(pixel) }
+        let sums = Sums { whole: picture.values[pixel] * f64::from(own), ..Sums::default() };
+        Pixel { samples: own, sums, last: squared(pixel), before: 2.0 * squared(pixel) }
     };
     *state = AdaptiveState {
         pixels: in_picture.iter().map(|pixel| developed(*pixel)).collect(),

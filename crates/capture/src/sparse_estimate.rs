@@ -67,6 +67,8 @@ pub(crate) struct SparseEstimate {
     /// The nodes, with the contribution of their noise to the sum of squared errors over all
     /// pixels.
     pub(crate) nodes: Vec<(usize, PixelError)>,
+    /// Number of pixels for which each node stands.
+    areas: Vec<f64>,
     /// Of each cell.
     pub(crate) residuals: Vec<InterpolationResidual>,
     /// Mean over all pixels of the picture.
@@ -111,7 +113,7 @@ impl SparseEstimate {
         let interpolated = nodes.iter().filter(|node| **node == 0).count() as f64 / nodes.len() as f64;
         let mean_bias = interpolated * f64::max(total / f64::max(count, 1.0), 0.0);
         let weigh = |(pixel, error): (usize, PixelError)| {
-            let area = Lattice::stride(nodes[pixel]).pow(2) as f64;
+            let area = area_of(nodes[pixel]);
             let spread = match film {
                 Some(film) => film.share(pixel) * film.squared_weights(area, MEAN_SQUARED_WEIGHT),
                 None if area > 1.0 => MEAN_SQUARED_WEIGHT * area,
@@ -119,6 +121,7 @@ impl SparseEstimate {
             };
             (pixel, PixelError { squared: spread * error.squared, ..error })
         };
+        let areas = errors.iter().map(|(pixel, _)| area_of(nodes[*pixel])).collect();
         let nodes: Vec<_> = errors.into_iter().map(weigh).collect();
         let (pixel_count, mean, mean_noise) = match film {
             None => {
@@ -132,7 +135,7 @@ impl SparseEstimate {
                 (count, sum / count as f64, noise / count as f64)
             }
         };
-        SparseEstimate { values, noise, bias, mean_bias, nodes, residuals, mean, mean_noise, pixel_count }
+        SparseEstimate { values, noise, bias, mean_bias, nodes, areas, residuals, mean, mean_noise, pixel_count }
     }
 
     pub(crate) fn mean(&self) -> f64 {
@@ -144,25 +147,34 @@ impl SparseEstimate {
         [self.mean_noise, self.mean_bias]
     }
 
+    /// The number of samples that a pixel of the picture would need for the noise that each node
+    /// causes.
+    pub(crate) fn own_samples(&self, film: &UnblurredFilm) -> impl Iterator<Item = f64> {
+        self.nodes.iter().zip(&self.areas).map(|((_, error), area)| {
+            f64::from(error.samples) * area / film.squared_weights(*area, MEAN_SQUARED_WEIGHT)
+        })
+    }
+
     /// The picture that the film blurs to, in the frame of the film.
     pub(crate) fn blurred(&self, blur: &PinholeBlur<'_>, (lattice, nodes): (&Lattice, &[u8])) -> Picture {
         let PinholeBlur { film, derivatives } = blur;
         let mut spread = vec![0.0; self.values.len()];
-        for (pixel, error) in &self.nodes {
-            let area = Lattice::stride(nodes[*pixel]).pow(2) as f64;
+        for ((pixel, error), area) in self.nodes.iter().zip(&self.areas) {
             spread[*pixel] = error.squared / (area * film.share(*pixel)).max(f64::MIN_POSITIVE);
         }
         lattice.fill(&mut spread, nodes, |weight| weight);
-        let mut bias = film.blurred(&self.bias);
+        // Single cells know their errors less well than all together.
+        let with_mean = |values: Vec<f64>, mean: f64| -> Vec<f64> {
+            let positive: Vec<f64> = values.into_iter().map(|value| value.max(0.0)).collect();
+            let scale = mean / film.mean_over_picture(&positive).max(f64::MIN_POSITIVE);
+            positive.into_iter().map(|value| scale * value).collect()
+        };
+        let mut bias = with_mean(film.blurred(&self.bias), self.mean_bias);
         bias.iter_mut()
             .zip(film.squared_errors(&self.values, derivatives))
             .for_each(|(bias, squared)| *bias += squared);
-        let not_negative = |values: Vec<f64>| values.into_iter().map(|value| value.max(0.0)).collect();
-        Picture {
-            values: not_negative(film.picture(&self.values, derivatives)),
-            noise: not_negative(film.blurred(&spread)),
-            bias: not_negative(bias),
-        }
+        let values = film.picture(&self.values, derivatives).into_iter().map(|value| value.max(0.0)).collect();
+        Picture { values, noise: with_mean(film.blurred(&spread), self.mean_noise), bias }
     }
 }
 
@@ -174,6 +186,11 @@ pub(crate) struct Picture {
     pub(crate) noise: Vec<f64>,
     /// Squared error due to interpolation.
     pub(crate) bias: Vec<f64>,
+}
+
+/// Number of pixels for which a node of a level stands.
+fn area_of(level: u8) -> f64 {
+    Lattice::stride(level).pow(2) as f64
 }
 
 /// The noise of each node, pooled with neighbouring nodes as the adaptive sampler pools pixels.
