@@ -119,7 +119,7 @@ impl UnblurredFilm {
         let [columns, rows] = self.picture_size();
         let (x, y) = (pixel % self.columns, pixel / self.columns);
         let [x, y] = [x.wrapping_sub(self.margin[0]), y.wrapping_sub(self.margin[1])];
-        (x < columns && y < rows).then_some(y * columns + x)
+        (x < columns && y < rows).then(|| y * columns + x)
     }
 
     /// Number of pixels of the picture.
