@@ -493,13 +493,19 @@ fn develop(state: &mut AdaptiveState, film: &UnblurredFilm, estimate: &SparseEst
     let whole = |samples: f64| (samples.max(1.0) as u32).next_power_of_two().min(MAX_SAMPLES);
     let nodes = estimate.nodes.len().max(1) as f64;
     let own = whole(estimate.own_samples(film).sum::<f64>() / nodes);
-    let traced = state.pixels.iter().map(|pixel| f64::from(pixel.samples)).sum::<f64>();
-    let samples = whole(traced / film.picture_pixels() as f64);
+    let traced: u64 = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+    let pixels = film.picture_pixels() as u64;
+    // Evenly over the picture, in whole numbers that add up.
+    let share = |index: u64| ((index + 1) * traced / pixels - index * traced / pixels) as u32;
     let in_picture: Vec<usize> = (0..picture.values.len()).filter(|pixel| film.in_picture(*pixel).is_some()).collect();
     let mean = in_picture.iter().map(|pixel| picture.values[*pixel]).sum::<f64>() / in_picture.len() as f64;
     let unit = (mean * mean).recip();
     let squared = |pixel: usize| picture.noise[pixel] + picture.bias[pixel];
-    let error = |pixel: usize| PixelError { squared: unit * squared(pixel), gain: 0.5, samples };
+    let error = |(index, &pixel): (usize, &usize)| PixelError {
+        squared: unit * squared(pixel),
+        gain: 0.5,
+        samples: share(index as u64),
+    };
     let developed = |pixel: usize| {
         let sums = Sums { whole: picture.values[pixel] * f64::from(own), ..Sums::default() };
         Pixel { samples: own, sums, last: squared(pixel), before: 2.0 * squared(pixel) }
@@ -509,5 +515,5 @@ fn develop(state: &mut AdaptiveState, film: &UnblurredFilm, estimate: &SparseEst
         passes: state.passes,
         pending: Vec::new(),
     };
-    Estimate { pixels: in_picture.iter().map(|pixel| error(*pixel)).collect(), mean }
+    Estimate { pixels: in_picture.iter().enumerate().map(error).collect(), mean }
 }
