@@ -95,7 +95,13 @@ impl Renderer {
             uncached: Uncached::TraceOne,
             ..Gathering::default()
         };
-        RenderOptions { mirror_sources: 1, gathering, highlight_threshold: 0.15, ..RenderOptions::default() }
+        RenderOptions {
+            mirror_sources: 1,
+            gathering,
+            source_sampling: 0.25,
+            highlight_threshold: 0.15,
+            ..RenderOptions::default()
+        }
     }
 
     /// A renderer with given options.
