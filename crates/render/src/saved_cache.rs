@@ -36,7 +36,7 @@ pub enum CacheError {
 impl fmt::Display for CacheError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            CacheError::Unknown => formatter.write_str("it is no irradiance cache of this version of radsight"),
+            CacheError::Unknown => formatter.write_str("it is not an irradiance cache of this version of radsight"),
             CacheError::Damaged => formatter.write_str("it is cut short or damaged"),
             CacheError::OtherScene => formatter.write_str("it was made of another scene"),
             CacheError::OtherOptions { saved, here } => {
