@@ -104,6 +104,31 @@ impl Sparse {
     }
 }
 
+/// The mean squared error that is due to blurring an unblurred film.
+#[derive(Default)]
+struct FilmError(Option<f64>);
+
+impl FilmError {
+    /// As measured before, or now; 0 without a film.
+    fn known(&mut self, blur: Option<&PinholeBlur<'_>>, estimate: &SparseEstimate) -> f64 {
+        *self.0.get_or_insert_with(|| FilmError::measured(blur, estimate))
+    }
+
+    /// Measures it again; whether it has grown by more than `step`, and is then known.
+    fn has_grown(&mut self, blur: Option<&PinholeBlur<'_>>, estimate: &SparseEstimate, step: f64) -> bool {
+        let measured = FilmError::measured(blur, estimate);
+        let has_grown = self.0.is_none_or(|known| measured > known + step);
+        if has_grown {
+            self.0 = Some(measured);
+        }
+        has_grown
+    }
+
+    fn measured(blur: Option<&PinholeBlur<'_>>, estimate: &SparseEstimate) -> f64 {
+        blur.map_or(0.0, |blur| blur.mean_squared_error(&estimate.values))
+    }
+}
+
 impl<'a> AdaptiveSampler<'a> {
     /// Exposes some pixels and interpolates the others: where it pays, those of the film behind a
     /// point pinhole, which is then blurred. Otherwise as [`AdaptiveSampler::sparse`].
@@ -149,7 +174,7 @@ impl<'a> AdaptiveSampler<'a> {
         self.mirrors_points.store(sparse.is_smooth && self.exposer.renderer.integrates_all_lights(), Ordering::Relaxed);
         self.is_on_lattice.store(true, Ordering::Relaxed);
         let blur = self.film.as_ref().map(|film| self.blur(film, &sparse));
-        let (mut audits, mut film_error) = (0, None);
+        let (mut audits, mut film_error) = (0, FilmError::default());
         while state.passes < MAX_PASSES {
             self.expose_nodes(state, &sparse.nodes);
             if self.progress.stops() {
@@ -161,57 +186,72 @@ impl<'a> AdaptiveSampler<'a> {
                 break;
             }
             let requested = (target.error * mean / SELECTION_BIAS).powi(2);
-            let of_blur = |blur: &PinholeBlur<'_>| blur.mean_squared_error(&estimate.values);
-            let measured = || blur.as_ref().map_or(0.0, of_blur);
-            let known = *film_error.get_or_insert_with(measured);
+            let known = film_error.known(blur.as_ref(), &estimate);
             if known > MAX_FILM_FRACTION * requested {
                 break;
             }
-            let allowed = requested - known;
-            let refined = cells_to_refine(&sparse, &estimate, allowed);
-            let needed = samples_to_double(&estimate, allowed, most);
+            let refined = cells_to_refine(&sparse, &estimate, requested - known);
+            let needed = samples_to_double(&estimate, requested - known, most);
             state.passes += 1;
-            if refined.is_empty() && needed.is_empty() {
-                // With less noise there are more edges.
-                let measured = measured();
-                if measured > known + FILM_ERROR_STEP * requested {
-                    film_error = Some(measured);
-                    continue;
-                }
-                let picture = blur.as_ref().map(|blur| estimate.blurred(blur, (&sparse.lattice, &sparse.nodes)));
-                let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
-                let cells_to_refine =
-                    if audits < MAX_AUDITS { self.audit(&sparse, values, audits) } else { Vec::new() };
-                audits += 1;
-                if self.progress.stops() {
-                    return None;
-                }
-                if cells_to_refine.is_empty() {
-                    self.is_on_lattice.store(false, Ordering::Relaxed);
-                    let estimate = match (&self.film, picture) {
-                        (Some(film), Some(picture)) => develop(state, film, &estimate, &picture),
-                        _ => fill_interpolated(state, &sparse, &estimate),
-                    };
-                    return Some((estimate, Some(Stop::Rays)));
-                }
-                sparse.refine(cells_to_refine);
+            if !(refined.is_empty() && needed.is_empty()) {
+                self.expose_further(state, &mut sparse, refined, needed);
                 continue;
             }
-            let is_refined = !refined.is_empty();
+            // With less noise there are more edges.
+            if film_error.has_grown(blur.as_ref(), &estimate, FILM_ERROR_STEP * requested) {
+                continue;
+            }
+            let picture = blur.as_ref().map(|blur| estimate.blurred(blur, (&sparse.lattice, &sparse.nodes)));
+            let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
+            let refined = if audits < MAX_AUDITS { self.audit(&sparse, values, audits) } else { Vec::new() };
+            audits += 1;
+            if self.progress.stops() {
+                return None;
+            }
+            if refined.is_empty() {
+                return Some((self.finish(state, &sparse, &estimate, picture), Some(Stop::Rays)));
+            }
             sparse.refine(refined);
-            if sparse.is_dense() {
-                sparse.refine_all();
-            }
-            // Refined cells need fewer samples at their old nodes.
-            if !is_refined {
-                for pending in needed {
-                    state.pending = pending;
-                    double(self, state);
-                }
-            }
         }
         self.abandon(state);
         None
+    }
+
+    /// Refines cells; where there are none, doubles the samples of nodes.
+    fn expose_further(
+        &self,
+        state: &mut AdaptiveState,
+        sparse: &mut Sparse,
+        refined: Vec<(usize, u8)>,
+        needed: Vec<Vec<usize>>,
+    ) {
+        let is_refined = !refined.is_empty();
+        sparse.refine(refined);
+        if sparse.is_dense() {
+            sparse.refine_all();
+        }
+        // Refined cells need fewer samples at their old nodes.
+        if !is_refined {
+            for pending in needed {
+                state.pending = pending;
+                double(self, state);
+            }
+        }
+    }
+
+    /// Assigns the values of a finished lattice to the pixels.
+    fn finish(
+        &self,
+        state: &mut AdaptiveState,
+        sparse: &Sparse,
+        estimate: &SparseEstimate,
+        picture: Option<Picture>,
+    ) -> Estimate {
+        self.is_on_lattice.store(false, Ordering::Relaxed);
+        match (&self.film, picture) {
+            (Some(film), Some(picture)) => develop(state, film, estimate, &picture),
+            _ => fill_interpolated(state, sparse, estimate),
+        }
     }
 
     /// Forgets the samples of a lattice.
