@@ -14,12 +14,14 @@ fn pictures_are_equal() {
     let renderer = || Renderer::new(&scene).expect("a scene to render").ambient_bounces(1).ambient_divisions(64, 16);
     let cases = [("", renderer()), ("--error .1", renderer().error(0.1)), ("--samples 3", renderer().samples(3))];
     for (options, mut renderer) in cases {
-        let words: Vec<&str> = ["rpict", "-ff", "-x", "64", "-y", "48", "-ab", "1", "-ad", "64", "-as", "16"]
-            .into_iter()
-            .chain(VIEW.split(' '))
-            .chain(options.split_whitespace())
-            .chain(["room.rad"])
-            .collect();
+        // A renderer of the library has the -ds of rays.
+        let words: Vec<&str> =
+            ["rpict", "-ff", "-x", "64", "-y", "48", "-ab", "1", "-ad", "64", "-as", "16", "-ds", ".2"]
+                .into_iter()
+                .chain(VIEW.split(' '))
+                .chain(options.split_whitespace())
+                .chain(["room.rad"])
+                .collect();
         let bytes = run_with(command(&words).current_dir(folder.path("")), b"").done();
         let image = renderer.render(&view, 64, 48).expect("a picture");
         let expected: Vec<u8> = image.pixels().iter().flatten().flat_map(|value| value.to_ne_bytes()).collect();

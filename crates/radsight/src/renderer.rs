@@ -80,7 +80,8 @@ impl Renderer {
         Renderer::with_options(scene, Renderer::picture_options())
     }
 
-    /// Radiance's defaults for pictures (`rpict -defaults`).
+    /// Radiance's defaults for pictures (`rpict -defaults`), with the `-ds` of rays (0.2): a renderer
+    /// traces both.
     ///
     /// ```
     /// assert_eq!(radsight::Renderer::picture_options().gathering.divisions, 512); // -ad
@@ -95,13 +96,7 @@ impl Renderer {
             uncached: Uncached::TraceOne,
             ..Gathering::default()
         };
-        RenderOptions {
-            mirror_sources: 1,
-            gathering,
-            source_sampling: 0.25,
-            highlight_threshold: 0.15,
-            ..RenderOptions::default()
-        }
+        RenderOptions { mirror_sources: 1, gathering, highlight_threshold: 0.15, ..RenderOptions::default() }
     }
 
     /// A renderer with given options.

@@ -71,10 +71,13 @@ pub(super) struct Options {
     pub(super) settings: Settings,
 }
 
+/// Radiance's default of `-ds` for pictures.
+const SOURCE_SAMPLING: f64 = 0.25;
+
 impl Default for Options {
     fn default() -> Self {
         Options {
-            render: radsight::Renderer::picture_options(),
+            render: RenderOptions { source_sampling: SOURCE_SAMPLING, ..radsight::Renderer::picture_options() },
             reading: Reading::default(),
             view: ViewOptions::default(),
             size: [512, 512],
