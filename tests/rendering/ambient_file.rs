@@ -128,7 +128,7 @@ fn a_file_of_something_else_is_refused() {
     fs::write(folder.path("room.amb"), b"#?RADIANCE\nrpict\nFORMAT=Radiance_ambval\n\n\x01").unwrap();
     refused(&folder, &amb, "it holds ambient values of real Radiance");
     fs::write(folder.path("room.amb"), "years of work").unwrap();
-    refused(&folder, &amb, "it is no irradiance cache");
+    refused(&folder, &amb, "it is not an irradiance cache");
     assert_eq!(fs::read(folder.path("room.amb")).unwrap(), b"years of work");
     fs::write(folder.path("room.amb"), &file).unwrap();
     folder.file("room.rad", ROOM.replace(".5 .5 .5 0 0", ".5 .5 .6 0 0"));
