@@ -383,8 +383,11 @@ impl Assessment {
     }
 
     /// The pixels to trace further until the bound is at most `allowed`, and at least
-    /// [`MIN_GROWTH`] more rays; none if nothing helps.
+    /// [`MIN_GROWTH`] more rays; none if it is already, or if nothing helps.
     pub(crate) fn wanted(&self, allowed: f64) -> Vec<usize> {
+        if self.upper() <= allowed {
+            return Vec::new();
+        }
         let deviation = self.variance.sqrt().max(f64::MIN_POSITIVE);
         let benefit =
             |option: &Benefit| (option.squared + 0.5 * CERTAINTY_ERRORS * option.variance / deviation) / option.rays;
