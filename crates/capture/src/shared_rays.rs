@@ -68,6 +68,16 @@ pub(crate) struct PinholeBlur<'f> {
     pub(crate) derivatives: PinholeDerivatives,
 }
 
+/// The picture of a film, in the frame of the film; 0 in the margin.
+#[derive(Debug)]
+pub(crate) struct BlurredPicture {
+    pub(crate) values: Vec<f64>,
+    /// Squared errors that no number of rays lowers. One is due to the finite size of the film's
+    /// pixels: beside sharp edges it is nearly the difference from pixels of constant radiance (in
+    /// Figure 14 0.15 and 0.18 %, rms). The other is a fraction of what the derivatives change.
+    pub(crate) squared_errors: Vec<f64>,
+}
+
 /// The weights of the film around a pixel of the picture.
 #[derive(Debug)]
 struct Kernels {
@@ -164,26 +174,18 @@ impl UnblurredFilm {
     }
 
     /// The picture of radiance that depends on the point of the pinhole.
-    pub(crate) fn picture(&self, values: &[f64], derivatives: &PinholeDerivatives) -> Vec<f64> {
-        let mut picture = self.blurred(values);
+    pub(crate) fn picture(&self, values: &[f64], derivatives: &PinholeDerivatives) -> BlurredPicture {
+        let (blurred, constant) = (self.blurred(values), self.convolved(values, &self.kernels.constant));
+        let mut picture = blurred.clone();
         for (derivative, kernel) in derivatives.0.iter().zip(&self.kernels.derivatives) {
             let varying: Vec<f64> = values.iter().zip(derivative).map(|(value, by)| value * by).collect();
             picture.iter_mut().zip(self.convolved(&varying, kernel)).for_each(|(sum, term)| *sum += term);
         }
-        picture
-    }
-
-    /// The squared errors of [`UnblurredFilm::picture`], in the frame of the film, that no number of
-    /// rays lowers. One is due to the finite size of the film's pixels: beside sharp edges it is
-    /// nearly the difference from pixels of constant radiance (in Figure 14 0.15 and 0.18 %, rms).
-    /// The other is a fraction of what the derivatives change.
-    pub(crate) fn squared_errors(&self, values: &[f64], derivatives: &PinholeDerivatives) -> Vec<f64> {
-        let (blurred, constant) = (self.blurred(values), self.convolved(values, &self.kernels.constant));
-        let picture = self.picture(values, derivatives);
-        let squared = |(blurred, (constant, picture)): (f64, (f64, f64))| {
+        let squared = |(blurred, (constant, picture)): (f64, (f64, &f64))| {
             (blurred - constant).powi(2) + (DERIVATIVE_ERROR * (picture - blurred)).powi(2)
         };
-        blurred.into_iter().zip(constant.into_iter().zip(picture)).map(squared).collect()
+        let squared_errors = blurred.into_iter().zip(constant.into_iter().zip(&picture)).map(squared).collect();
+        BlurredPicture { values: picture, squared_errors }
     }
 
     /// The mean over the picture of values in the frame of the film.
@@ -291,7 +293,7 @@ const POOLED_WEIGHT: f64 = 0.01;
 impl PinholeBlur<'_> {
     /// Mean squared error over the picture that no number of rays lowers.
     pub(crate) fn mean_squared_error(&self, values: &[f64]) -> f64 {
-        self.film.mean_over_picture(&self.film.squared_errors(values, &self.derivatives))
+        self.film.mean_over_picture(&self.film.picture(values, &self.derivatives).squared_errors)
     }
 }
 
@@ -415,7 +417,7 @@ mod tests {
         let derivatives = PinholeDerivatives([vec![0.1; radiance.len()], vec![-0.2; radiance.len()]]);
         // The mean of L(x + S·p)·(1 + g·p) is L(x) + ¼ Σ S·g·∂L; rows are counted downwards.
         let added = 0.25 * (2.4 * 0.1 * 1.0 + -4.1 * -0.2 * 2.0);
-        let picture = in_picture(&film, &film.picture(&radiance, &derivatives));
+        let picture = in_picture(&film, &film.picture(&radiance, &derivatives).values);
         for (pixel, value) in picture.into_iter().enumerate() {
             let correct = 5.0 + (pixel % 6) as f64 + 2.0 * (pixel / 6) as f64 + added;
             assert!((value - correct).abs() < 2e-3, "{value} for {correct}");
@@ -444,7 +446,7 @@ mod tests {
             // A pixel spans from x − ½ to x + ½.
             let sharp = values(&film, |x, _| (edge - x + 0.5).clamp(0.0, 1.0));
             let picture = film.blurred(&sharp);
-            let squared = film.squared_errors(&sharp, &none);
+            let squared = film.picture(&sharp, &none).squared_errors;
             for pixel in (0..picture.len()).filter(|pixel| film.in_picture(*pixel).is_some()) {
                 let x = (pixel % film.columns) as f64 - film.margin[0] as f64;
                 let steps = 200;

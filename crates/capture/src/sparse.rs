@@ -538,7 +538,7 @@ fn develop(state: &mut AdaptiveState, film: &UnblurredFilm, estimate: &SparseEst
     // Evenly over the picture, in whole numbers that add up.
     let share = |index: u64| ((index + 1) * traced / pixels - index * traced / pixels) as u32;
     let in_picture: Vec<usize> = (0..picture.values.len()).filter(|pixel| film.in_picture(*pixel).is_some()).collect();
-    let mean = in_picture.iter().map(|pixel| picture.values[*pixel]).sum::<f64>() / in_picture.len() as f64;
+    let mean = film.mean_over_picture(&picture.values);
     let unit = (mean * mean).recip();
     let squared = |pixel: usize| picture.noise[pixel] + picture.bias[pixel];
     let error = |(index, &pixel): (usize, &usize)| PixelError {

@@ -169,11 +169,10 @@ impl SparseEstimate {
             let scale = mean / film.mean_over_picture(&positive).max(f64::MIN_POSITIVE);
             positive.into_iter().map(|value| scale * value).collect()
         };
+        let picture = film.picture(&self.values, derivatives);
         let mut bias = with_mean(film.blurred(&self.bias), self.mean_bias);
-        bias.iter_mut()
-            .zip(film.squared_errors(&self.values, derivatives))
-            .for_each(|(bias, squared)| *bias += squared);
-        let values = film.picture(&self.values, derivatives).into_iter().map(|value| value.max(0.0)).collect();
+        bias.iter_mut().zip(picture.squared_errors).for_each(|(bias, squared)| *bias += squared);
+        let values = picture.values.into_iter().map(|value| value.max(0.0)).collect();
         Picture { values, noise: with_mean(film.blurred(&spread), self.mean_noise), bias }
     }
 }
