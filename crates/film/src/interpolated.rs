@@ -9,9 +9,9 @@
 //! The scheme is that of Radiance's `rpict` (Ward 1994), with the surface and noise tests of
 //! edge-aware reconstruction (Bala, Walter and Greenberg 2003; Rousselle, Manzi and Zwicker 2013).
 
-use crate::view_camera::{CameraRay, ViewCamera, traced};
-use glam::DVec3;
-use radsight_render::{FirstHit, Ray, RayWorker, Renderer};
+use crate::pixel_sample::{RayValue, SEVERAL, Sample, Surface, Tally, mean};
+use crate::view_camera::{CameraRay, ViewCamera};
+use radsight_render::{Ray, RayWorker, Renderer};
 use radsight_sampling::RaySampler;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -43,12 +43,6 @@ const PROBES: u64 = 1 << (46 + INDEX_LOG2);
 /// Number of rings of glossy cells around a noisy one that are divided with it.
 const HIGHLIGHT_RINGS: u32 = 2;
 
-/// Minimum cosine between the normals of corners of an interpolated cell.
-const MIN_COSINE: f64 = 0.9;
-
-/// Maximum distance of a corner from the plane of another, relative to the distance between them.
-const MAX_SLOPE: f64 = 0.3;
-
 /// Radius of the filter, in steps of the grid.
 const FILTER_RADIUS: isize = 2;
 
@@ -68,118 +62,6 @@ const CHANCE_ERRORS: f64 = 2.0;
 /// samples are stratified together.
 const TILE_LOG2: u32 = 6;
 const INDEX_LOG2: u32 = 16;
-
-/// The result of the rays of a pixel.
-#[derive(Clone, Copy, Debug)]
-struct Sample {
-    rays: u32,
-    value: [f64; 3],
-    /// Squared standard error of the mean over the bands, from the variance of the rays.
-    variance: f64,
-    surface: Surface,
-    /// Whether a highlight was sampled.
-    is_glossy: bool,
-}
-
-/// The rays of a pixel so far.
-#[derive(Debug, Default)]
-struct Tally {
-    rays: u32,
-    sum: [f64; 3],
-    squares: f64,
-    surface: Option<Surface>,
-    is_glossy: bool,
-}
-
-impl Tally {
-    fn add(&mut self, RayValue { value, surface: met, is_glossy }: RayValue) {
-        self.rays += 1;
-        self.is_glossy |= is_glossy;
-        self.sum = std::array::from_fn(|band| self.sum[band] + value[band]);
-        self.squares += mean(&value).powi(2);
-        self.surface = Some(match self.surface {
-            Some(before) if !before.joins(&met) => Surface { key: SEVERAL, ..before },
-            Some(before) => before,
-            None => met,
-        });
-    }
-
-    fn sample(&self) -> Sample {
-        let count = f64::from(self.rays.max(1));
-        let value = self.sum.map(|band| band / count);
-        let spread = (self.squares / count - mean(&value).powi(2)).max(0.0);
-        let variance = spread / (count - 1.0).max(1.0);
-        let surface = self.surface.unwrap_or(Surface::NONE);
-        Sample { rays: self.rays, value, variance, surface, is_glossy: self.is_glossy }
-    }
-}
-
-/// The surface that a pixel sees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Surface {
-    /// 0 where the rays of the pixel saw several surfaces.
-    key: u64,
-    material: u32,
-    point: DVec3,
-    normal: DVec3,
-    distance: f64,
-}
-
-/// Outside the view, or beyond the aft clipping plane.
-const OUTSIDE: Surface = Surface { key: 1, ..Surface::NONE };
-
-/// The result of a ray.
-#[derive(Clone, Copy, Debug)]
-struct RayValue {
-    value: [f64; 3],
-    surface: Surface,
-    /// Whether a highlight was sampled.
-    is_glossy: bool,
-}
-
-impl RayValue {
-    const OUTSIDE: RayValue = RayValue { value: [0.0; 3], surface: OUTSIDE, is_glossy: false };
-}
-
-/// No single surface.
-const SEVERAL: u64 = 0;
-
-impl Surface {
-    const NONE: Surface =
-        Surface { key: SEVERAL, material: u32::MAX, point: DVec3::ZERO, normal: DVec3::ZERO, distance: f64::INFINITY };
-
-    /// The surface that a ray in this direction hit first; `key` identifies all surfaces on its
-    /// path.
-    fn new(key: u64, hit: Option<FirstHit>, direction: DVec3) -> Surface {
-        let key = key.max(1);
-        match hit {
-            Some(FirstHit { distance, point, normal, material, .. }) if distance.is_finite() => {
-                let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-                Surface { key, material, point, normal, distance }
-            }
-            _ => Surface { key, ..Surface::NONE },
-        }
-    }
-
-    /// Whether pixels between two can be interpolated.
-    fn joins(&self, other: &Surface) -> bool {
-        self.key == other.key && self.key != SEVERAL && self.continues(other)
-    }
-
-    /// Whether the first surface is the same, or continues smoothly in another one.
-    fn continues(&self, other: &Surface) -> bool {
-        if self.material != other.material || self.distance.is_finite() != other.distance.is_finite() {
-            return false;
-        }
-        if !self.distance.is_finite() {
-            return true;
-        }
-        let way = other.point - self.point;
-        let (length, normals) = (way.length(), [self.normal, other.normal]);
-        normals[0].dot(normals[1]) >= MIN_COSINE
-            && normals.iter().all(|normal| normal.dot(way).abs() <= MAX_SLOPE * length + 1e-9)
-    }
-}
 
 /// A square of pixels with a sampled pixel at each corner.
 #[derive(Clone, Copy, Debug)]
@@ -368,6 +250,9 @@ impl Block<'_> {
         {
             noisy.extend(cell.corners());
         }
+        if noisy.is_empty() {
+            return;
+        }
         for (cell, is_smooth) in cells.iter().zip(is_smooth) {
             *is_smooth &= !(self.is_glossy(cell) && cell.corners().iter().any(|corner| noisy.contains(corner)));
         }
@@ -436,7 +321,7 @@ impl Block<'_> {
                 let index = numbered([column, row], spacing, COARSE_RAYS.1, number);
                 let sampler = RaySampler::new(self.renderer.plan().seed(), index);
                 let ray = self.camera.ray(column, row, &sampler);
-                tally.add(ray.map_or(RayValue::OUTSIDE, |ray| trace_sample(worker, index, &ray)));
+                tally.add(ray.map_or(RayValue::OUTSIDE, |ray| RayValue::trace(worker, index, &ray)));
             }
             let sample = tally.sample();
             let is_exact = sample.variance.sqrt() <= self.allowed_noise(&sample) + self.darkness;
@@ -671,10 +556,6 @@ struct Patch {
     variance_of_mean: f64,
 }
 
-fn mean(value: &[f64; 3]) -> f64 {
-    (value[0] + value[1] + value[2]) / 3.0
-}
-
 /// The number of a ray along a Z-order curve through the samples of a grid.
 fn numbered([column, row]: [usize; 2], spacing: usize, rays: u32, ray: u32) -> u64 {
     let [x, y] = [column / spacing, row / spacing].map(|at| at as u64);
@@ -689,13 +570,4 @@ fn numbered([column, row]: [usize; 2], spacing: usize, rays: u32, ray: u32) -> u
 /// The bits of a number below 2⁸, interleaved with zeros.
 fn morton(number: u64) -> u64 {
     (0..8).map(|bit| (number >> bit & 1) << (2 * bit)).sum()
-}
-
-/// The radiance of a ray, and the surfaces that it hits.
-fn trace_sample(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> RayValue {
-    traced(worker, index, ray).map_or(RayValue::OUTSIDE, |traced| RayValue {
-        value: traced.value,
-        surface: Surface::new(traced.surface_key, traced.first_hit, ray.direction),
-        is_glossy: traced.samples_highlight,
-    })
 }

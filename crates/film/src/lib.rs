@@ -15,6 +15,7 @@ mod adaptive;
 mod interpolated;
 mod noise;
 mod part;
+mod pixel_sample;
 mod residual;
 mod single;
 mod view_camera;

@@ -1,0 +1,137 @@
+//! Samples of the pixels of an interpolated picture, and the surfaces that they see.
+
+use crate::view_camera::{CameraRay, traced};
+use glam::DVec3;
+use radsight_render::{FirstHit, RayWorker};
+
+/// Minimum cosine between the normals of corners of an interpolated cell.
+const MIN_COSINE: f64 = 0.9;
+
+/// Maximum distance of a corner from the plane of another, relative to the distance between them.
+const MAX_SLOPE: f64 = 0.3;
+
+/// The result of the rays of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    pub(crate) rays: u32,
+    pub(crate) value: [f64; 3],
+    /// Squared standard error of the mean over the bands, from the variance of the rays.
+    pub(crate) variance: f64,
+    pub(crate) surface: Surface,
+    /// Whether a highlight was sampled.
+    pub(crate) is_glossy: bool,
+}
+
+/// The rays of a pixel so far.
+#[derive(Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) rays: u32,
+    sum: [f64; 3],
+    squares: f64,
+    surface: Option<Surface>,
+    is_glossy: bool,
+}
+
+impl Tally {
+    pub(crate) fn add(&mut self, RayValue { value, surface: met, is_glossy }: RayValue) {
+        self.rays += 1;
+        self.is_glossy |= is_glossy;
+        self.sum = std::array::from_fn(|band| self.sum[band] + value[band]);
+        self.squares += mean(&value).powi(2);
+        self.surface = Some(match self.surface {
+            Some(before) if !before.joins(&met) => Surface { key: SEVERAL, ..before },
+            Some(before) => before,
+            None => met,
+        });
+    }
+
+    pub(crate) fn sample(&self) -> Sample {
+        let count = f64::from(self.rays.max(1));
+        let value = self.sum.map(|band| band / count);
+        let spread = (self.squares / count - mean(&value).powi(2)).max(0.0);
+        let variance = spread / (count - 1.0).max(1.0);
+        let surface = self.surface.unwrap_or(Surface::NONE);
+        Sample { rays: self.rays, value, variance, surface, is_glossy: self.is_glossy }
+    }
+}
+
+/// No single surface.
+pub(crate) const SEVERAL: u64 = 0;
+
+/// The surface that a pixel sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Surface {
+    /// 0 where the rays of the pixel saw several surfaces.
+    pub(crate) key: u64,
+    material: u32,
+    point: DVec3,
+    normal: DVec3,
+    distance: f64,
+}
+
+impl Surface {
+    const NONE: Surface =
+        Surface { key: SEVERAL, material: u32::MAX, point: DVec3::ZERO, normal: DVec3::ZERO, distance: f64::INFINITY };
+
+    /// The surface that a ray in this direction hit first; `key` identifies all surfaces on its
+    /// path.
+    pub(crate) fn new(key: u64, hit: Option<FirstHit>, direction: DVec3) -> Surface {
+        let key = key.max(1);
+        match hit {
+            Some(FirstHit { distance, point, normal, material, .. }) if distance.is_finite() => {
+                let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+                Surface { key, material, point, normal, distance }
+            }
+            _ => Surface { key, ..Surface::NONE },
+        }
+    }
+
+    /// Whether pixels between two can be interpolated.
+    pub(crate) fn joins(&self, other: &Surface) -> bool {
+        self.key == other.key && self.key != SEVERAL && self.continues(other)
+    }
+
+    /// Whether the first surface is the same, or continues smoothly in another one.
+    pub(crate) fn continues(&self, other: &Surface) -> bool {
+        if self.material != other.material || self.distance.is_finite() != other.distance.is_finite() {
+            return false;
+        }
+        if !self.distance.is_finite() {
+            return true;
+        }
+        let way = other.point - self.point;
+        let (length, normals) = (way.length(), [self.normal, other.normal]);
+        normals[0].dot(normals[1]) >= MIN_COSINE
+            && normals.iter().all(|normal| normal.dot(way).abs() <= MAX_SLOPE * length + 1e-9)
+    }
+}
+
+/// Outside the view, or beyond the aft clipping plane.
+const OUTSIDE: Surface = Surface { key: 1, ..Surface::NONE };
+
+/// The result of a ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RayValue {
+    value: [f64; 3],
+    surface: Surface,
+    /// Whether a highlight was sampled.
+    is_glossy: bool,
+}
+
+impl RayValue {
+    pub(crate) const OUTSIDE: RayValue = RayValue { value: [0.0; 3], surface: OUTSIDE, is_glossy: false };
+
+    /// The radiance of a ray, and the surfaces that it hits.
+    pub(crate) fn trace(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> RayValue {
+        traced(worker, index, ray).map_or(RayValue::OUTSIDE, |traced| RayValue {
+            value: traced.value,
+            surface: Surface::new(traced.surface_key, traced.first_hit, ray.direction),
+            is_glossy: traced.samples_highlight,
+        })
+    }
+}
+
+/// The mean over the bands.
+pub(crate) fn mean(value: &[f64; 3]) -> f64 {
+    (value[0] + value[1] + value[2]) / 3.0
+}
