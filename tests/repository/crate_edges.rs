@@ -3,6 +3,7 @@
 //! Cargo enforces the boundaries, so a new edge is added here first, with its reason in the commit
 //! message.
 
+use crate::sources::crate_folders;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -187,15 +188,7 @@ impl Manifest {
 }
 
 fn manifests(folder: &str) -> Vec<Manifest> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let mut folders: Vec<PathBuf> = folder
-        .read_dir()
-        .expect("the folder is read")
-        .map(|entry| entry.expect("an entry").path())
-        .filter(|path| path.join("Cargo.toml").is_file())
-        .collect();
-    folders.sort();
-    folders.iter().map(|folder| Manifest::read(folder)).collect()
+    crate_folders(folder).iter().map(|folder| Manifest::read(folder)).collect()
 }
 
 fn allowed(list: &[(&str, &'static [&'static str])], name: &str) -> BTreeSet<&'static str> {

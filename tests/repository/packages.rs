@@ -2,19 +2,16 @@
 //!
 //! `cargo xtask package` checks the list of each package's files.
 
-use crate::program::root;
-use crate::sources::{lines_without_comments, rust_files};
+use crate::sources::{crate_folders, lines_without_comments, rust_files};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 /// The folders of the published crates.
 fn published() -> Vec<PathBuf> {
-    let entries = root().join("crates").read_dir().expect("the folder is read");
-    let folders = entries.map(|entry| entry.expect("an entry").path());
     let is_published = |folder: &PathBuf| {
         fs::read_to_string(folder.join("Cargo.toml")).is_ok_and(|text| text.contains("\npublish.workspace = true\n"))
     };
-    folders.filter(is_published).collect()
+    crate_folders("crates").into_iter().filter(is_published).collect()
 }
 
 /// The paths that a source includes, relative to its folder.

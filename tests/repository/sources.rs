@@ -1,7 +1,17 @@
-//! The Rust files of the repository.
+//! The crates and Rust files of the repository.
 
+use crate::program::root;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// The folders of the crates in a folder of the repository, sorted.
+pub(crate) fn crate_folders(folder: &str) -> Vec<PathBuf> {
+    let entries =
+        root().join(folder).read_dir().expect("the folder is read").map(|entry| entry.expect("an entry").path());
+    let mut folders: Vec<PathBuf> = entries.filter(|path| path.join("Cargo.toml").is_file()).collect();
+    folders.sort();
+    folders
+}
 
 /// The Rust files below a folder, except in `target`.
 pub(crate) fn rust_files(folder: &Path) -> Vec<PathBuf> {
