@@ -2,7 +2,7 @@
 //! kinds.
 
 use crate::program::{Folder, Run, command, radsight_with, run_with};
-use radsight_picture::{Header, Image, Picture};
+use radsight_picture::{FileFormat, Header, Image, Picture, write_image};
 use radsight_test_support::Radiance;
 use std::path::PathBuf;
 
@@ -613,5 +613,44 @@ fn png_files_hold_the_bytes_of_a_pixmap() {
         assert!(pixmap.ends_with(&stored), "{options}");
         assert_eq!((png.values.width(), png.values.height(), png.bits), (40, 33, 8));
         assert!(png.header.is_some_and(|header| header.to_text().contains("VIEW=")));
+    }
+}
+
+#[test]
+fn pcomb_makes_a_radiance_picture_of_float_formats() {
+    let folder = Folder::new();
+    // Values that a Radiance picture holds exactly.
+    let values: Vec<f32> = (0..18).map(|index| (128.5 + index as f32) / 128.0).collect();
+    let image = Image::new(3, 2, 3, values.clone()).expect("a shape");
+    for (name, format) in [("a.exr", FileFormat::Exr), ("a.pfm", FileFormat::Pfm), ("a.npy", FileFormat::Npy)] {
+        let bytes = write_image(format, &Header::new("RADIANCE"), &image).expect("three components");
+        std::fs::write(folder.path(name), &bytes).expect("a file");
+        let words = ["pcomb", name];
+        let made = worked(run_with(command(&words).current_dir(folder.path("")), &[]), &words);
+        let picture = Picture::read(&made).expect("a picture").radiance().expect("an exposure");
+        assert_eq!((picture.width(), picture.height()), (3, 2), "{name}");
+        assert_eq!(picture.data(), values, "{name}");
+        let piped = worked(radsight_with(&["pcomb", "-"], &bytes), &["pcomb", "-"]);
+        assert_eq!(Picture::read(&piped).expect("a picture").radiance().expect("an exposure").data(), values);
+    }
+}
+
+#[test]
+fn a_picture_of_another_format_is_named_with_its_converter() {
+    let image = Image::new(2, 1, 3, vec![0.5f32; 6]).expect("a shape");
+    for (format, found, converter) in [
+        (FileFormat::Exr, "an OpenEXR picture", "pcomb -"),
+        (FileFormat::Tiff, "a TIFF picture", "ra_tiff -r -"),
+        (FileFormat::Png, "a PNG picture", "ra_png -r -"),
+    ] {
+        let bytes = write_image(format, &Header::new("RADIANCE"), &image).expect("three components");
+        for program in ["pfilt", "pextrem", "pvalue", "falsecolor"] {
+            let run = radsight_with(&[program, "-"], &bytes);
+            assert_eq!(run.code, 1, "{program}: {}", run.messages);
+            let expected = format!("the file is {found}, expected a Radiance picture");
+            assert!(run.messages.contains(&expected), "{program}: {}", run.messages);
+            assert!(run.messages.contains(&format!("hint: `{converter}`")), "{program}: {}", run.messages);
+            assert!(run.output.is_empty(), "{program}");
+        }
     }
 }

@@ -27,6 +27,12 @@ pub enum PictureError {
         /// What was expected next.
         expected: Cow<'static, str>,
     },
+    /// The file has another format.
+    #[error("the file is {found}, expected a Radiance picture")]
+    OtherFormat {
+        /// Its format, with an article.
+        found: &'static str,
+    },
     /// A header line has an invalid value.
     #[error("header line {line}: {name} is \"{value}\", expected {expected}")]
     HeaderValue {

@@ -87,7 +87,7 @@ impl<R: Read> PictureReader<R> {
     /// When one of them is wrong, or the source fails.
     pub fn new(source: R) -> Result<PictureReader<R>, PictureError> {
         let mut bytes = Bytes::new(source);
-        let header = bytes.parse(LONGEST_HEADER, Header::read)?;
+        let header = bytes.parse(LONGEST_HEADER, picture_header)?;
         PictureReader::of_picture(bytes, header)
     }
 
@@ -118,7 +118,7 @@ impl<R: Read> PictureReader<R> {
     /// As [`PictureReader::new`].
     pub fn picture_or_matrix(source: R) -> Result<PictureReader<R>, PictureError> {
         let mut bytes = Bytes::new(source);
-        let header = bytes.parse(LONGEST_HEADER, Header::read)?;
+        let header = bytes.parse(LONGEST_HEADER, picture_header)?;
         if header.format().is_none_or(|format| format != "float") {
             return PictureReader::of_picture(bytes, header);
         }
@@ -352,6 +352,28 @@ fn check_length(resolution: &Resolution, components: usize) -> Result<(), Pictur
         components,
         values: 0,
         expected: "scanlines of at most 4194304 pixels",
+    })
+}
+
+/// The header of a picture. Headers need no identifier, so other formats are told by their first
+/// bytes.
+fn picture_header(bytes: &[u8]) -> Result<(Header, usize), PictureError> {
+    match other_format(bytes) {
+        Some(found) => Err(PictureError::OtherFormat { found }),
+        None => Header::read(bytes),
+    }
+}
+
+/// The name of a format of pictures other than Radiance's.
+fn other_format(bytes: &[u8]) -> Option<&'static str> {
+    Some(match bytes {
+        [0x76, 0x2f, 0x31, 0x01, ..] => "an OpenEXR picture",
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => "a TIFF picture",
+        [0x89, b'P', b'N', b'G', ..] => "a PNG picture",
+        [0xff, 0xd8, 0xff, ..] => "a JPEG picture",
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => "a NumPy array",
+        [b'P', b'F' | b'f', b'\n', ..] => "a portable float map",
+        _ => return None,
     })
 }
 

@@ -6,7 +6,7 @@ use crate::failure::{Failure, Outcome, reason};
 use crate::output::{StandardOutput, standard_output, write_file};
 use crate::read_once;
 use crate::trust::shell;
-use radsight_picture::{Header, PictureError, PictureReader};
+use radsight_picture::{FileFormat, FloatMatrix, Header, MatrixFormat, PictureError, PictureReader, read_image};
 use radsight_picture_ops::ToolError;
 use radsight_scene_generators::source_name;
 use std::fs::File;
@@ -81,8 +81,22 @@ pub(super) fn output() -> BufWriter<StandardOutput> {
 pub(super) fn failed(path: &str, error: ToolError) -> Failure {
     match error {
         ToolError::Picture(PictureError::Stream { kind, reason }) => stream_failed(kind, &reason),
+        ToolError::Picture(error @ PictureError::OtherFormat { found }) => {
+            Failure::input(format!("{}: {error}{}", source_name(path), converter_hint(found, path)))
+        }
         error => Failure::input(format!("{}: {error}", source_name(path))),
     }
+}
+
+/// A hint at the program that makes a Radiance picture of a file.
+fn converter_hint(found: &str, path: &str) -> String {
+    let command = match found {
+        "an OpenEXR picture" | "a NumPy array" | "a portable float map" => "pcomb",
+        "a TIFF picture" => "ra_tiff -r",
+        "a PNG picture" => "ra_png -r",
+        _ => return String::new(),
+    };
+    format!("\nhint: `{command} {path}` makes one of it")
 }
 
 fn stream_failed(kind: ErrorKind, words: &str) -> Failure {
@@ -161,6 +175,25 @@ pub(super) fn open_any(path: &str, commands: Commands) -> Result<Source, Failure
         None => open(path),
     }
 }
+
+/// As [`open_any`]. An OpenEXR picture, a portable float map or a NumPy array becomes a Radiance
+/// float matrix, without loss.
+pub(super) fn open_any_image(path: &str, commands: Commands) -> Result<Source, Failure> {
+    let mut source = open_any(path, commands)?;
+    let unreadable = |error: &io::Error| Failure::read(&format!("\"{path}\""), error);
+    let mut bytes = Vec::new();
+    source.by_ref().take(LONGEST_MAGIC).read_to_end(&mut bytes).map_err(|error| unreadable(&error))?;
+    if !matches!(FileFormat::from_content(&bytes), Some(FileFormat::Exr | FileFormat::Pfm | FileFormat::Npy)) {
+        return Ok(Box::new(io::Cursor::new(bytes).chain(source)));
+    }
+    source.read_to_end(&mut bytes).map_err(|error| unreadable(&error))?;
+    let read = read_image(&bytes).map_err(|error| failed(path, error.into()))?;
+    let header = read.header.unwrap_or_else(|| Header::new("RADIANCE"));
+    Ok(Box::new(io::Cursor::new(FloatMatrix::write_f32(&header, &read.image, MatrixFormat::Float))))
+}
+
+/// Length of the bytes that tell a format, bytes.
+const LONGEST_MAGIC: u64 = 8;
 
 /// The output of a command.
 struct CommandOutput {

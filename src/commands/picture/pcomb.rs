@@ -6,7 +6,7 @@
 //! PI re ge be le pa Ox Oy Oz Dx Dy Dz T S` as in Radiance. `-o` undoes exposures, `-s` and `-c`
 //! multiply, `-ff` writes floats. A picture that begins with `!` is a command.
 
-use super::files::{History, Source, failed, finish, open_any, output, write_failed};
+use super::files::{History, Source, failed, finish, open_any_image, output, write_failed};
 use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome};
@@ -118,7 +118,7 @@ fn open_inputs(words: &mut Words<'_>) -> Result<Inputs, Failure> {
             _ => {
                 let path = word;
                 let wrong = |error| failed(path, error);
-                let reader = PictureReader::picture_or_matrix(open_any(path, words.commands())?)
+                let reader = PictureReader::picture_or_matrix(open_any_image(path, words.commands())?)
                     .map_err(|error| wrong(error.into()))?;
                 inputs.push(CombineInput::new(reader, factors, exposures).map_err(wrong)?);
                 names.push(path.to_owned());
