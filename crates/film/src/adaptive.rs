@@ -21,9 +21,11 @@ use std::ops::Range;
 /// Number of pixels that are finished together; rounded to whole rows.
 const BLOCK: usize = 1 << 14;
 
-/// Number of rows that are finished together with interpolation, which also needs some samples of
-/// adjacent rows. A multiple of every cell size.
+/// Number of rows that are finished together with interpolation: a multiple of this, which is a
+/// multiple of every cell size, with about so many pixels. Cells between two blocks are sampled for
+/// both, so small pictures are a single block.
 const INTERPOLATED_ROWS: usize = 64;
+const INTERPOLATED_BLOCK: usize = 1 << 17;
 
 /// Fraction of the squared error allotted to the pixels' own noise where irradiance is cached.
 const NOISE_FRACTION: f64 = 0.4;
@@ -118,7 +120,10 @@ impl<'r> Film<'r> {
     #[must_use]
     pub fn block_of(&self, row: usize) -> Range<usize> {
         let height = match self.budget {
-            SamplingBudget::Interpolated(_) => INTERPOLATED_ROWS,
+            SamplingBudget::Interpolated(_) => {
+                let pixels = (INTERPOLATED_ROWS * self.camera.columns()).max(1);
+                INTERPOLATED_ROWS * (INTERPOLATED_BLOCK / pixels).max(1)
+            }
             _ => (BLOCK / self.camera.columns().max(1)).max(1),
         };
         let first = row - row % height;

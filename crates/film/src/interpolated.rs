@@ -496,7 +496,7 @@ impl Block<'_> {
 
     /// The combined statistics of the samples around a pixel.
     fn patch(&self, at: usize) -> Patch {
-        let Some(sample) = self.samples[at].filter(|sample| sample.surface.key != SEVERAL) else {
+        let Some(sample) = self.samples[at].as_ref().filter(|sample| sample.surface.key != SEVERAL) else {
             return Patch::default();
         };
         let (mut variance, mut weights) = (0.0, 0.0);

@@ -10,6 +10,9 @@ const MIN_COSINE: f64 = 0.9;
 /// Maximum distance of a corner from the plane of another, relative to the distance between them.
 const MAX_SLOPE: f64 = 0.3;
 
+/// Distance of points in one plane, because of rounding, scene units.
+const IN_PLANE: f64 = 1e-9;
+
 /// The result of the rays of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
@@ -99,10 +102,16 @@ impl Surface {
         if !self.distance.is_finite() {
             return true;
         }
-        let way = other.point - self.point;
-        let (length, normals) = (way.length(), [self.normal, other.normal]);
-        normals[0].dot(normals[1]) >= MIN_COSINE
-            && normals.iter().all(|normal| normal.dot(way).abs() <= MAX_SLOPE * length + 1e-9)
+        let (way, normals) = (other.point - self.point, [self.normal, other.normal]);
+        if normals[0].dot(normals[1]) < MIN_COSINE {
+            return false;
+        }
+        let apart = normals.map(|normal| normal.dot(way).abs());
+        // Most neighbours lie in one plane, which needs no square root.
+        apart.iter().all(|apart| *apart <= IN_PLANE) || {
+            let most = MAX_SLOPE * way.length() + IN_PLANE;
+            apart.iter().all(|apart| *apart <= most)
+        }
     }
 }
 
