@@ -103,6 +103,24 @@ grey ring floor 0 0 8 0 0 0 0 0 1 0 30
 grey sphere ball 0 0 4 0 2 1.2 .7
 ";
 
+/// A floor with the shadows of a wall under a strong lamp and 50 weak ones.
+fn lamps() -> String {
+    let lamp = |index: i32| {
+        let (column, row) = (index % 10, index / 10);
+        format!("weak sphere lamp{index} 0 0 4 {} {} 4 .1\n", column - 5, row)
+    };
+    let lamps: String = (0..50).map(lamp).collect();
+    format!(
+        "void light weak 0 0 3 8 8 8
+        void light strong 0 0 3 100 100 100
+        strong sphere lamp 0 0 4 2 2 5 .1
+        void plastic grey 0 0 5 .5 .5 .5 0 0
+        grey ring floor 0 0 8 0 0 0 0 0 1 0 30
+        grey polygon wall 0 0 12 -1 -1 .001  -1 6 .001  -1 6 2.5  -1 -1 2.5
+        {lamps}"
+    )
+}
+
 const FLOOR_VIEW: &str = "-vp 0 -5 1.5 -vd 0 1 -.15 -vh 50 -vv 50 -x 128 -y 128 -ff -pj 1";
 
 /// The pixels of the floor, the lower half of the picture.
@@ -187,4 +205,15 @@ fn threads_do_not_change_an_interpolated_picture() {
     let of = |threads: usize| red(TABLE, &format!("{VIEW} -n {threads} -ab 1 -ad 64 -aa .3"));
     let one = of(1);
     assert!(one == of(2) && one == of(5));
+}
+
+#[test]
+fn weak_lights_keep_their_light_with_fewer_shadow_rays() {
+    let scene = lamps();
+    let mean = |pixels: &[f64]| pixels.iter().sum::<f64>() / pixels.len() as f64;
+    let exact = floor(&scene, "--samples 16");
+    let expected = mean(&exact);
+    let quick: Vec<f64> = (1..=4).map(|seed| mean(&floor(&scene, &format!("-ps 1 --seed {seed}")))).collect();
+    let error = mean(&quick) / expected - 1.0;
+    assert!(error.abs() < 0.005, "{quick:?} instead of {expected}");
 }

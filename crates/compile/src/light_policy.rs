@@ -19,8 +19,10 @@ const SELECTION: [LightSelectionPolicy; 2] =
 /// selections.
 const SPLIT_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 128, draws: 64 };
 
-/// Policy if pixels have few rays.
-const DIVIDED_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 32, draws: 32 };
+/// Policy if pixels have few rays. Shadow rays are then selected by what samples would contribute,
+/// which knows more than the light tree: how lights shine in a direction, and where their images in
+/// mirrors are visible. Of more lights, sampling each one takes longer than the tree.
+const DIVIDED_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 64, draws: 32 };
 
 /// Number of virtual images that count as one light: most images are invisible from most points.
 const IMAGES_FOR_ONE: usize = 3;

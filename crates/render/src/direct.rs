@@ -84,6 +84,7 @@ impl DirectSampler<'_> {
         tracer.next_set += plan.lights.len().div_ceil(2) as u32;
         match point.highlight {
             Highlight::Model(model) => self.sample_all_of_model(tracer, point, model, first_set),
+            _ if self.selects_shadow_rays(tracer) => self.sample_strong(tracer, point, first_set),
             _ => self.sample_all(tracer, point, first_set),
         }
     }
@@ -293,7 +294,27 @@ impl DirectSampler<'_> {
         expected: f64,
         bsdf_value: &BsdfValue<BANDS>,
     ) -> [f64; BANDS] {
-        let dark = [0.0; BANDS];
+        let Some([weight, radiance]) = self.unshadowed(tracer, light, sample, expected, bsdf_value) else {
+            return [0.0; BANDS];
+        };
+        tracer.begin_shadow(self, (light, sample), weight, radiance);
+        let arriving = self.arriving(tracer, light, sample, between, radiance);
+        let given = product(weight, arriving);
+        self.note_light(tracer, light, sample, given);
+        given
+    }
+
+    /// The weight and the radiance of a light sample that nothing blocks; `None` if it contributes
+    /// nothing.
+    #[inline]
+    pub(crate) fn unshadowed<const BANDS: usize>(
+        &self,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        light: &Light,
+        sample: &LightSample,
+        expected: f64,
+        bsdf_value: &BsdfValue<BANDS>,
+    ) -> Option<[[f64; BANDS]; 2]> {
         let pdf = sample.pdf * expected;
         // No sampled ray reaches a light through a prism.
         let shares_diffuse = self.shares_diffuse && !light.is_redirected();
@@ -318,20 +339,13 @@ impl DirectSampler<'_> {
             (bsdf_value.diffuse[band] * diffuse_share + bsdf_value.highlight[band] * highlight_share) / pdf
         });
         if weight.iter().all(|band| *band == 0.0) {
-            return dark;
+            return None;
         }
         if light.focal_distance > 0.0 {
             weight = weight.map(|band| band * light.focal_factor(sample.distance));
         }
         let radiance = self.radiance(tracer, light, sample);
-        if product(weight, radiance).iter().all(|band| *band == 0.0) {
-            return dark;
-        }
-        tracer.begin_shadow(self, (light, sample), weight, radiance);
-        let arriving = self.arriving(tracer, light, sample, between, radiance);
-        let given = product(weight, arriving);
-        self.note_light(tracer, light, sample, given);
-        given
+        product(weight, radiance).iter().any(|band| *band != 0.0).then_some([weight, radiance])
     }
 
     /// Records a contribution if requested.

@@ -39,10 +39,12 @@ mod renderer;
 mod retrace;
 mod saved_cache;
 mod shadow;
+mod shadow_selection;
 mod specular_chain;
 mod specular_return;
 mod subtraction;
 mod trace;
+mod unshadowed_sample;
 
 pub use contribution::Contribution;
 pub use cubature_error::CubatureError;

@@ -26,6 +26,7 @@ use crate::path_guide::PathGuide;
 use crate::ray_tree::{BounceType, NodeId, RayTree};
 use crate::specular_chain::SpecularChain;
 use crate::subtraction::{AntimatterEvent, Subtraction, SubtractionId};
+use crate::unshadowed_sample::UnshadowedSample;
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
 use radsight_bsdf::Bsdf;
@@ -85,6 +86,8 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     media: Vec<Medium<BANDS>>,
     /// Subtractions of the current ray; the first is empty.
     pub(crate) cuts: Vec<Subtraction>,
+    /// Light samples of a point, before their shadow rays.
+    pub(crate) unshadowed: Vec<UnshadowedSample<'p, BANDS>>,
     pub(crate) radiance: [f64; BANDS],
     pub(crate) first_hit: Option<FirstHit>,
     /// Whether the ray passed the first surface without interaction.
@@ -123,6 +126,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             waiting: Vec::with_capacity(MAX_BRANCHES),
             media: vec![plan.global_medium()],
             cuts: vec![Subtraction::default()],
+            unshadowed: Vec::new(),
             radiance: [0.0; BANDS],
             first_hit: None,
             first_is_passed: false,
