@@ -7,8 +7,9 @@
 //! independent paths (`residual.rs`).
 
 use crate::interpolated::{self, Interpolation};
+use crate::light_strata::LightStrata;
 use crate::noise::{Estimate, Finished, Pixel, PixelNoise};
-use crate::part::radiance;
+use crate::part::PixelRays;
 use crate::residual::{Assessment, Residuals};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
 use radsight_adaptive::{
@@ -53,6 +54,7 @@ pub struct Film<'r> {
     renderer: &'r Renderer,
     camera: ViewCamera,
     budget: SamplingBudget,
+    strata: LightStrata,
     state: SamplingState<[f64; 3]>,
     noise: PixelNoise,
     finished: Finished,
@@ -82,10 +84,17 @@ impl<'r> Film<'r> {
     pub fn new(renderer: &'r Renderer, camera: ViewCamera, budget: SamplingBudget) -> Film<'r> {
         let pixels = camera.columns() * camera.rows();
         let finished = Finished::default();
+        let part = (0..camera.columns(), 0..camera.rows());
+        let strata = match budget {
+            SamplingBudget::Samples(samples) => LightStrata::for_samples(samples, renderer.plan(), &camera, part),
+            SamplingBudget::Error(_) => LightStrata::find(renderer.plan(), &camera, part),
+            SamplingBudget::Interpolated(_) => LightStrata::default(),
+        };
         let mut frame = Film {
             renderer,
             camera,
             budget,
+            strata,
             state: SamplingState::new(pixels),
             noise: PixelNoise::new(&[], camera.columns()),
             finished,
@@ -94,9 +103,11 @@ impl<'r> Film<'r> {
             time_left: None,
         };
         if let SamplingBudget::Error(_) = budget {
+            let mut state = SamplingState::new(pixels);
             frame.errors = vec![f32::NAN; pixels];
             frame.extra_rays = vec![0; pixels];
-            begin(&FilmRays { renderer, camera: &camera, has_time: &|| true }, &mut frame.state);
+            begin(&FilmRays { pixels: frame.pixel_rays(), has_time: &|| true }, &mut state);
+            frame.state = state;
             frame.noise = PixelNoise::new(&frame.state.pixels, camera.columns());
         }
         frame
@@ -175,7 +186,7 @@ impl<'r> Film<'r> {
         let mut state = std::mem::take(&mut self.state);
         let this = &*self;
         let has_time = || this.is_in_time(range);
-        let rays = FilmRays { renderer: this.renderer, camera: &this.camera, has_time: &has_time };
+        let rays = FilmRays { pixels: this.pixel_rays(), has_time: &has_time };
         let target = PixelNoise::target(squared, most);
         let noise = this.noise;
         let (left, stop) = refine(&rays, &mut state, &target, |pixels| noise.of_rows(pixels, range));
@@ -264,10 +275,15 @@ impl<'r> Film<'r> {
             .collect()
     }
 
+    fn pixel_rays(&self) -> PixelRays<'_, 'r> {
+        PixelRays { renderer: self.renderer, camera: &self.camera, strata: &self.strata }
+    }
+
     fn trace_all(&mut self, range: Range<usize>, samples: u32) {
-        let (rays, first) =
-            (FilmRays { renderer: self.renderer, camera: &self.camera, has_time: &|| true }, range.start);
-        self.state.pixels[range].par_iter_mut().enumerate().with_min_len(16).for_each_init(
+        let Film { renderer, camera, strata, state, .. } = self;
+        let pixels = PixelRays { renderer, camera, strata };
+        let (rays, first) = (FilmRays { pixels, has_time: &|| true }, range.start);
+        state.pixels[range].par_iter_mut().enumerate().with_min_len(16).for_each_init(
             || rays.worker(),
             |worker, (index, pixel)| *pixel = Pixel::of(rays.sums(worker, first + index, 0..samples), samples),
         );
@@ -276,8 +292,7 @@ impl<'r> Film<'r> {
 
 /// The rays of a film's pixels, for the adaptive sampler.
 struct FilmRays<'f, 'r> {
-    renderer: &'r Renderer,
-    camera: &'f ViewCamera,
+    pixels: PixelRays<'f, 'r>,
     /// Whether there is time left.
     has_time: &'f (dyn Fn() -> bool + Sync),
 }
@@ -287,14 +302,14 @@ impl<'r> PixelSource for FilmRays<'_, 'r> {
     type Worker = RayWorker<'r>;
 
     fn worker(&self) -> RayWorker<'r> {
-        self.renderer.worker()
+        self.pixels.renderer.worker()
     }
 
     /// Sum of the radiances of some rays of a pixel.
     fn sums(&self, worker: &mut RayWorker<'r>, pixel: usize, samples: Range<u32>) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for sample in samples {
-            let value = radiance(worker, self.renderer, self.camera, pixel, sample);
+            let value = self.pixels.radiance(worker, pixel, sample);
             sum = std::array::from_fn(|band| sum[band] + value[band]);
         }
         sum

@@ -13,10 +13,12 @@
 
 mod adaptive;
 mod interpolated;
+mod light_strata;
 mod noise;
 mod part;
 mod pixel_sample;
 mod residual;
+mod section;
 mod single;
 mod view_camera;
 

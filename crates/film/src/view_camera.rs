@@ -109,8 +109,24 @@ impl ViewCamera {
     /// A ray at the sampler's point of pixel, aperture and time; `None` outside the view.
     #[must_use]
     pub fn ray(&self, column: usize, row: usize, sampler: &RaySampler) -> Option<CameraRay> {
-        let [x, y, across, along] = sampler.take(DimensionSet::CAMERA);
+        self.ray_of(column, row, sampler.take(DimensionSet::CAMERA), sampler)
+    }
+
+    /// The same for another point of pixel and aperture in the unit cube.
+    pub(crate) fn ray_of(
+        &self,
+        column: usize,
+        row: usize,
+        [x, y, across, along]: [f64; 4],
+        sampler: &RaySampler,
+    ) -> Option<CameraRay> {
         self.ray_at(self.place(column, row, [x, y]), [across, along], sampler)
+    }
+
+    /// The ray through a point of the unit square over which the rays of a pixel are distributed,
+    /// and the centre of the aperture, without motion.
+    pub(crate) fn still_ray(&self, column: usize, row: usize, at: [f64; 2]) -> Option<CameraRay> {
+        self.view_ray(&self.view, self.place(column, row, at))
     }
 
     /// A ray through any point of the view, (0, 0) the lower left corner and (1, 1) the upper

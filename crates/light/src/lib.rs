@@ -18,6 +18,7 @@ mod form;
 mod glow_radius;
 mod light;
 mod lobe_weighting;
+mod outline;
 mod tree;
 mod tree_build;
 mod tree_node;

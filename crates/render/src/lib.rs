@@ -24,6 +24,7 @@ mod guiding;
 mod hemisphere_sampling;
 mod indirect;
 mod light_cubature;
+mod light_image;
 mod light_selection;
 mod medium_boundary;
 mod mirrored_light;
@@ -48,6 +49,7 @@ mod unshadowed_sample;
 
 pub use contribution::Contribution;
 pub use cubature_error::CubatureError;
+pub use light_image::{LightImage, Viewpoint};
 pub use mirrored_light::MirroredLight;
 pub use radsight_accel::Ray;
 pub use radsight_compile::{
