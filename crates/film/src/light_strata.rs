@@ -206,7 +206,8 @@ impl Search<'_> {
         let scale = if are_distant { 1.0 + options.fore } else { 1.0 };
         let size = DVec2::new(self.camera.columns() as f64, self.camera.rows() as f64);
         let place = |at: &DVec3| {
-            let location = view.locate(options.point + *at * scale)?;
+            // A hemispherical view would show what lies behind it before it.
+            let location = view.locate(options.point + *at * scale).filter(|location| location.distance > 0.0)?;
             Some(DVec2::new(location.x, 1.0 - location.y) * size).filter(|place| place.is_finite())
         };
         Some(ConvexPolygon::hull(points.iter().map(place).collect::<Option<Vec<DVec2>>>()?))

@@ -10,6 +10,9 @@ use glam::DVec2;
 /// Intervals narrower than this are rounding errors.
 const MIN_WIDTH: f64 = 1e-12;
 
+/// Corners nearer to each other than this are one: rounding would turn the edge between them.
+const MIN_EDGE: f64 = 1e-6;
+
 /// A convex polygon with its corners counter-clockwise; empty if there are fewer than three.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ConvexPolygon(Vec<DVec2>);
@@ -26,7 +29,9 @@ impl ConvexPolygon {
                 {
                     chain.pop();
                 }
-                chain.push(point);
+                if chain.last().is_none_or(|last| last.distance_squared(point) > MIN_EDGE * MIN_EDGE) {
+                    chain.push(point);
+                }
             }
             chain.pop();
             chain
@@ -281,6 +286,19 @@ mod tests {
         assert!(points.iter().all(|point| is_in(&hull, *point)));
         assert_eq!(hull.corners().len(), 4);
         assert!((polygon(&[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]).area()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn rounding_of_equal_points_turns_no_edge() {
+        let corners = [[10.0, 10.0], [20.0, 10.0], [20.0, 20.0], [10.0, 20.0]];
+        let rounded = (0..64).map(|step: u32| {
+            let off = |shift: u32| f64::from(step.wrapping_mul(2_654_435_761) >> shift & 7) * 1e-14;
+            let [x, y] = corners[step as usize % 4];
+            [x + off(5), y + off(11)]
+        });
+        let frame = polygon(&rounded.collect::<Vec<_>>());
+        let light = polygon(&[[12.0, 12.0], [12.1, 12.0], [12.0, 12.1]]);
+        assert!((light.clipped(&frame).area() - light.area()).abs() < 1e-12, "{frame:?}");
     }
 
     #[test]

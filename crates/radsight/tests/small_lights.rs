@@ -55,7 +55,7 @@ fn a_light_of_a_tenth_of_a_pixel_has_the_radiance_of_its_projection() {
     ];
     let mirror = format!("void mirror silver 0 0 3 .8 .8 .8 silver {SQUARE}");
     let pane = format!("void glass clear 0 0 3 .9 .9 .9 clear {SQUARE}");
-    let metal = format!("void metal chrome 0 0 5 .7 .7 .7 .9 0 chrome {SQUARE}");
+    let metal = format!("void metal chrome 0 0 5 .7 .7 .7 1 0 chrome {SQUARE}");
     // Behind the pane, and on the camera's side of it.
     for (scene, distance) in [
         (scene("", 5.0), 5.0),
