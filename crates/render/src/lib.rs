@@ -63,4 +63,4 @@ pub use ray_spacing::RaySpacing;
 pub use ray_tree::{RayValue, TreeRay};
 pub use renderer::{RayWorker, Renderer};
 pub use saved_cache::CacheError;
-pub use trace::Traced;
+pub use trace::{CountedLight, Traced};

@@ -10,7 +10,7 @@ use crate::path_guide::PathGuide;
 use crate::ray_spacing::RaySpacing;
 use crate::ray_tree::TreeRay;
 use crate::saved_cache::{CacheError, load, save};
-use crate::trace::{PathIntegrator, Traced};
+use crate::trace::{CountedLight, PathIntegrator, Traced};
 use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
 use radsight_compile::RenderPlan;
@@ -252,6 +252,11 @@ impl RayWorker<'_> {
     /// instead of sampling points on them.
     pub fn integrate_lights(&mut self, allowed: CubatureError) {
         in_bands!(&mut self.0, Bands(tracer) => tracer.light_cubature = Some(allowed))
+    }
+
+    /// Computes a part of the radiance of later rays.
+    pub fn count(&mut self, counted: CountedLight) {
+        in_bands!(&mut self.0, Bands(tracer) => tracer.counted = counted)
     }
 
     /// Traces ray number `index` of its stream.

@@ -1,5 +1,6 @@
 //! Rays that end at an emitter, or leave the scene.
 
+use super::CountedLight;
 use super::PathIntegrator;
 use super::path_state::PathState;
 use crate::mis::Lobe;
@@ -50,7 +51,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// The weight of emission at a hit: 1, unless light sampling could have found it as well.
+    /// The weight of emission at a hit: 1, unless light sampling could have found it as well, or it
+    /// does not count.
     pub(crate) fn emission_share(
         &mut self,
         path: &PathState<BANDS>,
@@ -63,7 +65,14 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             // A glow beyond its radius is not a light source, but an ordinary surface.
             let total = path.travelled + distance;
             let far = matches!(emitter.class, EmitterType::Glow(radius) if radius >= 0.0 && total > radius);
-            return if far || self.plan.options.lights == Lights::Visible { 1.0 } else { 0.0 };
+            let is_image = !far && path.depth > 0 && self.plan.lights_of(surface).next().is_some();
+            let is_counted = match self.counted {
+                CountedLight::All => true,
+                CountedLight::WithoutImages => !is_image,
+                CountedLight::Images => is_image,
+            };
+            let is_visible = far || self.plan.options.lights == Lights::Visible;
+            return if is_counted && is_visible { 1.0 } else { 0.0 };
         };
         let is_sought = match mis.lobe {
             Lobe::Diffuse | Lobe::Highlight => true,

@@ -1,5 +1,6 @@
 //! Direct and indirect light at a point of a surface.
 
+use super::CountedLight;
 use super::PathIntegrator;
 use super::path_state::PathState;
 use super::split::Branches;
@@ -39,7 +40,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         point: &Bsdf<'_, BANDS>,
         travelled: f64,
     ) {
-        if path.seeks_caustics() {
+        if path.seeks_caustics() || self.counted == CountedLight::Images {
             return;
         }
         let receiver = primitive.and_then(|primitive| self.plan.receiver(primitive));

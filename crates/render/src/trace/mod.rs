@@ -65,6 +65,22 @@ pub struct Traced {
     pub samples_highlight: bool,
 }
 
+/// Which part of the radiance of a ray is computed. The radiance is the sum of the light of images
+/// and of the rest.
+///
+/// The light of images is emitted by a light that is sampled, and seen through mirrors or refracting
+/// surfaces, without scattering.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CountedLight {
+    /// The whole radiance.
+    #[default]
+    All,
+    /// Without the light of images.
+    WithoutImages,
+    /// The light of images alone. Such rays are cheap: no light is sampled.
+    Images,
+}
+
 /// Surfaces with less than this fraction of a ray's weight are not part of the key.
 const MIN_SEEN: f64 = 0.15;
 
@@ -113,6 +129,8 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) light_cubature: Option<CubatureError>,
     /// Whether the current ray splits by its weight; rays that gather irradiance do not.
     splits: bool,
+    /// What counts of the light of rays.
+    pub(crate) counted: CountedLight,
 }
 
 impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
@@ -142,6 +160,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             limit: f64::INFINITY,
             light_cubature: None,
             splits: false,
+            counted: CountedLight::All,
         }
     }
 
