@@ -12,12 +12,13 @@
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
 use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
-use crate::shared_rays::UnblurredFilm;
+use crate::shared_rays::{FilmRay, PixelPassage, UnblurredFilm};
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
 use radsight_adaptive::{
     ErrorEstimate, ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource,
     SampleCounter, SampleSums, Selection, Stop, begin, ray_number, refine,
 };
+use radsight_render::CountedLight;
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -32,6 +33,10 @@ pub(crate) const SELECTION_BIAS: f64 = 1.33;
 
 /// Fraction of the requested error that cubature over a lamp may have.
 const CUBATURE_FRACTION: f64 = 0.125;
+
+/// Fraction of the rays of a pixel that is aimed at images in curved mirrors, where they show all
+/// light.
+const AIMED: f64 = 0.5;
 
 /// Maximum number of passes, whatever the error is.
 pub(crate) const MAX_PASSES: u32 = 64;
@@ -126,6 +131,9 @@ pub(crate) struct AdaptiveSampler<'a> {
     /// Number of separate bands; 0 where bands are added up.
     pub(crate) bands: usize,
     pub(crate) images: PixelImages,
+    /// Whether pixels that see images are exposed without their light
+    /// ([`ImageLight`](crate::image_light::ImageLight)).
+    pub(crate) images_apart: bool,
     /// What is exposed instead of the picture.
     pub(crate) film: Option<UnblurredFilm>,
     pub(crate) progress: &'a dyn Progress,
@@ -150,6 +158,7 @@ impl<'a> AdaptiveSampler<'a> {
             exposer,
             bands: bands_apart(exposer.rays, exposer.weights),
             images: images(exposer),
+            images_apart: false,
             film: None,
             progress,
             mirrors_points: AtomicBool::new(false),
@@ -214,6 +223,12 @@ impl<'a> AdaptiveSampler<'a> {
         Checkpoint(State::Adaptive { state, bands: self.bands })
     }
 
+    /// What a ray counts that passes through a pixel of the picture.
+    pub(crate) fn counted(&self, passage: Option<PixelPassage>) -> CountedLight {
+        let is_apart = self.images_apart && passage.is_some_and(|passage| self.images.are_aimed_at(&passage));
+        if is_apart { CountedLight::WithoutImages } else { CountedLight::All }
+    }
+
     /// The point of the unit cube of a pixel's sample. Where radiance is smooth, each point is
     /// followed by its mirror image about the centre of the pixel, so that linear variations cancel.
     /// Over a finite pinhole radiance varies more, and the plain sequence converges faster.
@@ -242,19 +257,32 @@ impl<'a> PixelSource for AdaptiveSampler<'a> {
         let drawn = samples.filter_map(|sample| {
             let index = ray_number(number, sample);
             let u = self.camera_point(pixel, sample);
-            let drawn = match &self.film {
-                Some(film) => film.sampled_ray(rays, pixel, u).map(|ray| (ray, 1.0)),
-                None => self.images.ray((plan, rays), pixel, u),
+            let (ray, weight, counted) = match &self.film {
+                Some(film) => {
+                    let FilmRay { ray, passage } = film.sampled_ray(rays, pixel, u)?;
+                    (ray, 1.0, self.counted(passage))
+                }
+                None if self.images_apart => {
+                    let passage = PixelPassage::new(pixel, u);
+                    (self.images.plain_ray(rays, &passage)?, 1.0, self.counted(Some(passage)))
+                }
+                None => self
+                    .images
+                    .ray((plan, rays), (pixel, AIMED), u)
+                    .map(|(ray, weight)| (ray, weight, CountedLight::All))?,
             };
-            drawn.map(|(ray, weight)| (index, ray, weight))
+            Some((index, ray, weight, counted))
         });
         if self.bands == 0 {
-            let light = drawn
-                .map(|(index, ray, weight)| weight * ray.cos4 * radiance(worker, index, (rays, number), &ray, weights));
+            let light = drawn.map(|(index, ray, weight, counted)| {
+                worker.count(counted);
+                weight * ray.cos4 * radiance(worker, index, (rays, number), &ray, weights)
+            });
             return Sums { whole: light.sum(), ..Sums::default() };
         }
         let mut bands = [0.0; MAX_BANDS];
-        for (index, ray, weight) in drawn {
+        for (index, ray, weight, counted) in drawn {
+            worker.count(counted);
             let light = radiance_apart(worker, index, (rays, number), &ray, weights);
             bands.iter_mut().zip(light).for_each(|(sum, light)| *sum += weight * ray.cos4 * light);
         }

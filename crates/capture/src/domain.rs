@@ -50,6 +50,14 @@ impl Domain {
         }
     }
 
+    /// Whether a disk overlaps the domain.
+    pub(crate) fn meets(self, center: DVec2, radius: f64) -> bool {
+        match self {
+            Domain::Disk => center.length() <= 1.0 + radius,
+            Domain::Square => center.distance(center.clamp(DVec2::ZERO, DVec2::ONE)) <= radius,
+        }
+    }
+
     pub(crate) fn area(self) -> f64 {
         if self == Domain::Disk { PI } else { 1.0 }
     }

@@ -55,7 +55,8 @@ pub(crate) enum EdgeBlurs {
 #[derive(Clone, Copy)]
 pub(crate) struct SearchedFilm<'a> {
     pub(crate) exposer: &'a Exposer<'a>,
-    pub(crate) images: &'a PixelImages,
+    /// The images that are exposed with the picture.
+    pub(crate) images: Option<&'a PixelImages>,
     /// Instead of that of the picture.
     pub(crate) unblurred: Option<&'a UnblurredFilm>,
 }
@@ -144,7 +145,7 @@ impl SearchedFilm<'_> {
     fn center_ray(&self, pixel: usize) -> Option<Ray> {
         let (rays, place) = (self.exposer.rays, [0.5; 2]);
         let ray = match self.unblurred {
-            Some(film) => film.ray(rays, pixel, place, DVec2::ZERO),
+            Some(film) => film.ray(rays, pixel, place, DVec2::ZERO).map(|on_film| on_film.ray),
             None => rays.ray_through(pixel as u64, place, [0.0; 2]),
         }?;
         Ray::new(ray.origin, ray.direction)
@@ -170,7 +171,7 @@ impl PixelEdges {
             let differs = |other: usize| views.get(other).is_some_and(|other| !are_alike(&views[pixel], other));
             let is_last = (pixel + 1).is_multiple_of(columns);
             match &views[pixel] {
-                _ if film.images.sees_any(pixel) => 0.0,
+                _ if film.images.is_some_and(|images| images.sees_any(pixel)) => 0.0,
                 Some(view) if !(differs(pixel + columns) || !is_last && differs(pixel + 1)) => {
                     view.edge_width() + by_pinhole
                 }

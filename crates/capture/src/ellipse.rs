@@ -59,6 +59,11 @@ impl Ellipse {
         self.inverse * turned
     }
 
+    /// An upper limit of its extent on each side of the centre.
+    pub(crate) fn widest(&self) -> f64 {
+        self.map.x_axis.length().hypot(self.map.y_axis.length())
+    }
+
     /// Extent along a unit axis on each side of the centre.
     pub(crate) fn extent(&self, axis: DVec2) -> f64 {
         (self.map.transpose() * axis).length()

@@ -9,11 +9,13 @@
 mod adaptive;
 mod background;
 mod checkpoint;
+mod curved_image;
 mod derivative;
 mod domain;
 mod edges;
 mod ellipse;
 mod fixed;
+mod image_light;
 mod lattice;
 mod mirrored_lights;
 mod plane_images;
@@ -29,7 +31,7 @@ pub use radsight_adaptive::{ErrorTarget, MAX_SAMPLES, Stop};
 pub use region::{LitRegion, Region};
 
 use radsight_pinhole::{BandWeights, Rays};
-use radsight_render::{CubatureError, RayWorker, Renderer};
+use radsight_render::{CountedLight, CubatureError, RayWorker, Renderer};
 
 /// A camera in front of a scene. [`Exposer::with_samples`] and [`Exposer::to_error`] expose it.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +60,14 @@ pub struct LightByRow {
 pub(crate) struct Workers<'a> {
     main: RayWorker<'a>,
     by_row: Vec<(RayWorker<'a>, &'a [f64])>,
+}
+
+impl Workers<'_> {
+    /// Computes a part of the radiance of later rays.
+    pub(crate) fn count(&mut self, counted: CountedLight) {
+        self.main.count(counted);
+        self.by_row.iter_mut().for_each(|(worker, _)| worker.count(counted));
+    }
 }
 
 impl<'a> Exposer<'a> {

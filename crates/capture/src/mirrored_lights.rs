@@ -10,23 +10,16 @@
 //! Images in plane mirrors are known exactly, so rays aimed at them form strata of their own
 //! ([`PlaneImages`]).
 
+use crate::curved_image::CurvedImage;
 use crate::domain::Domain;
 use crate::ellipse::{Ellipse, LinearMap};
 use crate::plane_images::{PlaneImage, PlaneImages, stratified};
+use crate::shared_rays::PixelPassage;
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Rays};
 use radsight_render::{MirroredLight, Ray, RayWorker, RenderPlan, Renderer};
-use radsight_sampling::{choose, unit_disk};
+use radsight_sampling::choose;
 use rayon::prelude::*;
-use std::f64::consts::PI;
-
-/// Fraction of the rays of a pixel that is aimed at its images.
-const IMAGE_FRACTION: f64 = 0.5;
-
-/// Ellipses from which the rays of an image are drawn: size relative to the ellipse of the linear
-/// map, and fraction of the rays. The map of a smoothed mesh changes from facet to facet, so some
-/// light arrives from outside the first ellipse.
-const ELLIPSES: [(f64, f64); 2] = [(1.03, 0.8), (4.0, 0.2)];
 
 /// Newton's method takes at most this many steps, and converges within this fraction of a light's
 /// radius.
@@ -44,30 +37,24 @@ const MAX_COORDINATE: f64 = 3.0;
 #[derive(Debug)]
 pub(crate) struct PixelImages {
     domain: Domain,
-    /// By pixel; empty if no pixel sees any.
+    /// The images in curved mirrors.
+    curved: Vec<CurvedImage>,
+    /// Of each pixel; empty if no pixel sees any.
     images: Vec<Vec<PixelImage>>,
     /// The lights that plane mirrors may show, and their images.
     in_plane_mirrors: Vec<MirroredLight>,
     plane: PlaneImages,
 }
 
-/// An ellipse around the image of a light in a pixel.
+/// The image of a light in a pixel.
 #[derive(Clone, Copy, Debug)]
 struct PixelImage {
+    /// Index of the image.
+    image: usize,
+    /// The image of the light's disk by the linear map.
     ellipse: Ellipse,
     /// Share of the draws.
     probability: f64,
-    /// Pdf of all samples in the ellipse, relative to uniform sampling.
-    density: f64,
-}
-
-/// The ellipses from which an image's fraction of the rays is drawn.
-fn images_of(image: &Ellipse, domain: Domain, share: f64) -> [PixelImage; ELLIPSES.len()] {
-    ELLIPSES.map(|(size, part)| {
-        let (ellipse, probability) = (image.scaled(size), share * part);
-        let density = probability * (domain.area() / PI) / ellipse.relative_area();
-        PixelImage { ellipse, probability, density }
-    })
 }
 
 impl PixelImages {
@@ -81,18 +68,56 @@ impl PixelImages {
         self.images.get(pixel).is_some_and(|images| !images.is_empty()) || self.plane.sees_any(pixel)
     }
 
+    /// The ray that passes through a pixel and the pinhole.
+    pub(crate) fn plain_ray(&self, rays: &Rays, passage: &PixelPassage) -> Option<CameraRay> {
+        let (fixed, at) = self.fixed_and_drawn(passage);
+        self.domain.ray(rays, passage.pixel as u64, fixed, at)
+    }
+
+    /// The fixed point of a ray, and the point of the domain.
+    fn fixed_and_drawn(&self, passage: &PixelPassage) -> (DVec2, DVec2) {
+        let PixelPassage { on_pixel, on_pinhole, .. } = *passage;
+        if self.domain == Domain::Square { (on_pinhole, on_pixel) } else { (on_pixel, on_pinhole) }
+    }
+
+    /// Whether rays are aimed where a ray passes. With plane mirrors they are aimed everywhere.
+    pub(crate) fn are_aimed_at(&self, passage: &PixelPassage) -> bool {
+        let (fixed, at) = self.fixed_and_drawn(passage);
+        let is_aimed_at = |image: &PixelImage| self.density(image, fixed, at) > 0.0;
+        let curved = || self.images.get(passage.pixel).is_some_and(|images| images.iter().any(is_aimed_at));
+        self.plane.sees_any(passage.pixel) || curved()
+    }
+
+    /// The pdf of the samples of an image, relative to uniform sampling.
+    fn density(&self, image: &PixelImage, fixed: DVec2, at: DVec2) -> f64 {
+        let pdf = self.curved[image.image].footprint.pdf(image.ellipse.offset(fixed, at));
+        image.probability * pdf * self.domain.area() / image.ellipse.relative_area()
+    }
+
+    /// Whether a pixel sees an image in a plane mirror.
+    pub(crate) fn sees_plane(&self, pixel: usize) -> bool {
+        self.plane.sees_any(pixel)
+    }
+
     /// Finds the images that the pixels of a camera see.
     pub(crate) fn find(renderer: &Renderer, rays: &Rays) -> PixelImages {
         let (domain, camera) = (Domain::of(rays.hole()), rays.camera());
-        let none =
-            PixelImages { domain, images: Vec::new(), in_plane_mirrors: Vec::new(), plane: PlaneImages::default() };
+        let none = PixelImages {
+            domain,
+            curved: Vec::new(),
+            images: Vec::new(),
+            in_plane_mirrors: Vec::new(),
+            plane: PlaneImages::default(),
+        };
         if !rays.hole().has_points() {
             return none;
         }
         let position = camera.position_m() / camera.scene_unit_m();
         let field = FieldOfView::new(rays);
         let is_seen = |axis, reach| field.as_ref().is_none_or(|field| field.meets(axis, reach));
-        let curved = renderer.worker().mirrored_lights(position, is_seen);
+        let mut worker = renderer.worker();
+        let lights = worker.mirrored_lights(position, is_seen);
+        let curved = CurvedImage::all(&mut worker, &lights, position);
         let in_plane_mirrors = MirroredLight::in_plane_mirrors(renderer.plan(), position);
         if curved.is_empty() && in_plane_mirrors.is_empty() {
             return none;
@@ -101,11 +126,9 @@ impl PixelImages {
             let pixel = pixel as u64;
             let Some(cone) = PixelCone::new(rays, pixel) else { return (Vec::new(), Vec::new()) };
             let search = &mut Search { worker, rays, pixel, domain };
-            let ellipses: Vec<_> = cone.seen(&curved).filter_map(|(_, image)| search.image(image)).collect();
-            let share = (ellipses.len() as f64).recip();
-            let images = ellipses.into_iter().flat_map(|ellipse| images_of(&ellipse, domain, share));
-            let images = images.filter(|image| image.density.is_finite()).collect();
-            let plane = cone.seen(&in_plane_mirrors).filter_map(|image| search.plane_image(renderer.plan(), image));
+            let images = search.curved_images(&cone, &curved);
+            let seen = in_plane_mirrors.iter().enumerate().filter(|(_, image)| cone.meets(image.direction(), 0.0));
+            let plane = seen.filter_map(|image| search.plane_image(renderer.plan(), image));
             (images, plane.collect())
         };
         let (images, plane): (Vec<_>, Vec<_>) = (0..camera.pixel_count() as usize)
@@ -114,16 +137,17 @@ impl PixelImages {
             .map_init(|| renderer.worker(), of_pixel)
             .unzip();
         let images = if images.iter().all(Vec::is_empty) { Vec::new() } else { images };
-        PixelImages { domain, images, in_plane_mirrors, plane: PlaneImages::new(plane) }
+        PixelImages { domain, curved, images, in_plane_mirrors, plane: PlaneImages::new(plane) }
     }
 
-    /// The ray of a pixel for a point of the unit cube, and its weight; `None` where it would miss
+    /// The ray of a pixel for a point of the unit cube, and its weight. `aimed` is the fraction of
+    /// rays that is aimed at images in curved mirrors. `None` where it would miss
     /// the pinhole or the pixel, or its light belongs to another stratum.
     #[inline]
     pub(crate) fn ray(
         &self,
         (plan, rays): (&RenderPlan, &Rays),
-        pixel: usize,
+        (pixel, aimed): (usize, f64),
         u: [f64; 4],
     ) -> Option<(CameraRay, f64)> {
         if !self.sees_any(pixel) {
@@ -134,7 +158,7 @@ impl PixelImages {
         let [fixed, drawn] = if is_point { [[u[2], u[3]], [u[0], u[1]]] } else { [[u[0], u[1]], [u[2], u[3]]] };
         let fixed = DVec2::from(fixed);
         let curved = self.images.get(pixel).map_or(&[][..], Vec::as_slice);
-        let mixed = |drawn| self.mixed_point(curved, fixed, drawn);
+        let mixed = |drawn| self.mixed_point((curved, aimed), fixed, drawn);
         let ray = |at| self.domain.ray(rays, pixel as u64, fixed, at);
         let hits = |at, light: usize| {
             let ray = ray(at).and_then(|ray| Ray::new(ray.origin, ray.direction));
@@ -148,22 +172,27 @@ impl PixelImages {
     }
 
     /// A point of the pinhole, or of the pixel for a point pinhole, with its weight.
-    fn mixed_point(&self, images: &[PixelImage], fixed: DVec2, drawn: [f64; 2]) -> Option<(DVec2, f64)> {
+    fn mixed_point(
+        &self,
+        (images, aimed): (&[PixelImage], f64),
+        fixed: DVec2,
+        drawn: [f64; 2],
+    ) -> Option<(DVec2, f64)> {
         if images.is_empty() {
             return Some((self.domain.uniform(drawn), 1.0));
         }
-        let at = if drawn[0] < IMAGE_FRACTION {
-            let (chosen, u) = choose(images.iter().map(|image| image.probability), drawn[0] / IMAGE_FRACTION)?;
-            images[chosen].ellipse.point(fixed, DVec2::from(unit_disk(u, drawn[1])))
+        let at = if drawn[0] < aimed {
+            let (chosen, u) = choose(images.iter().map(|image| image.probability), drawn[0] / aimed)?;
+            let image = &images[chosen];
+            image.ellipse.point(fixed, self.curved[image.image].footprint.sample([u, drawn[1]]))
         } else {
-            self.domain.uniform([(drawn[0] - IMAGE_FRACTION) / (1.0 - IMAGE_FRACTION), drawn[1]])
+            self.domain.uniform([(drawn[0] - aimed) / (1.0 - aimed), drawn[1]])
         };
         if !self.domain.contains(at) {
             return None;
         }
-        let density = |image: &PixelImage| if image.ellipse.contains(fixed, at) { image.density } else { 0.0 };
-        let mixed = (1.0 - IMAGE_FRACTION) + IMAGE_FRACTION * images.iter().map(density).sum::<f64>();
-        Some((at, mixed.recip()))
+        let density = images.iter().map(|image| self.density(image, fixed, at)).sum::<f64>();
+        Some((at, (1.0 - aimed + aimed * density).recip()))
     }
 }
 
@@ -206,8 +235,8 @@ impl FieldOfView {
 struct PixelCone {
     /// Unit.
     middle: DVec3,
-    /// Squared chord from the axis within which images are searched.
-    max_chord_squared: f64,
+    /// Chord from the axis within which images are searched.
+    max_chord: f64,
 }
 
 impl PixelCone {
@@ -219,15 +248,13 @@ impl PixelCone {
             |place, on_pinhole| direction(place, on_pinhole).map_or(0.0, |direction| direction.distance(middle));
         let widest = across([0.0; 2], [0.0; 2]).max(across([1.0; 2], [0.0; 2])) + across([0.5; 2], [1.0, 0.0]);
         // An upper bound: no pixel and no pinhole is wider.
-        Some(PixelCone { middle, max_chord_squared: (2.0 * widest).powi(2).min(0.25) })
+        Some(PixelCone { middle, max_chord: (2.0 * widest).min(0.5) })
     }
 
-    /// The images that the pixel may see, with their indices.
-    fn seen<'i>(&self, images: &'i [MirroredLight]) -> impl Iterator<Item = (usize, &'i MirroredLight)> {
-        images
-            .iter()
-            .enumerate()
-            .filter(|(_, image)| self.middle.distance_squared(image.direction()) <= self.max_chord_squared)
+    /// Whether the pixel may see an image in a direction with this reach, as a tangent.
+    fn meets(&self, direction: DVec3, reach: f64) -> bool {
+        let chord = self.max_chord + reach;
+        self.middle.distance_squared(direction) <= chord * chord
     }
 }
 
@@ -292,6 +319,48 @@ impl Search<'_, '_> {
             at = center;
         }
         best.filter(|(miss, _)| *miss <= MAX_MISS).map(|(_, ellipse)| ellipse)
+    }
+
+    /// The images in curved mirrors that the pixel sees.
+    fn curved_images(&self, cone: &PixelCone, images: &[CurvedImage]) -> Vec<PixelImage> {
+        let seen = |(index, image): (usize, &CurvedImage)| {
+            let is_near = cone.meets(image.direction(), image.reach());
+            is_near.then(|| Some((index, self.curved_image(image)?, image.light())))?
+        };
+        let seen: Vec<_> = images.iter().enumerate().filter_map(seen).collect();
+        let total: f64 = seen.iter().map(|(_, _, light)| light).sum();
+        let of_share = |(image, ellipse, light)| PixelImage { image, ellipse, probability: light / total };
+        seen.into_iter().map(of_share).collect()
+    }
+
+    /// The image of a light in curved mirrors; `None` if the pixel does not see it.
+    fn curved_image(&self, image: &CurvedImage) -> Option<Ellipse> {
+        let domain = self.domain;
+        let tangents = |fixed: DVec2, at: DVec2| {
+            let ray = self.ray(fixed, at)?;
+            Some(image.tangents(ray.origin, ray.direction))
+        };
+        let (middle, fixed) = (domain.middle(), Domain::MIDDLE_OF_PIXEL);
+        let own = tangents(fixed, middle)?;
+        // Differences over the whole domain.
+        let across = |of_side: &dyn Fn(DVec2) -> Option<DVec2>| {
+            let [x, y] = [DVec2::X, DVec2::Y].map(|side| {
+                let [low, high] = [-0.5, 0.5].map(|half| of_side(half * side));
+                Some(high? - low?)
+            });
+            Some(DMat2::from_cols(x?, y?))
+        };
+        let inverse = across(&|side| tangents(fixed, middle + side))?.inverse();
+        let slope = match domain {
+            Domain::Disk => -(inverse * across(&|side| tangents(fixed + side, middle))?),
+            // In front of a point pinhole nothing depends on the fixed point.
+            Domain::Square => DMat2::ZERO,
+        };
+        let center = middle + inverse * (image.center - own);
+        let ellipse = Ellipse::new(center, slope, inverse * image.map);
+        let moved = 0.5 * (slope.x_axis.length() + slope.y_axis.length());
+        let reach = image.footprint.reach() * ellipse.widest() + moved;
+        (ellipse.is_finite() && domain.meets(center, reach)).then_some(ellipse)
     }
 
     /// The image of a light in a plane mirror; `None` if the pixel does not see it.

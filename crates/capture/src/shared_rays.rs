@@ -61,6 +61,31 @@ pub(crate) struct UnblurredFilm {
     shares: Vec<f64>,
 }
 
+/// A ray of a film.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FilmRay {
+    pub(crate) ray: CameraRay,
+    /// The pixel of the picture through which it passes, if any, and where.
+    pub(crate) passage: Option<PixelPassage>,
+}
+
+/// Where a ray passes through a pixel and the pinhole.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelPassage {
+    pub(crate) pixel: usize,
+    /// From 0 to 1 along both axes.
+    pub(crate) on_pixel: DVec2,
+    /// In radii.
+    pub(crate) on_pinhole: DVec2,
+}
+
+impl PixelPassage {
+    /// Of the ray of a pixel for a point of the unit cube.
+    pub(crate) fn new(pixel: usize, u: [f64; 4]) -> PixelPassage {
+        PixelPassage { pixel, on_pixel: DVec2::new(u[0], u[1]), on_pinhole: unit_disk(u[2], u[3]).into() }
+    }
+}
+
 /// How a film becomes the picture.
 #[derive(Debug)]
 pub(crate) struct PinholeBlur<'f> {
@@ -143,15 +168,20 @@ impl UnblurredFilm {
 
     /// The ray that sees what a point pinhole would show at a place of a pixel, through a point of
     /// the pinhole, in its radii.
-    pub(crate) fn ray(&self, rays: &Rays, pixel: usize, place: [f64; 2], on_pinhole: DVec2) -> Option<CameraRay> {
+    pub(crate) fn ray(&self, rays: &Rays, pixel: usize, place: [f64; 2], on_pinhole: DVec2) -> Option<FilmRay> {
         let film = DVec2::new((pixel % self.columns) as f64, (pixel / self.columns) as f64);
         let margin = DVec2::new(self.margin[0] as f64, self.margin[1] as f64);
         let place = film - margin + DVec2::from(place) - self.shift * on_pinhole;
-        rays.ray_through(0, place.into(), on_pinhole.into())
+        let ray = rays.ray_through(0, place.into(), on_pinhole.into())?;
+        let [columns, rows] = self.picture_size();
+        let is_inside = place.cmpge(DVec2::ZERO).all() && place.x < columns as f64 && place.y < rows as f64;
+        let pixel = || place.y as usize * columns + place.x as usize;
+        let passage = is_inside.then(|| PixelPassage { pixel: pixel(), on_pixel: place.fract(), on_pinhole });
+        Some(FilmRay { ray, passage })
     }
 
     /// The same for a point of the unit cube.
-    pub(crate) fn sampled_ray(&self, rays: &Rays, pixel: usize, u: [f64; 4]) -> Option<CameraRay> {
+    pub(crate) fn sampled_ray(&self, rays: &Rays, pixel: usize, u: [f64; 4]) -> Option<FilmRay> {
         self.ray(rays, pixel, [u[0], u[1]], unit_disk(u[2], u[3]).into())
     }
 

@@ -13,8 +13,9 @@ use crate::adaptive::{AdaptiveSampler, Estimate, MAX_PASSES, Pixel, SELECTION_BI
 use crate::checkpoint::AdaptiveState;
 use crate::edges::{Edges, SearchedFilm};
 use crate::fixed::radiance;
+use crate::image_light::{ExposedImages, IMAGE_FRACTION, ImageLight};
 use crate::lattice::{Lattice, STRIDE};
-use crate::shared_rays::{PinholeBlur, PinholeDerivatives, PinholeProbe, UnblurredFilm};
+use crate::shared_rays::{FilmRay, PinholeBlur, PinholeDerivatives, PinholeProbe, PixelPassage, UnblurredFilm};
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::{Exposer, Workers};
 use glam::DVec2;
@@ -34,6 +35,10 @@ const INTERPOLATION_FRACTION: f64 = 0.25;
 
 /// Maximum fraction of the squared error that is due to blurring an unblurred film.
 const MAX_FILM_FRACTION: f64 = 0.7;
+
+/// It is not trusted while the squared error due to noise is above this multiple of what is
+/// requested.
+const QUIET: f64 = 4.0;
 
 /// Change of that error, relative to the requested squared error, that is taken into account.
 const FILM_ERROR_STEP: f64 = 0.02;
@@ -137,10 +142,27 @@ impl<'a> AdaptiveSampler<'a> {
         state: &mut AdaptiveState,
         target: ErrorTarget,
     ) -> Option<(Estimate, Option<Stop>)> {
+        self.images_apart = self.is_plain() && !self.images.is_empty();
+        let mut images = ImageLight::begin(self);
+        let found = self.interpolated_rest(state, target, &mut images);
+        self.images_apart = false;
+        if found.is_none() {
+            self.discarded.fetch_add(images.map_or(0, |images| images.samples()), Ordering::Relaxed);
+        }
+        found
+    }
+
+    /// The same, with the light of images exposed apart.
+    fn interpolated_rest(
+        &mut self,
+        state: &mut AdaptiveState,
+        target: ErrorTarget,
+        images: &mut Option<ImageLight>,
+    ) -> Option<(Estimate, Option<Stop>)> {
         self.film = self.unblurred_film();
         if let Some(film) = &self.film {
             let mut film_state = AdaptiveState::new(film.pixel_count());
-            let found = self.sparse(&mut film_state, target);
+            let found = self.sparse(&mut film_state, target, images);
             self.film = None;
             if found.is_some() {
                 *state = film_state;
@@ -150,12 +172,11 @@ impl<'a> AdaptiveSampler<'a> {
                 return None;
             }
         }
-        self.sparse(state, target)
+        self.sparse(state, target, images)
     }
 
     fn unblurred_film(&self) -> Option<UnblurredFilm> {
-        let shares_rays = self.is_plain() && self.images.is_empty();
-        shares_rays.then(|| UnblurredFilm::new(self.exposer)).flatten()
+        self.is_plain().then(|| UnblurredFilm::new(self.exposer)).flatten()
     }
 
     /// Whether each ray adds its radiance to one pixel, in the same way for all pixels.
@@ -168,7 +189,12 @@ impl<'a> AdaptiveSampler<'a> {
     /// Exposes some pixels and interpolates the others, until the requested error is reached.
     /// `None` if this does not pay, with no samples kept, or if it was stopped: then some pixels
     /// have samples and others have none, and the checkpoint is empty.
-    pub(crate) fn sparse(&self, state: &mut AdaptiveState, target: ErrorTarget) -> Option<(Estimate, Option<Stop>)> {
+    fn sparse(
+        &self,
+        state: &mut AdaptiveState,
+        target: ErrorTarget,
+        images: &mut Option<ImageLight>,
+    ) -> Option<(Estimate, Option<Stop>)> {
         let most = target.most_samples.min(MAX_SAMPLES);
         let mut sparse = self.lattice().filter(|sparse| !sparse.is_dense())?;
         self.mirrors_points.store(sparse.is_smooth && self.exposer.renderer.integrates_all_lights(), Ordering::Relaxed);
@@ -181,14 +207,22 @@ impl<'a> AdaptiveSampler<'a> {
                 return None;
             }
             let estimate = sparse.estimate(state, self.film.as_ref());
-            let mean = estimate.mean();
+            let of_images = images.as_ref().map_or(0.0, ImageLight::sum) / estimate.pixel_count as f64;
+            let mean = estimate.mean() + of_images;
             if mean <= 0.0 {
                 break;
             }
-            let requested = (target.error * mean / SELECTION_BIAS).powi(2);
-            let known = film_error.known(blur.as_ref(), &estimate);
-            if known > MAX_FILM_FRACTION * requested {
-                break;
+            let all = (target.error * mean / SELECTION_BIAS).powi(2);
+            let requested = if images.is_some() { (1.0 - IMAGE_FRACTION) * all } else { all };
+            let most_known = MAX_FILM_FRACTION * requested;
+            let mut known = film_error.known(blur.as_ref(), &estimate);
+            if known > most_known {
+                // Noise looks like edges.
+                if estimate.squared_errors()[0] <= QUIET * requested {
+                    break;
+                }
+                film_error = FilmError::default();
+                known = most_known;
             }
             let refined = cells_to_refine(&sparse, &estimate, requested - known);
             let needed = samples_to_double(&estimate, requested - known, most);
@@ -209,7 +243,10 @@ impl<'a> AdaptiveSampler<'a> {
                 return None;
             }
             if refined.is_empty() {
-                return Some((self.finish(state, &sparse, &estimate, picture), Some(Stop::Rays)));
+                let left = all - known - estimate.squared_errors().iter().sum::<f64>();
+                let squared = estimate.pixel_count as f64 * left.max(0.5 * IMAGE_FRACTION * all);
+                let images = images.as_mut().map(|images| images.expose(self, squared, most));
+                return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(Stop::Rays)));
             }
             sparse.refine(refined);
         }
@@ -244,14 +281,18 @@ impl<'a> AdaptiveSampler<'a> {
         &self,
         state: &mut AdaptiveState,
         sparse: &Sparse,
-        estimate: &SparseEstimate,
-        picture: Option<Picture>,
+        (estimate, picture): (&SparseEstimate, Option<Picture>),
+        images: Option<ExposedImages>,
     ) -> Estimate {
         self.is_on_lattice.store(false, Ordering::Relaxed);
-        match (&self.film, picture) {
+        let mut rest = match (&self.film, picture) {
             (Some(film), Some(picture)) => develop(state, film, estimate, &picture),
             _ => fill_interpolated(state, sparse, estimate),
+        };
+        if let Some(images) = images {
+            images.add_to(state, &mut rest);
         }
+        rest
     }
 
     /// Forgets the samples of a lattice.
@@ -270,7 +311,8 @@ impl<'a> AdaptiveSampler<'a> {
             return None;
         }
         let [x, y, ..] = RaySampler::new(exposer.rays.seed(), RESERVED_NUMBER).take(DimensionSet::CAMERA);
-        let film = SearchedFilm { exposer, images: &self.images, unblurred: self.film.as_ref() };
+        let images = (!self.images_apart).then_some(&self.images);
+        let film = SearchedFilm { exposer, images, unblurred: self.film.as_ref() };
         let [columns, rows] = film.size().map(|count| count as u32);
         let lattice = Lattice::new(columns, rows, [x, y])?;
         let edges = Edges::find(film, &lattice);
@@ -325,7 +367,9 @@ impl<'a> AdaptiveSampler<'a> {
         let Exposer { rays, weights, .. } = *self.exposer;
         let Some(own) = film.in_picture(pixel) else { return f64::NAN };
         let (own, index) = (own as u64, ray_number(own as u64, 0));
-        let ray = rays.ray(own, RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA));
+        let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
+        let ray = rays.ray(own, u);
+        worker.count(self.counted(Some(PixelPassage::new(own as usize, u))));
         ray.cos4 * radiance(worker, index, (rays, own), &ray, weights)
     }
 
@@ -350,8 +394,9 @@ impl<'a> AdaptiveSampler<'a> {
     fn light_of_film(&self, worker: &mut Workers<'a>, film: &UnblurredFilm, pixel: usize, on_pinhole: DVec2) -> f64 {
         let Exposer { rays, weights, .. } = *self.exposer;
         let number = pixel as u64;
-        let ray = film.ray(rays, pixel, [0.5; 2], on_pinhole);
-        ray.map_or(0.0, |ray| ray.cos4 * radiance(worker, ray_number(number, 0), (rays, number), &ray, weights))
+        let Some(FilmRay { ray, passage }) = film.ray(rays, pixel, [0.5; 2], on_pinhole) else { return 0.0 };
+        worker.count(self.counted(passage));
+        ray.cos4 * radiance(worker, ray_number(number, 0), (rays, number), &ray, weights)
     }
 
     /// One interpolated pixel of each square.

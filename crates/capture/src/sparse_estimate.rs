@@ -194,24 +194,31 @@ fn area_of(level: u8) -> f64 {
 
 /// The noise of each node, pooled with neighbouring nodes as the adaptive sampler pools pixels.
 fn node_errors(lattice: &Lattice, nodes: &[u8], pixels: &[Pixel]) -> Vec<(usize, PixelError)> {
-    let columns = lattice.columns();
-    let summed = |of_node: fn(&Pixel) -> f64| {
-        WindowSums::new(
-            pixels.iter().zip(nodes).map(|(pixel, node)| if *node > 0 { of_node(pixel) } else { 0.0 }),
-            columns,
-        )
+    pooled_errors(pixels, lattice.columns(), |pixel| if nodes[pixel] > 0 { Lattice::stride(nodes[pixel]) } else { 0 })
+}
+
+/// The noise of some pixels, pooled with the others near them. `stride` gives the distance between
+/// them around a pixel, and 0 for all other pixels.
+pub(crate) fn pooled_errors(
+    pixels: &[Pixel],
+    columns: usize,
+    stride: impl Fn(usize) -> usize,
+) -> Vec<(usize, PixelError)> {
+    let summed = |of_pixel: fn(&Pixel) -> f64| {
+        let counted = |(index, pixel): (usize, &Pixel)| if stride(index) > 0 { of_pixel(pixel) } else { 0.0 };
+        WindowSums::new(pixels.iter().enumerate().map(counted), columns)
     };
     let count = summed(|_| 1.0);
     let last = summed(|pixel| pixel.last * f64::from(pixel.samples));
     let before = summed(|pixel| pixel.before * f64::from(pixel.samples));
-    let of_node = |(index, level): (usize, &u8)| {
-        let stride = Lattice::stride(*level);
+    let of_pixel = |index: usize| {
+        let stride = stride(index);
         let mean =
             |sums: &WindowSums, reach: usize| sums.around(index, reach * stride) / count.around(index, reach * stride);
         let gain = gain(mean(&last, GAIN_WINDOW), mean(&before, GAIN_WINDOW));
         (index, unit_error(&pixels[index], mean(&last, ERROR_WINDOW), gain, 1.0))
     };
-    nodes.iter().enumerate().filter(|(_, level)| **level > 0).map(of_node).collect()
+    (0..pixels.len()).filter(|pixel| stride(*pixel) > 0).map(of_pixel).collect()
 }
 
 fn residual(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise: &[f64]) -> InterpolationResidual {
