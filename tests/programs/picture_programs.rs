@@ -644,7 +644,7 @@ fn a_picture_of_another_format_is_named_with_its_converter() {
         (FileFormat::Png, "a PNG picture", "ra_png -r -"),
     ] {
         let bytes = write_image(format, &Header::new("RADIANCE"), &image).expect("three components");
-        for program in ["pfilt", "pextrem", "pvalue", "falsecolor"] {
+        for program in ["pfilt", "pextrem", "pvalue"] {
             let run = radsight_with(&[program, "-"], &bytes);
             assert_eq!(run.code, 1, "{program}: {}", run.messages);
             let expected = format!("the file is {found}, expected a Radiance picture");

@@ -136,13 +136,27 @@ struct Search<'s> {
     rows: Range<usize>,
 }
 
+/// The corners of an outline in space.
+#[derive(Clone, Copy, Debug)]
+enum Corners<'a> {
+    Positions(&'a [DVec3]),
+    /// Unit directions from the eye.
+    Directions(&'a [DVec3]),
+}
+
+impl Corners<'_> {
+    fn of(image: &LightImage) -> Corners<'_> {
+        if image.is_distant { Corners::Directions(&image.outline) } else { Corners::Positions(&image.outline) }
+    }
+}
+
 impl Search<'_> {
     /// The pixels that an image covers partly, with the covered part of the unit square over which
     /// the rays of the pixel are distributed.
     fn covered(&self, image: &LightImage) -> Vec<(usize, ConvexPolygon)> {
-        let Some(mut outline) = self.projected(&image.outline, image.is_distant) else { return Vec::new() };
+        let Some(mut outline) = self.projected(Corners::of(image)) else { return Vec::new() };
         if !image.frame.is_empty() {
-            let Some(frame) = self.projected(&image.frame, false) else { return Vec::new() };
+            let Some(frame) = self.projected(Corners::Positions(&image.frame)) else { return Vec::new() };
             outline = outline.clipped(&frame);
         }
         let (low, high) = outline
@@ -192,18 +206,19 @@ impl Search<'_> {
     }
 
     /// The convex hull of projected points, in columns and rows from the upper left corner.
-    fn projected(&self, points: &[DVec3], are_distant: bool) -> Option<ConvexPolygon> {
+    fn projected(&self, corners: Corners<'_>) -> Option<ConvexPolygon> {
         let view = self.camera.view();
         let options = view.options();
-        let mut points: Vec<DVec3> =
-            points.iter().map(|at| *at - if are_distant { DVec3::ZERO } else { options.point }).collect();
+        // The distance of a direction does not matter, except for rounding.
+        let (mut points, scale): (Vec<DVec3>, f64) = match corners {
+            Corners::Positions(points) => (points.iter().map(|at| *at - options.point).collect(), 1.0),
+            Corners::Directions(directions) => (directions.to_vec(), 1.0 + options.fore),
+        };
         match options.kind {
             ViewKind::Perspective => points = before_the_eye(&points, view.direction()),
             ViewKind::Parallel => {}
             _ => points.extend(connections(&points)),
         }
-        // The distance of a direction does not matter, except for rounding.
-        let scale = if are_distant { 1.0 + options.fore } else { 1.0 };
         let size = DVec2::new(self.camera.columns() as f64, self.camera.rows() as f64);
         let place = |at: &DVec3| {
             // A hemispherical view would show what lies behind it before it.
