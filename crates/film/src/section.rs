@@ -110,8 +110,8 @@ impl Density {
         self.cumulative.last().copied().unwrap_or(0.0)
     }
 
-    /// The interval and the coordinate for a fraction of the area.
-    fn place(&self, u: f64) -> Option<(usize, f64)> {
+    /// The coordinate for a fraction of the area.
+    fn place(&self, u: f64) -> Option<f64> {
         let wanted = u * self.area();
         let interval =
             self.cumulative.partition_point(|area| *area <= wanted).min(self.intervals.len().checked_sub(1)?);
@@ -121,7 +121,7 @@ impl Density {
         let width = end - start;
         let root = (first * first + 2.0 * (last - first) / width * area).max(0.0).sqrt();
         let x = if first + root > 0.0 { 2.0 * area / (first + root) } else { 0.0 };
-        Some((interval, start + x.min(width)))
+        Some(start + x.min(width))
     }
 }
 
@@ -146,6 +146,13 @@ impl Sections {
             .collect();
         let length = |[places, low, high]: &[[f64; 2]; 3]| [*places, [0, 1].map(|end| (high[end] - low[end]).max(0.0))];
         Sections { density: Density::new(intervals.iter().map(length).collect()), intervals }
+    }
+
+    /// A point of the polygon, for a point of the unit square.
+    fn point(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
+        let x = self.density.place(u)?;
+        let [low, high] = self.at(x)?;
+        Some([x, low + v * (high - low)])
     }
 
     /// The section at a coordinate; `None` beside the polygon.
@@ -203,23 +210,18 @@ impl Partition {
     /// distributed.
     pub(crate) fn point(&self, [u, v]: [f64; 2]) -> Option<([f64; 2], f64)> {
         if u < REST {
-            let (_, x) = self.rest.place(u / REST)?;
+            let x = self.rest.place(u / REST)?;
             return Some(([x, self.beside(x, v)], self.rest.area() / REST));
         }
         let (chosen, u) = radsight_sampling::choose(self.shares.iter().copied(), (u - REST) / (1.0 - REST))?;
         let sections = &self.polygons[chosen];
-        let (_, x) = sections.density.place(u)?;
-        let [low, high] = sections.at(x)?;
         let weight = sections.density.area() / (self.shares[chosen] * (1.0 - REST));
-        Some(([x, low + v * (high - low)], weight))
+        Some((sections.point([u, v])?, weight))
     }
 
     /// A point of the first polygon.
-    pub(crate) fn inside(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
-        let sections = self.polygons.first()?;
-        let (_, x) = sections.density.place(u)?;
-        let [low, high] = sections.at(x)?;
-        Some([x, low + v * (high - low)])
+    pub(crate) fn inside(&self, u: [f64; 2]) -> Option<[f64; 2]> {
+        self.polygons.first()?.point(u)
     }
 
     /// The point at a fraction of the part of a vertical line that lies outside the polygons.
