@@ -30,8 +30,8 @@ pub enum PictureError {
     /// The file has another format.
     #[error("the file is {found}, expected a Radiance picture")]
     OtherFormat {
-        /// Its format, with an article.
-        found: &'static str,
+        /// Its format.
+        found: crate::ForeignFormat,
     },
     /// A header line has an invalid value.
     #[error("header line {line}: {name} is \"{value}\", expected {expected}")]

@@ -1,8 +1,8 @@
 //! Reads and writes any format, selected by file name or content.
 
 use crate::{
-    FloatMatrix, Header, Image, MatrixFormat, Picture, PictureError, read_npy, read_pfm, read_png, write_npy,
-    write_pfm, write_png_grey16, write_png_rgb16,
+    FloatMatrix, ForeignFormat, Header, Image, MatrixFormat, Picture, PictureError, read_npy, read_pfm, read_png,
+    write_npy, write_pfm, write_png_grey16, write_png_rgb16,
 };
 
 /// The formats of images.
@@ -68,14 +68,14 @@ impl FileFormat {
     /// `NCOLS=` or a matrix FORMAT, otherwise a picture.
     #[must_use]
     pub fn from_content(bytes: &[u8]) -> Option<FileFormat> {
-        match bytes {
-            [b'P', b'F' | b'f', b'\n' | b' ' | b'\r' | b'\t', ..] => Some(FileFormat::Pfm),
-            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Some(FileFormat::Npy),
-            [0x89, b'P', b'N', b'G', ..] => Some(FileFormat::Png),
+        match ForeignFormat::from_content(bytes) {
+            Some(ForeignFormat::Pfm) => Some(FileFormat::Pfm),
+            Some(ForeignFormat::Npy) => Some(FileFormat::Npy),
+            Some(ForeignFormat::Png) => Some(FileFormat::Png),
             #[cfg(feature = "tiff")]
-            [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Some(FileFormat::Tiff),
+            Some(ForeignFormat::Tiff) => Some(FileFormat::Tiff),
             #[cfg(feature = "exr")]
-            [0x76, 0x2f, 0x31, 0x01, ..] => Some(FileFormat::Exr),
+            Some(ForeignFormat::Exr) => Some(FileFormat::Exr),
             _ => {
                 let (header, _) = Header::read(bytes).ok()?;
                 let is_matrix_format = matches!(header.format().as_deref(), Some("ascii" | "float" | "double"));

@@ -41,6 +41,7 @@ mod error;
 #[cfg(feature = "exr")]
 mod exr;
 mod file_format;
+mod foreign_format;
 mod header;
 mod image;
 #[cfg(feature = "tiff")]
@@ -64,6 +65,7 @@ pub use error::PictureError;
 #[cfg(feature = "exr")]
 pub use exr::{read_exr, write_exr};
 pub use file_format::{FileFormat, ReadImage, read_image, write_image};
+pub use foreign_format::ForeignFormat;
 pub use header::{Assignment, Header};
 pub use image::Image;
 #[cfg(feature = "tiff")]

@@ -2,7 +2,7 @@
 
 use crate::picture::{components_of, mean_of_parts, spectrum_parts};
 use crate::rgbe::{decode_spectrum, encode_spectrum};
-use crate::{Encoding, Header, PictureError, Resolution, decode_rgbe, encode_rgbe, scanline};
+use crate::{Encoding, ForeignFormat, Header, PictureError, Resolution, decode_rgbe, encode_rgbe, scanline};
 use std::io::{Read, Write};
 
 /// Largest header, bytes.
@@ -358,23 +358,10 @@ fn check_length(resolution: &Resolution, components: usize) -> Result<(), Pictur
 /// The header of a picture. Headers need no identifier, so other formats are told by their first
 /// bytes.
 fn picture_header(bytes: &[u8]) -> Result<(Header, usize), PictureError> {
-    match other_format(bytes) {
+    match ForeignFormat::from_content(bytes) {
         Some(found) => Err(PictureError::OtherFormat { found }),
         None => Header::read(bytes),
     }
-}
-
-/// The name of a format of pictures other than Radiance's.
-fn other_format(bytes: &[u8]) -> Option<&'static str> {
-    Some(match bytes {
-        [0x76, 0x2f, 0x31, 0x01, ..] => "an OpenEXR picture",
-        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => "a TIFF picture",
-        [0x89, b'P', b'N', b'G', ..] => "a PNG picture",
-        [0xff, 0xd8, 0xff, ..] => "a JPEG picture",
-        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => "a NumPy array",
-        [b'P', b'F' | b'f', b'\n', ..] => "a portable float map",
-        _ => return None,
-    })
 }
 
 /// The unused bytes of a source.

@@ -6,7 +6,7 @@ use crate::failure::{Failure, Outcome, reason};
 use crate::output::{StandardOutput, standard_output, write_file};
 use crate::read_once;
 use crate::trust::shell;
-use radsight_picture::{FileFormat, FloatMatrix, Header, MatrixFormat, PictureError, PictureReader, read_image};
+use radsight_picture::{FloatMatrix, ForeignFormat, Header, MatrixFormat, PictureError, PictureReader, read_image};
 use radsight_picture_ops::ToolError;
 use radsight_scene_generators::source_name;
 use std::fs::File;
@@ -89,14 +89,19 @@ pub(super) fn failed(path: &str, error: ToolError) -> Failure {
 }
 
 /// A hint at the program that makes a Radiance picture of a file.
-fn converter_hint(found: &str, path: &str) -> String {
+fn converter_hint(found: ForeignFormat, path: &str) -> String {
     let command = match found {
-        "an OpenEXR picture" | "a NumPy array" | "a portable float map" => "pcomb",
-        "a TIFF picture" => "ra_tiff -r",
-        "a PNG picture" => "ra_png -r",
+        format if is_read_by_pcomb(format) => "pcomb",
+        ForeignFormat::Tiff => "ra_tiff -r",
+        ForeignFormat::Png => "ra_png -r",
         _ => return String::new(),
     };
     format!("\nhint: `{command} {path}` makes one of it")
+}
+
+/// Whether the format has values in single precision that become a float matrix.
+fn is_read_by_pcomb(format: ForeignFormat) -> bool {
+    matches!(format, ForeignFormat::Exr | ForeignFormat::Pfm | ForeignFormat::Npy)
 }
 
 fn stream_failed(kind: ErrorKind, words: &str) -> Failure {
@@ -182,8 +187,12 @@ pub(super) fn open_any_image(path: &str, commands: Commands) -> Result<Source, F
     let mut source = open_any(path, commands)?;
     let unreadable = |error: &io::Error| Failure::read(&format!("\"{path}\""), error);
     let mut bytes = Vec::new();
-    source.by_ref().take(LONGEST_MAGIC).read_to_end(&mut bytes).map_err(|error| unreadable(&error))?;
-    if !matches!(FileFormat::from_content(&bytes), Some(FileFormat::Exr | FileFormat::Pfm | FileFormat::Npy)) {
+    source
+        .by_ref()
+        .take(ForeignFormat::LONGEST_SIGNATURE as u64)
+        .read_to_end(&mut bytes)
+        .map_err(|error| unreadable(&error))?;
+    if !ForeignFormat::from_content(&bytes).is_some_and(is_read_by_pcomb) {
         return Ok(Box::new(io::Cursor::new(bytes).chain(source)));
     }
     source.read_to_end(&mut bytes).map_err(|error| unreadable(&error))?;
@@ -191,9 +200,6 @@ pub(super) fn open_any_image(path: &str, commands: Commands) -> Result<Source, F
     let header = read.header.unwrap_or_else(|| Header::new("RADIANCE"));
     Ok(Box::new(io::Cursor::new(FloatMatrix::write_f32(&header, &read.image, MatrixFormat::Float))))
 }
-
-/// Length of the bytes that tell a format, bytes.
-const LONGEST_MAGIC: u64 = 8;
 
 /// The output of a command.
 struct CommandOutput {
