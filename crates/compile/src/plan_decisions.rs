@@ -44,7 +44,7 @@ impl RenderPlan {
         }
         for (count, what, why) in self.visibility.summary() {
             if count > 0 {
-                decisions.skip(Skip::Unreached, format!("{count} {what}"), why);
+                decisions.skip(Skip::Unreached, format!("{what}: {count}"), why);
             }
         }
         if self.options.ambient_bounces == 0 {

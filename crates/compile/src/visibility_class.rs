@@ -121,20 +121,20 @@ impl Visibility {
         let direct_only =
             self.receivers.iter().filter(|receiver| receiver.sees_only_lights && receiver.lights_suffice).count();
         [
-            (pairs(|b| *b == VisibilityClass::Dark), "pairs of surface and light are skipped", "the light faces away"),
+            (pairs(|b| *b == VisibilityClass::Dark), "pairs of surface and light that need no light sample", "the light faces away"),
             (
                 pairs(|b| *b == VisibilityClass::Nothing),
-                "pairs of surface and light need no shadow ray",
+                "pairs of surface and light that need no shadow ray",
                 "nothing reaches into the space between them",
             ),
             (
                 pairs(|b| matches!(b, VisibilityClass::Few(_))),
-                "pairs of surface and light test a few surfaces only",
+                "pairs of surface and light that test a few surfaces only",
                 "no other reaches into the space between them",
             ),
             (
                 direct_only,
-                "surfaces sample the lights alone",
+                "surfaces that sample the lights alone",
                 "nothing but lights is in front of them, each smaller than the highlight",
             ),
         ]
