@@ -107,6 +107,44 @@ struct Surroundings {
     of_a_ray: f64,
 }
 
+impl Surroundings {
+    /// With the correction that leaves the least squared error.
+    fn with_least_error(
+        corrections: &[[f64; 3]; CORRECTIONS],
+        left: [f64; CORRECTIONS],
+        of_a_ray: f64,
+    ) -> Surroundings {
+        let chosen = (0..CORRECTIONS).min_by(|a, b| left[*a].total_cmp(&left[*b])).unwrap_or(0);
+        Surroundings { correction: corrections[chosen], chosen, left: left[chosen].max(0.0), of_a_ray }
+    }
+}
+
+/// A quantity of each pixel, and its sum over the pixels with rays of each cell. Regions of many
+/// pixels are summed by cells.
+struct CellSums<'c, const N: usize> {
+    cells: &'c [Vec<usize>],
+    of_pixels: Vec<[f64; N]>,
+    sums: Vec<[f64; N]>,
+}
+
+impl<'c, const N: usize> CellSums<'c, N> {
+    fn new(cells: &'c [Vec<usize>], of_pixels: Vec<[f64; N]>) -> CellSums<'c, N> {
+        let sums = cells.iter().map(|cell| sum_of(&of_pixels, cell.iter())).collect();
+        CellSums { cells, of_pixels, sums }
+    }
+
+    /// The sum over a cell without one of its pixels, and the number of pixels.
+    fn of_cell(&self, cell: usize, without: Option<usize>) -> ([f64; N], usize) {
+        let Some(own) = without else { return (self.sums[cell], self.cells[cell].len()) };
+        let others = || self.cells[cell].iter().filter(|other| **other != own);
+        (sum_of(&self.of_pixels, others()), others().count())
+    }
+}
+
+fn sum_of<'p, const N: usize>(values: &[[f64; N]], pixels: impl Iterator<Item = &'p usize>) -> [f64; N] {
+    pixels.fold([0.0; N], |sum, pixel| std::array::from_fn(|index| sum[index] + values[*pixel][index]))
+}
+
 /// The quality of a block with the current corrections.
 #[derive(Debug)]
 pub(crate) struct Assessment {
@@ -220,76 +258,49 @@ impl Residuals {
         cells
     }
 
-    /// Visits the pixels with rays around a pixel, without itself, with weights that fall to zero.
-    fn around(&self, cells: &[Vec<usize>], pixel: usize, radius: usize, mut visit: impl FnMut(usize, f64)) {
+    /// The weighted mean of a quantity over the pixels with rays around a pixel, without itself, with
+    /// weights that fall to zero; 0 if there are none.
+    fn around<const N: usize>(&self, quantity: &CellSums<'_, N>, pixel: usize, radius: usize) -> [f64; N] {
         let (across, down) = self.cells();
         let (column, row) = self.cell_of(pixel);
+        let (mut sums, mut weights) = ([0.0; N], 0.0);
         for y in row.saturating_sub(radius)..(row + radius + 1).min(down) {
             for x in column.saturating_sub(radius)..(column + radius + 1).min(across) {
-                let weight = (radius + 1 - x.abs_diff(column)) * (radius + 1 - y.abs_diff(row));
-                for &other in cells[y * across + x].iter().filter(|other| **other != pixel) {
-                    visit(other, weight as f64);
-                }
+                let is_own = (x, y) == (column, row);
+                let (sum, count) = quantity.of_cell(y * across + x, is_own.then_some(pixel));
+                let weight = ((radius + 1 - x.abs_diff(column)) * (radius + 1 - y.abs_diff(row))) as f64;
+                sums = std::array::from_fn(|index| sums[index] + weight * sum[index]);
+                weights += weight * count as f64;
             }
         }
-    }
-
-    /// The possible corrections from the pixels around one.
-    fn corrections(&self, cells: &[Vec<usize>], pixel: usize) -> [[f64; 3]; CORRECTIONS] {
-        let mut corrections = [[0.0; 3]; CORRECTIONS];
-        for (correction, radius) in corrections[1..].iter_mut().zip(CORRECTION_RADII) {
-            let mut weights = 0.0;
-            self.around(cells, pixel, radius, |other, weight| {
-                let mean = self.pixels[other].mean();
-                *correction = std::array::from_fn(|band| correction[band] + weight * mean[band]);
-                weights += weight;
-            });
-            *correction = correction.map(|band| band / f64::max(weights, f64::MIN_POSITIVE));
-        }
-        corrections
+        sums.map(|sum| sum / f64::max(weights, f64::MIN_POSITIVE))
     }
 
     /// The current quality of the block; no pixel gets more than `most` rays.
     pub(crate) fn assess(&self, most: u32) -> Assessment {
         let cells = self.sampled();
-        let all = 0..self.pixels.len();
-        let corrections: Vec<[[f64; 3]; CORRECTIONS]> =
-            all.clone().into_par_iter().with_min_len(64).map(|pixel| self.corrections(&cells, pixel)).collect();
+        let means = CellSums::new(&cells, self.pixels.iter().map(Residual::mean).collect());
+        let corrections = self.of_all(|pixel| {
+            let [near, far] = CORRECTION_RADII.map(|radius| self.around(&means, pixel, radius));
+            [[0.0; 3], near, far]
+        });
         let left: Vec<[f64; CORRECTIONS]> = (corrections.iter().zip(&self.pixels))
             .map(|(corrections, pixel)| corrections.map(|correction| pixel.error_after(&correction)))
             .collect();
-        let around: Vec<Surroundings> = all
-            .clone()
-            .into_par_iter()
-            .with_min_len(64)
-            .map(|pixel| self.surroundings(&cells, pixel, &corrections[pixel], &left))
+        let statistics = (left.iter().zip(&self.pixels))
+            .map(|(&[none, near, far], pixel)| [none, near, far, pixel.variance() * f64::from(pixel.rays)])
             .collect();
+        let statistics = CellSums::new(&cells, statistics);
+        let around = self.of_all(|pixel| {
+            let [none, near, far, of_a_ray] = self.around(&statistics, pixel, REGION_RADIUS);
+            Surroundings::with_least_error(&corrections[pixel], [none, near, far], of_a_ray)
+        });
         self.conclude(&cells, &around, &left, most)
     }
 
-    fn surroundings(
-        &self,
-        cells: &[Vec<usize>],
-        pixel: usize,
-        corrections: &[[f64; 3]; CORRECTIONS],
-        left: &[[f64; CORRECTIONS]],
-    ) -> Surroundings {
-        let (mut sums, mut of_a_ray, mut weights) = ([0.0; CORRECTIONS], 0.0, 0.0);
-        self.around(cells, pixel, REGION_RADIUS, |other, weight| {
-            for (sum, left) in sums.iter_mut().zip(left[other]) {
-                *sum += weight * left;
-            }
-            of_a_ray += weight * self.pixels[other].variance() * f64::from(self.pixels[other].rays);
-            weights += weight;
-        });
-        let chosen = (0..CORRECTIONS).min_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0);
-        let weights = f64::max(weights, f64::MIN_POSITIVE);
-        Surroundings {
-            correction: corrections[chosen],
-            chosen,
-            left: (sums[chosen] / weights).max(0.0),
-            of_a_ray: of_a_ray / weights,
-        }
+    /// A value of each pixel of the block.
+    fn of_all<T: Send>(&self, of_pixel: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+        (0..self.pixels.len()).into_par_iter().with_min_len(64).map(of_pixel).collect()
     }
 
     fn conclude(
@@ -477,6 +488,25 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn means_around_a_pixel_exclude_it_and_pixels_without_rays() {
+        let mut residuals = residuals(2, &vec![0.0; PIXELS], 0.8, 2);
+        let pixel = 20 * COLUMNS + 21;
+        residuals.pixels[pixel].rays = RAYS;
+        let cells = residuals.sampled();
+        let values: Vec<[f64; 1]> = (0..PIXELS).map(|index| [(7 * index % 11) as f64]).collect();
+        let ([column, row], radius) = (<[usize; 2]>::from(residuals.cell_of(pixel)), 3);
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for other in (0..PIXELS).filter(|other| *other != pixel && residuals.pixels[*other].rays > 0) {
+            let (x, y) = residuals.cell_of(other);
+            let weight = (4_usize.saturating_sub(x.abs_diff(column)) * 4_usize.saturating_sub(y.abs_diff(row))) as f64;
+            sum += weight * values[other][0];
+            weights += weight;
+        }
+        let [mean] = residuals.around(&CellSums::new(&cells, values), pixel, radius);
+        assert!((mean - sum / weights).abs() < 1e-12, "{mean}, not {}", sum / weights);
     }
 
     #[test]
