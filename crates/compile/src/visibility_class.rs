@@ -121,7 +121,11 @@ impl Visibility {
         let direct_only =
             self.receivers.iter().filter(|receiver| receiver.sees_only_lights && receiver.lights_suffice).count();
         [
-            (pairs(|b| *b == VisibilityClass::Dark), "pairs of surface and light that need no light sample", "the light faces away"),
+            (
+                pairs(|b| *b == VisibilityClass::Dark),
+                "pairs of surface and light that need no light sample",
+                "the light faces away",
+            ),
             (
                 pairs(|b| *b == VisibilityClass::Nothing),
                 "pairs of surface and light that need no shadow ray",
