@@ -17,6 +17,7 @@ mod light_strata;
 mod noise;
 mod part;
 mod pixel_sample;
+mod projection;
 mod residual;
 mod section;
 mod single;

@@ -49,6 +49,12 @@ impl ConvexPolygon {
         &self.0
     }
 
+    /// The lowest and the highest coordinates; infinite without corners.
+    pub(crate) fn bounds(&self) -> [DVec2; 2] {
+        let [low, high] = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+        self.0.iter().fold([low, high], |[low, high], at| [low.min(*at), high.max(*at)])
+    }
+
     pub(crate) fn map(&self, map: impl Fn(DVec2) -> DVec2) -> ConvexPolygon {
         ConvexPolygon(self.0.iter().map(|corner| map(*corner)).collect())
     }
