@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 mod adaptive;
+mod drawn_lights;
 mod interpolated;
 mod light_strata;
 mod noise;

@@ -35,6 +35,8 @@ pub struct LightImage {
     pub is_distant: bool,
     /// Points in whose convex hull lies the surface that reflects it; empty for a direct view.
     pub frame: Vec<DVec3>,
+    /// The share of the area in its outline that it covers, where it is round; else 1.
+    pub share_of_outline: f64,
     emitter: SurfaceHandle,
     /// The surfaces that reflect a ray, in this order.
     mirrors: Vec<SurfaceHandle>,
@@ -45,7 +47,7 @@ impl LightImage {
     /// as those make virtual sources.
     #[must_use]
     pub fn all(plan: &RenderPlan, from: Viewpoint) -> Vec<LightImage> {
-        let emitters = emitters(plan);
+        let emitters: Vec<(SurfaceHandle, LightForm)> = emitters(plan).collect();
         if plan.has_antimatter || emitters.len() > MAX_EMITTERS {
             return Vec::new();
         }
@@ -68,6 +70,24 @@ impl LightImage {
         direct.chain(reflected).chain(several).collect()
     }
 
+    /// The images of emitters that are seen directly. `may_show` excludes those whose bounding sphere
+    /// a picture does not show, from its centre and its radius in scene units; distant ones are not
+    /// excluded.
+    #[must_use]
+    pub fn direct(plan: &RenderPlan, from: Viewpoint, may_show: impl Fn(DVec3, f64) -> bool) -> Vec<LightImage> {
+        if plan.has_antimatter {
+            return Vec::new();
+        }
+        let is_shown = |form: &LightForm| {
+            let (center, radius) = form.bounding_sphere();
+            radius.is_infinite() || may_show(center, radius)
+        };
+        let image = |(surface, form): (SurfaceHandle, LightForm)| {
+            is_shown(&form).then(|| LightImage::new(&form, surface, &[], from)).flatten()
+        };
+        emitters(plan).filter_map(image).collect()
+    }
+
     /// `None` for an image that shows its back, or has no outline.
     fn new(form: &LightForm, emitter: SurfaceHandle, mirrors: &[SurfaceHandle], from: Viewpoint) -> Option<LightImage> {
         let (center, radius) = form.bounding_sphere();
@@ -81,7 +101,8 @@ impl LightImage {
         }
         let outline = form.outline(eye);
         let is_distant = radius.is_infinite();
-        let image = LightImage { outline, is_distant, frame: Vec::new(), emitter, mirrors: mirrors.to_vec() };
+        let (frame, share_of_outline) = (Vec::new(), form.share_of_outline());
+        let image = LightImage { outline, is_distant, frame, share_of_outline, emitter, mirrors: mirrors.to_vec() };
         (!image.outline.is_empty()).then_some(image)
     }
 
@@ -106,13 +127,13 @@ impl LightImage {
 }
 
 /// All surfaces that emit light and show it.
-fn emitters(plan: &RenderPlan) -> Vec<(SurfaceHandle, LightForm)> {
-    let form = |(surface, shape): (SurfaceHandle, Shape)| {
+fn emitters(plan: &RenderPlan) -> impl Iterator<Item = (SurfaceHandle, LightForm)> {
+    let form = move |(surface, shape): (SurfaceHandle, Shape)| {
         let Kind::Emitter(emitter) = &plan.shader(surface).kind else { return None };
         let form = LightForm::new(&plan.scene, shape)?;
         (!emitter.radiance.is_black()).then_some((surface, form))
     };
-    plan.scene.surfaces.iter().map(|(handle, surface)| (handle, surface.shape)).filter_map(form).collect()
+    plan.scene.surfaces.iter().map(|(handle, surface)| (handle, surface.shape)).filter_map(form)
 }
 
 /// A flat surface that reflects like a mirror, at least partly.

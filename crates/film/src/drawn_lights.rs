@@ -1,0 +1,244 @@
+//! Small lights in interpolated pictures, drawn by the part of each pixel that they cover.
+//!
+//! A lamp of a few pixels is missed by most samples of a coarse grid. Radiance's `rpict` draws such
+//! lights after the rest of the picture (`drawsources`); this file does the same. The outlines of
+//! small emitters are projected onto the film. In each pixel that they touch, rays to points of the
+//! outline find whether the light is visible, and its radiance. A pixel is the sum of the visible
+//! lights and of the rest, weighted by the areas that they cover.
+//!
+//! The samples of these pixels, from which the rest is interpolated, pass beside the outlines, so
+//! that nothing counts twice.
+
+use crate::light_strata::disjoint;
+use crate::projection::{Cover, PixelSquare, projected, touched, viewpoint};
+use crate::section::{ConvexPolygon, Partition, Sections};
+use crate::view_camera::{CameraRay, ViewCamera, traced};
+use glam::{DVec2, DVec3};
+use radsight_picture::ViewKind;
+use radsight_render::{LightImage, Lights, Ray, RayWorker, Renderer};
+use radsight_sampling::{DimensionSet, RaySampler};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// Rays to points of a light in a pixel, a power of two.
+const RAYS: u64 = 4;
+
+/// Ray numbers of a pixel, as a power of two, and their offset.
+const NUMBERS_LOG2: u32 = 20;
+const DRAWN: u64 = 1 << 63;
+
+/// How far points of an outline are moved towards its middle, as a fraction of the way: the corners
+/// of a polygon around a circle do not belong to the light.
+const INWARDS: f64 = 0.01;
+
+/// The samples of a pixel pass beside lights unless they cover more than this fraction of it.
+const MOST_COVERED: f64 = 0.995;
+
+/// The drawn lights of a picture.
+#[derive(Debug, Default)]
+pub(crate) struct DrawnLights {
+    /// By the number of a pixel.
+    pixels: HashMap<usize, DrawnPixel>,
+}
+
+/// The lights in a pixel.
+#[derive(Debug)]
+struct DrawnPixel {
+    /// The sum of their radiances, weighted by the visible areas.
+    light: [f64; 3],
+    /// The visible area of all lights, as a fraction of the pixel.
+    covered: f64,
+    /// The pixel without the outlines; `None` if hardly anything is left.
+    rest: Option<Partition>,
+}
+
+/// The part of a pixel that the outline of a light covers.
+struct Piece {
+    /// In the unit square of the pixel.
+    outline: ConvexPolygon,
+    /// The middle of the whole outline, in coordinates of the unit square.
+    middle: DVec2,
+    image: usize,
+}
+
+impl DrawnLights {
+    /// Finds the lights whose images are at most `widest` pixels wide. There are none with an
+    /// aperture, in motion, and where lights are invisible.
+    pub(crate) fn find(renderer: &Renderer, camera: &ViewCamera, widest: f64) -> DrawnLights {
+        let plan = renderer.plan();
+        if camera.aperture > 0.0 || camera.motion.is_some() || plan.lights_seen() == Lights::Invisible {
+            return DrawnLights::default();
+        }
+        let sides = sides(camera);
+        let may_show = |center: DVec3, radius: f64| sides.iter().all(|side| side.height(center) >= -radius);
+        let images = LightImage::direct(plan, viewpoint(camera.view()), may_show);
+        let pieces: Vec<Vec<(usize, Piece)>> = (images.par_iter().enumerate().with_min_len(64))
+            .map(|(index, image)| pieces(camera, index, image, widest))
+            .collect();
+        let mut by_pixel: HashMap<usize, Vec<Piece>> = HashMap::new();
+        for (pixel, piece) in pieces.into_iter().flatten() {
+            by_pixel.entry(pixel).or_default().push(piece);
+        }
+        let camera = &whole_pixels(camera);
+        let drawn = |worker: &mut RayWorker<'_>, (pixel, pieces)| {
+            let search = Search { renderer, camera, images: &images, pixel };
+            Some((pixel, search.drawn(worker, pieces)?))
+        };
+        let pixels = by_pixel.into_par_iter().map_init(|| renderer.worker(), drawn).flatten_iter().collect();
+        DrawnLights { pixels }
+    }
+
+    /// The ray of a sample of a pixel.
+    pub(crate) fn ray_beside(
+        &self,
+        camera: &ViewCamera,
+        column: usize,
+        row: usize,
+        sampler: &RaySampler,
+    ) -> Option<CameraRay> {
+        let drawn = self.of(camera, column, row);
+        let Some(rest) = drawn.and_then(|drawn| drawn.rest.as_ref()) else { return camera.ray(column, row, sampler) };
+        let [x, y, ..] = sampler.take(DimensionSet::CAMERA);
+        whole_pixels(camera).still_ray(column, row, rest.outside([x, y])?)
+    }
+
+    /// The ray through the middle of a pixel, or of what lights leave of it.
+    pub(crate) fn central_ray_beside(&self, camera: &ViewCamera, column: usize, row: usize) -> Option<CameraRay> {
+        let rest = self.of(camera, column, row).and_then(|drawn| drawn.rest.as_ref());
+        let Some(rest) = rest else { return camera.central_ray(column, row) };
+        whole_pixels(camera).still_ray(column, row, rest.outside([0.5, 0.5])?)
+    }
+
+    /// Whether lights cover all of a pixel.
+    pub(crate) fn cover(&self, camera: &ViewCamera, column: usize, row: usize) -> bool {
+        self.of(camera, column, row).is_some_and(|drawn| drawn.rest.is_none())
+    }
+
+    fn of(&self, camera: &ViewCamera, column: usize, row: usize) -> Option<&DrawnPixel> {
+        if self.pixels.is_empty() { None } else { self.pixels.get(&(row * camera.columns() + column)) }
+    }
+
+    /// Adds the lights to the pixels of some rows.
+    pub(crate) fn draw(&self, pixels: &mut [[f32; 3]], camera: &ViewCamera, rows: &Range<usize>) {
+        let first = rows.start * camera.columns();
+        for (pixel, drawn) in &self.pixels {
+            let value = pixel.checked_sub(first).and_then(|index| pixels.get_mut(index));
+            if let Some(value) = value {
+                let share = (1.0 - drawn.covered).max(0.0);
+                *value = std::array::from_fn(|band| (share * f64::from(value[band]) + drawn.light[band]) as f32);
+            }
+        }
+    }
+}
+
+/// The same camera with rays over whole pixels, as lights are drawn.
+fn whole_pixels(camera: &ViewCamera) -> ViewCamera {
+    let mut camera = *camera;
+    camera.jitter = 1.0;
+    camera
+}
+
+/// A plane at a side of a picture.
+struct Side {
+    /// Unit, towards the picture.
+    normal: DVec3,
+    point: DVec3,
+}
+
+impl Side {
+    fn height(&self, point: DVec3) -> f64 {
+        self.normal.dot(point - self.point)
+    }
+}
+
+/// The planes between which everything lies that a perspective or parallel view shows; none for
+/// other views.
+fn sides(camera: &ViewCamera) -> Vec<Side> {
+    let view = camera.view();
+    if !matches!(view.options().kind, ViewKind::Perspective | ViewKind::Parallel) {
+        return Vec::new();
+    }
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|place| view.ray(place));
+    let side = |index: usize| {
+        let [from, to, opposite] = [0, 1, 2].map(|next| corners[(index + next) % 4]);
+        let (from, to, opposite) = (from?, to?, opposite?);
+        let along = to.origin + to.direction - from.origin;
+        let normal = from.direction.cross(along).try_normalize()?;
+        let inside = (opposite.origin + opposite.direction - from.origin).dot(normal);
+        Some(Side { normal: normal * inside.signum(), point: from.origin })
+    };
+    (0..4).filter_map(side).collect()
+}
+
+/// The pixels that an image touches; none of an image that is too wide.
+fn pieces(camera: &ViewCamera, index: usize, image: &LightImage, widest: f64) -> Vec<(usize, Piece)> {
+    let Some(outline) = projected(camera, image).filter(|outline| outline.width() <= widest) else {
+        return Vec::new();
+    };
+    let (columns, rows) = touched(&outline, &(0..camera.columns()), &(0..camera.rows()));
+    let [low, high] = outline.bounds();
+    let mut found = Vec::new();
+    for (row, column) in rows.flat_map(|row| columns.clone().map(move |column| (row, column))) {
+        let square = PixelSquare::new(column, row, 1.0);
+        let part = match square.cover(&outline) {
+            Cover::Nothing => continue,
+            Cover::Part(part) => part,
+            Cover::All => ConvexPolygon::square(),
+        };
+        let piece = Piece { outline: part, middle: square.upright(0.5 * (low + high)), image: index };
+        found.push((row * camera.columns() + column, piece));
+    }
+    found
+}
+
+/// The search for visible lights in a pixel.
+struct Search<'s> {
+    renderer: &'s Renderer,
+    /// With rays over whole pixels.
+    camera: &'s ViewCamera,
+    images: &'s [LightImage],
+    pixel: usize,
+}
+
+impl Search<'_> {
+    /// `None` if no light is visible.
+    fn drawn(&self, worker: &mut RayWorker<'_>, pieces: Vec<Piece>) -> Option<DrawnPixel> {
+        let (mut light, mut covered) = ([0.0; 3], 0.0);
+        let mut visible = Vec::new();
+        for (number, piece) in pieces.into_iter().enumerate() {
+            let Some((sum, seen)) = self.seen(worker, number as u64, &piece) else { continue };
+            let share = piece.outline.area() * self.images[piece.image].share_of_outline / RAYS as f64;
+            light = std::array::from_fn(|band| light[band] + share * sum[band]);
+            covered += share * f64::from(seen);
+            visible.push(piece.outline);
+        }
+        let rest = disjoint(visible, MOST_COVERED).and_then(|outlines| Partition::new(&outlines));
+        (covered > 0.0).then_some(DrawnPixel { light, covered, rest })
+    }
+
+    /// The sum of the radiances of the rays that see the light of a piece, and their number; `None`
+    /// for no such ray.
+    fn seen(&self, worker: &mut RayWorker<'_>, number: u64, piece: &Piece) -> Option<([f64; 3], u32)> {
+        let sections = Sections::new(&piece.outline);
+        let (mut sum, mut seen) = ([0.0; 3], 0);
+        for ray in 0..RAYS {
+            let index = DRAWN | (self.pixel as u64) << NUMBERS_LOG2 | number * RAYS + ray;
+            let Some(value) = self.value(worker, index, piece, &sections) else { continue };
+            sum = std::array::from_fn(|band| sum[band] + value[band]);
+            seen += 1;
+        }
+        (seen > 0).then_some((sum, seen))
+    }
+
+    /// The radiance of a ray to the light of a piece; `None` if something hides it.
+    fn value(&self, worker: &mut RayWorker<'_>, index: u64, piece: &Piece, sections: &Sections) -> Option<[f64; 3]> {
+        let [u, v, ..] = RaySampler::new(self.renderer.plan().seed(), index).take(DimensionSet::CAMERA);
+        let at = DVec2::from(sections.point([u, v])?).lerp(piece.middle, INWARDS);
+        let (column, row) = (self.pixel % self.camera.columns(), self.pixel / self.camera.columns());
+        let ray = self.camera.still_ray(column, row, at.into())?;
+        let is_seen = Ray::new(ray.origin, ray.direction)
+            .is_some_and(|ray| self.images[piece.image].may_be_seen_by(self.renderer.plan(), &ray));
+        if is_seen { traced(worker, index, &ray).map(|traced| traced.value) } else { None }
+    }
+}
