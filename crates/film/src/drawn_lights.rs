@@ -10,11 +10,10 @@
 //! that nothing counts twice.
 
 use crate::light_strata::disjoint;
-use crate::projection::{Cover, PixelSquare, projected, touched, viewpoint};
+use crate::projection::{Cover, PixelSquare, images, projected, touched};
 use crate::section::{ConvexPolygon, Partition, Sections};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
-use glam::{DVec2, DVec3};
-use radsight_picture::ViewKind;
+use glam::DVec2;
 use radsight_render::{LightImage, Lights, Ray, RayWorker, Renderer};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
@@ -70,9 +69,7 @@ impl DrawnLights {
         if camera.aperture > 0.0 || camera.motion.is_some() || plan.lights_seen() == Lights::Invisible {
             return DrawnLights::default();
         }
-        let sides = sides(camera);
-        let may_show = |center: DVec3, radius: f64| sides.iter().all(|side| side.height(center) >= -radius);
-        let images = LightImage::direct(plan, viewpoint(camera.view()), may_show);
+        let images = images(plan, camera);
         let pieces: Vec<Vec<(usize, Piece)>> = (images.par_iter().enumerate().with_min_len(64))
             .map(|(index, image)| pieces(camera, index, image, widest))
             .collect();
@@ -137,38 +134,6 @@ fn whole_pixels(camera: &ViewCamera) -> ViewCamera {
     let mut camera = *camera;
     camera.jitter = 1.0;
     camera
-}
-
-/// A plane at a side of a picture.
-struct Side {
-    /// Unit, towards the picture.
-    normal: DVec3,
-    point: DVec3,
-}
-
-impl Side {
-    fn height(&self, point: DVec3) -> f64 {
-        self.normal.dot(point - self.point)
-    }
-}
-
-/// The planes between which everything lies that a perspective or parallel view shows; none for
-/// other views.
-fn sides(camera: &ViewCamera) -> Vec<Side> {
-    let view = camera.view();
-    if !matches!(view.options().kind, ViewKind::Perspective | ViewKind::Parallel) {
-        return Vec::new();
-    }
-    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|place| view.ray(place));
-    let side = |index: usize| {
-        let [from, to, opposite] = [0, 1, 2].map(|next| corners[(index + next) % 4]);
-        let (from, to, opposite) = (from?, to?, opposite?);
-        let along = to.origin + to.direction - from.origin;
-        let normal = from.direction.cross(along).try_normalize()?;
-        let inside = (opposite.origin + opposite.direction - from.origin).dot(normal);
-        Some(Side { normal: normal * inside.signum(), point: from.origin })
-    };
-    (0..4).filter_map(side).collect()
 }
 
 /// The pixels that an image touches; none of an image that is too wide.

@@ -7,7 +7,7 @@
 //! whatever an outline leaves out and whatever hides the light, and edges of lights cause no noise.
 //! Pixels that no edge of a visible light crosses are sampled as before.
 
-use crate::projection::{Cover, PixelSquare, projected, touched, viewpoint};
+use crate::projection::{Cover, PixelSquare, images, projected, touched};
 use crate::section::{ConvexPolygon, Partition};
 use crate::view_camera::ViewCamera;
 use radsight_render::{LightImage, Ray, RenderPlan};
@@ -43,7 +43,7 @@ impl LightStrata {
         if camera.jitter <= 0.0 || camera.aperture > 0.0 || camera.motion.is_some() {
             return LightStrata::default();
         }
-        let images = LightImage::all(plan, viewpoint(camera.view()));
+        let images = images(plan, camera);
         let search = Search { plan, camera, columns: part.0, rows: part.1 };
         let found: Vec<Vec<(usize, ConvexPolygon)>> =
             images.par_iter().with_min_len(64).map(|image| search.covered(image)).collect();

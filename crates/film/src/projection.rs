@@ -4,7 +4,7 @@ use crate::section::ConvexPolygon;
 use crate::view_camera::ViewCamera;
 use glam::{DVec2, DVec3};
 use radsight_picture::{View, ViewKind};
-use radsight_render::{LightImage, Viewpoint};
+use radsight_render::{LightImage, RenderPlan, Viewpoint};
 use std::ops::Range;
 
 /// Parts into which connections of corners are divided where the projection curves them, and the
@@ -15,12 +15,46 @@ const FEW_CORNERS: usize = 8;
 /// Nearest depth of an outline in a perspective view, relative to its farthest.
 const MIN_DEPTH: f64 = 1e-3;
 
-/// From where a view looks.
-pub(crate) fn viewpoint(view: &View) -> Viewpoint {
-    match view.options().kind {
+/// The images of lights that a picture may show.
+pub(crate) fn images(plan: &RenderPlan, camera: &ViewCamera) -> Vec<LightImage> {
+    let view = camera.view();
+    let from = match view.options().kind {
         ViewKind::Parallel => Viewpoint::Direction(view.direction()),
         _ => Viewpoint::Point(view.options().point),
+    };
+    let sides = sides(view);
+    LightImage::all(plan, from, &|center, radius| sides.iter().all(|side| side.height(center) >= -radius))
+}
+
+/// A plane at a side of a picture.
+struct Side {
+    /// Unit, towards the picture.
+    normal: DVec3,
+    point: DVec3,
+}
+
+impl Side {
+    fn height(&self, point: DVec3) -> f64 {
+        self.normal.dot(point - self.point)
     }
+}
+
+/// The planes between which everything lies that a perspective or parallel view shows; none for
+/// other views.
+fn sides(view: &View) -> Vec<Side> {
+    if !matches!(view.options().kind, ViewKind::Perspective | ViewKind::Parallel) {
+        return Vec::new();
+    }
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|place| view.ray(place));
+    let side = |index: usize| {
+        let [from, to, opposite] = [0, 1, 2].map(|next| corners[(index + next) % 4]);
+        let (from, to, opposite) = (from?, to?, opposite?);
+        let along = to.origin + to.direction - from.origin;
+        let normal = from.direction.cross(along).try_normalize()?;
+        let inside = (opposite.origin + opposite.direction - from.origin).dot(normal);
+        Some(Side { normal: normal * inside.signum(), point: from.origin })
+    };
+    (0..4).filter_map(side).collect()
 }
 
 /// The outline of an image on the film, in columns and rows from the upper left corner. `None`

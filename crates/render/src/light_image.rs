@@ -44,10 +44,11 @@ pub struct LightImage {
 
 impl LightImage {
     /// All images: of all emitters, their reflections in one surface, and in several mirrors as far
-    /// as those make virtual sources.
+    /// as those make virtual sources. `may_show` excludes those whose bounding sphere a picture does
+    /// not show, from its centre and its radius in scene units; distant ones are not excluded.
     #[must_use]
-    pub fn all(plan: &RenderPlan, from: Viewpoint) -> Vec<LightImage> {
-        let emitters: Vec<(SurfaceHandle, LightForm)> = emitters(plan).collect();
+    pub fn all(plan: &RenderPlan, from: Viewpoint, may_show: &(dyn Fn(DVec3, f64) -> bool + Sync)) -> Vec<LightImage> {
+        let emitters = emitters(plan);
         if plan.has_antimatter || emitters.len() > MAX_EMITTERS {
             return Vec::new();
         }
@@ -55,37 +56,27 @@ impl LightImage {
         if mirrors.len() * emitters.len() > MAX_PAIRS {
             mirrors.clear();
         }
-        let direct = emitters.iter().filter_map(|(surface, form)| LightImage::new(form, *surface, &[], from));
+        let shown = |form: &LightForm, surface, through: &[SurfaceHandle]| {
+            let (center, radius) = form.bounding_sphere();
+            let is_shown = radius.is_infinite() || may_show(center, radius);
+            is_shown.then(|| LightImage::new(form, surface, through, from)).flatten()
+        };
+        let direct = emitters.iter().filter_map(|(surface, form)| shown(form, *surface, &[]));
         let reflected = emitters.iter().flat_map(|(surface, form)| {
-            let in_mirror = |mirror: &PolishedSurface| mirror.image_of(form, *surface, from);
+            let in_mirror = |mirror: &PolishedSurface| {
+                let image = shown(&mirror.reflected(form, *surface, from)?, *surface, &[mirror.surface])?;
+                Some(LightImage { frame: mirror.corners.clone(), ..image })
+            };
             mirrors.iter().filter_map(in_mirror).collect::<Vec<_>>()
         });
         let several = plan.lights.iter().filter(|light| light.virtual_sources.len() > 1).filter_map(|light| {
             let is_mirror = |source: &VirtualSource| is_mirror(&plan.shader(source.surface).kind);
             let nearest = light.virtual_sources.first().filter(|_| light.virtual_sources.iter().all(is_mirror))?;
             let surfaces: Vec<SurfaceHandle> = light.virtual_sources.iter().map(|source| source.surface).collect();
-            let image = LightImage::new(&light.form, light.surface, &surfaces, from)?;
+            let image = shown(&light.form, light.surface, &surfaces)?;
             Some(LightImage { frame: corners(plan, nearest.surface), ..image })
         });
         direct.chain(reflected).chain(several).collect()
-    }
-
-    /// The images of emitters that are seen directly. `may_show` excludes those whose bounding sphere
-    /// a picture does not show, from its centre and its radius in scene units; distant ones are not
-    /// excluded.
-    #[must_use]
-    pub fn direct(plan: &RenderPlan, from: Viewpoint, may_show: impl Fn(DVec3, f64) -> bool) -> Vec<LightImage> {
-        if plan.has_antimatter {
-            return Vec::new();
-        }
-        let is_shown = |form: &LightForm| {
-            let (center, radius) = form.bounding_sphere();
-            radius.is_infinite() || may_show(center, radius)
-        };
-        let image = |(surface, form): (SurfaceHandle, LightForm)| {
-            is_shown(&form).then(|| LightImage::new(&form, surface, &[], from)).flatten()
-        };
-        emitters(plan).filter_map(image).collect()
     }
 
     /// `None` for an image that shows its back, or has no outline.
@@ -127,13 +118,13 @@ impl LightImage {
 }
 
 /// All surfaces that emit light and show it.
-fn emitters(plan: &RenderPlan) -> impl Iterator<Item = (SurfaceHandle, LightForm)> {
-    let form = move |(surface, shape): (SurfaceHandle, Shape)| {
+fn emitters(plan: &RenderPlan) -> Vec<(SurfaceHandle, LightForm)> {
+    let form = |(surface, shape): (SurfaceHandle, Shape)| {
         let Kind::Emitter(emitter) = &plan.shader(surface).kind else { return None };
         let form = LightForm::new(&plan.scene, shape)?;
         (!emitter.radiance.is_black()).then_some((surface, form))
     };
-    plan.scene.surfaces.iter().map(|(handle, surface)| (handle, surface.shape)).filter_map(form)
+    plan.scene.surfaces.iter().map(|(handle, surface)| (handle, surface.shape)).filter_map(form).collect()
 }
 
 /// A flat surface that reflects like a mirror, at least partly.
@@ -182,7 +173,7 @@ fn corners(plan: &RenderPlan, surface: SurfaceHandle) -> Vec<DVec3> {
 
 impl PolishedSurface {
     /// The reflection of an emitter; `None` unless the two, and the camera, are on the same side.
-    fn image_of(&self, form: &LightForm, emitter: SurfaceHandle, from: Viewpoint) -> Option<LightImage> {
+    fn reflected(&self, form: &LightForm, emitter: SurfaceHandle, from: Viewpoint) -> Option<LightForm> {
         let (center, radius) = form.bounding_sphere();
         let height = |point: DVec3| self.plane.normal.dot(point - self.plane.point);
         let of_camera = match from {
@@ -196,11 +187,7 @@ impl PolishedSurface {
             side * height(center) > -radius
         };
         let is_dark = emitter == self.surface || of_camera == 0.0 || self.is_one_sided && of_camera < 0.0;
-        if is_dark || !is_in_front {
-            return None;
-        }
-        let image = LightImage::new(&virtual_form(form, &self.plane), emitter, &[self.surface], from)?;
-        Some(LightImage { frame: self.corners.clone(), ..image })
+        (!is_dark && is_in_front).then(|| virtual_form(form, &self.plane))
     }
 }
 
