@@ -10,7 +10,7 @@
 //! that nothing counts twice.
 
 use crate::light_strata::disjoint;
-use crate::projection::{Cover, PixelSquare, images, projected, touched};
+use crate::projection::{Cover, PixelSquare, Visit, images, projected, visit_touched};
 use crate::section::{ConvexPolygon, Partition, Sections};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
 use glam::DVec2;
@@ -136,24 +136,25 @@ fn whole_pixels(camera: &ViewCamera) -> ViewCamera {
     camera
 }
 
-/// The pixels that an image touches; none of an image that is too wide.
+/// The pixels that an image covers, or partly covers if it is wide.
 fn pieces(camera: &ViewCamera, index: usize, image: &LightImage, widest: f64) -> Vec<(usize, Piece)> {
-    let Some(outline) = projected(camera, image).filter(|outline| outline.width() <= widest) else {
-        return Vec::new();
-    };
-    let (columns, rows) = touched(&outline, &(0..camera.columns()), &(0..camera.rows()));
+    let Some(outline) = projected(camera, image) else { return Vec::new() };
     let [low, high] = outline.bounds();
+    let is_narrow = outline.width() <= widest;
     let mut found = Vec::new();
-    for (row, column) in rows.flat_map(|row| columns.clone().map(move |column| (row, column))) {
+    let visit = |column: usize, row: usize| {
         let square = PixelSquare::new(column, row, 1.0);
         let part = match square.cover(&outline) {
-            Cover::Nothing => continue,
+            Cover::Nothing => return Visit::GoOn,
             Cover::Part(part) => part,
-            Cover::All => ConvexPolygon::square(),
+            Cover::All if is_narrow => ConvexPolygon::square(),
+            Cover::All => return Visit::SkipRow,
         };
         let piece = Piece { outline: part, middle: square.upright(0.5 * (low + high)), image: index };
         found.push((row * camera.columns() + column, piece));
-    }
+        Visit::GoOn
+    };
+    visit_touched(&outline, (0..camera.columns(), 0..camera.rows()), visit);
     found
 }
 

@@ -7,7 +7,7 @@
 //! whatever an outline leaves out and whatever hides the light, and edges of lights cause no noise.
 //! Pixels that no edge of a visible light crosses are sampled as before.
 
-use crate::projection::{Cover, PixelSquare, images, projected, touched};
+use crate::projection::{Cover, PixelSquare, Visit, images, projected, visit_touched};
 use crate::section::{ConvexPolygon, Partition};
 use crate::view_camera::ViewCamera;
 use radsight_render::{LightImage, Ray, RenderPlan};
@@ -121,22 +121,17 @@ impl Search<'_> {
     /// the rays of the pixel are distributed.
     fn covered(&self, image: &LightImage) -> Vec<(usize, ConvexPolygon)> {
         let Some(outline) = projected(self.camera, image) else { return Vec::new() };
-        let (columns, rows) = touched(&outline, &self.columns, &self.rows);
         let mut pixels = Vec::new();
-        for row in rows {
-            let mut visit = |column: usize| match PixelSquare::new(column, row, self.camera.jitter).cover(&outline) {
-                Cover::All => false,
-                Cover::Part(part) => {
-                    pixels.push((row * self.camera.columns() + column, part));
-                    true
-                }
-                Cover::Nothing => true,
-            };
-            // Those that are covered entirely lie between the others.
-            if let Some(first) = columns.clone().find(|column| !visit(*column)) {
-                let _ = (first..columns.end).rev().all(visit);
+        let visit = |column: usize, row: usize| match PixelSquare::new(column, row, self.camera.jitter).cover(&outline)
+        {
+            Cover::All => Visit::SkipRow,
+            Cover::Part(part) => {
+                pixels.push((row * self.camera.columns() + column, part));
+                Visit::GoOn
             }
-        }
+            Cover::Nothing => Visit::GoOn,
+        };
+        visit_touched(&outline, (self.columns.clone(), self.rows.clone()), visit);
         pixels
     }
 

@@ -69,17 +69,34 @@ pub(crate) fn projected(camera: &ViewCamera, image: &LightImage) -> Option<Conve
     Some(outline.clipped(&hull(camera, Corners::Positions(&image.frame))?))
 }
 
-/// The columns and rows in a part of a film that an outline may touch.
-pub(crate) fn touched(
+/// How a visit of pixels goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Visit {
+    GoOn,
+    /// Without the pixels of the row that lie between this one and the next from the other end for
+    /// which this is returned.
+    SkipRow,
+}
+
+/// Visits the pixels of a part of a film, by columns and rows, that an outline may touch.
+pub(crate) fn visit_touched(
     outline: &ConvexPolygon,
-    columns: &Range<usize>,
-    rows: &Range<usize>,
-) -> (Range<usize>, Range<usize>) {
-    let [low, high] = outline.bounds();
+    (columns, rows): (Range<usize>, Range<usize>),
+    mut visit: impl FnMut(usize, usize) -> Visit,
+) {
     let range = |low: f64, high: f64, of: &Range<usize>| {
         (low.floor().max(of.start as f64) as usize)..(high.ceil().max(0.0).min(of.end as f64) as usize)
     };
-    (range(low.x, high.x, columns), range(low.y, high.y, rows))
+    let [low, high] = outline.bounds();
+    let rows = range(low.y, high.y, &rows);
+    let is_single = rows.len() == 1;
+    for row in rows {
+        let [low, high] = if is_single { [low, high] } else { outline.between(row as f64, row as f64 + 1.0).bounds() };
+        let columns = range(low.x, high.x, &columns);
+        if let Some(first) = columns.clone().find(|column| visit(*column, row) == Visit::SkipRow) {
+            let _ = (first + 1..columns.end).rev().find(|column| visit(*column, row) == Visit::SkipRow);
+        }
+    }
 }
 
 /// How much of a pixel an outline covers.

@@ -79,21 +79,28 @@ impl ConvexPolygon {
 
     /// The part inside another convex polygon (Sutherland and Hodgman 1974).
     pub(crate) fn clipped(&self, by: &ConvexPolygon) -> ConvexPolygon {
-        let clip = |polygon: ConvexPolygon, [start, end]: [DVec2; 2]| {
-            let inside = |point: DVec2| (end - start).perp_dot(point - start);
-            let mut kept = Vec::with_capacity(polygon.0.len() + 1);
-            for [from, to] in polygon.edges() {
-                let [a, b] = [from, to].map(inside);
-                if a >= 0.0 {
-                    kept.push(from);
-                }
-                if a * b < 0.0 {
-                    kept.push(from.lerp(to, a / (a - b)));
-                }
+        let inside = |[start, end]: [DVec2; 2]| move |point: DVec2| (end - start).perp_dot(point - start);
+        by.edges().fold(self.clone(), |polygon, edge| polygon.where_positive(inside(edge)))
+    }
+
+    /// The part between two vertical coordinates.
+    pub(crate) fn between(&self, low: f64, high: f64) -> ConvexPolygon {
+        self.where_positive(|point| point.y - low).where_positive(|point| high - point.y)
+    }
+
+    /// The part in which a linear function is not negative.
+    fn where_positive(&self, inside: impl Fn(DVec2) -> f64) -> ConvexPolygon {
+        let mut kept = Vec::with_capacity(self.0.len() + 1);
+        for [from, to] in self.edges() {
+            let [a, b] = [from, to].map(&inside);
+            if a >= 0.0 {
+                kept.push(from);
             }
-            ConvexPolygon(kept)
-        };
-        by.edges().fold(self.clone(), clip)
+            if a * b < 0.0 {
+                kept.push(from.lerp(to, a / (a - b)));
+            }
+        }
+        ConvexPolygon(kept)
     }
 
     /// Whether a polygon lies entirely inside this one.
