@@ -20,6 +20,11 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
 
+/// Lights are drawn if there are at most so many of them, and at most so many parts of pixels that
+/// they cover: relative to the number of pixels, and in any picture. More are found by chance.
+const MOST_LIGHTS: f64 = 0.25;
+const FEW_LIGHTS: usize = 1 << 10;
+
 /// Rays to points of a light in a pixel, a power of two.
 const RAYS: u64 = 4;
 
@@ -69,10 +74,14 @@ impl DrawnLights {
         if camera.aperture > 0.0 || camera.motion.is_some() || plan.lights_seen() == Lights::Invisible {
             return DrawnLights::default();
         }
-        let images = images(plan, camera);
+        let most = FEW_LIGHTS.max((MOST_LIGHTS * (camera.columns() * camera.rows()) as f64) as usize);
+        let images = images(plan, camera, most);
         let pieces: Vec<Vec<(usize, Piece)>> = (images.par_iter().enumerate().with_min_len(64))
             .map(|(index, image)| pieces(camera, index, image, widest))
             .collect();
+        if pieces.iter().map(Vec::len).sum::<usize>() > most {
+            return DrawnLights::default();
+        }
         let mut by_pixel: HashMap<usize, Vec<Piece>> = HashMap::new();
         for (pixel, piece) in pieces.into_iter().flatten() {
             by_pixel.entry(pixel).or_default().push(piece);
@@ -173,38 +182,36 @@ impl Search<'_> {
         let (mut light, mut covered) = ([0.0; 3], 0.0);
         let mut visible = Vec::new();
         for (number, piece) in pieces.into_iter().enumerate() {
-            let Some((sum, seen)) = self.seen(worker, number as u64, &piece) else { continue };
-            let share = piece.outline.area() * self.images[piece.image].share_of_outline / RAYS as f64;
-            light = std::array::from_fn(|band| light[band] + share * sum[band]);
-            covered += share * f64::from(seen);
+            let Some((radiance, share)) = self.seen(worker, number as u64, &piece) else { continue };
+            let share = share * piece.outline.area() * self.images[piece.image].share_of_outline;
+            light = std::array::from_fn(|band| light[band] + share * radiance[band]);
+            covered += share;
             visible.push(piece.outline);
         }
         let rest = disjoint(visible, MOST_COVERED).and_then(|outlines| Partition::new(&outlines));
         (covered > 0.0).then_some(DrawnPixel { light, covered, rest })
     }
 
-    /// The sum of the radiances of the rays that see the light of a piece, and their number; `None`
-    /// for no such ray.
-    fn seen(&self, worker: &mut RayWorker<'_>, number: u64, piece: &Piece) -> Option<([f64; 3], u32)> {
+    /// The radiance of the light of a piece, and the share of the piece in which it is visible;
+    /// `None` if it is hidden.
+    fn seen(&self, worker: &mut RayWorker<'_>, number: u64, piece: &Piece) -> Option<([f64; 3], f64)> {
         let sections = Sections::new(&piece.outline);
-        let (mut sum, mut seen) = ([0.0; 3], 0);
-        for ray in 0..RAYS {
-            let index = DRAWN | (self.pixel as u64) << NUMBERS_LOG2 | number * RAYS + ray;
-            let Some(value) = self.value(worker, index, piece, &sections) else { continue };
-            sum = std::array::from_fn(|band| sum[band] + value[band]);
-            seen += 1;
-        }
-        (seen > 0).then_some((sum, seen))
+        let index = |ray| DRAWN | (self.pixel as u64) << NUMBERS_LOG2 | (number * RAYS + ray);
+        let to_light = |ray| self.ray_to_light(index(ray), piece, &sections).map(|found| (index(ray), found));
+        let visible: Vec<(u64, CameraRay)> = (0..RAYS).filter_map(to_light).collect();
+        let (index, ray) = visible.first()?;
+        let radiance = traced(worker, *index, ray)?.value;
+        Some((radiance, visible.len() as f64 / RAYS as f64))
     }
 
-    /// The radiance of a ray to the light of a piece; `None` if something hides it.
-    fn value(&self, worker: &mut RayWorker<'_>, index: u64, piece: &Piece, sections: &Sections) -> Option<[f64; 3]> {
-        let [u, v, ..] = RaySampler::new(self.renderer.plan().seed(), index).take(DimensionSet::CAMERA);
+    /// A ray to a point of the light of a piece; `None` if something hides it there.
+    fn ray_to_light(&self, index: u64, piece: &Piece, sections: &Sections) -> Option<CameraRay> {
+        let plan = self.renderer.plan();
+        let [u, v, ..] = RaySampler::new(plan.seed(), index).take(DimensionSet::CAMERA);
         let at = DVec2::from(sections.point([u, v])?).lerp(piece.middle, INWARDS);
         let (column, row) = (self.pixel % self.camera.columns(), self.pixel / self.camera.columns());
-        let ray = self.camera.still_ray(column, row, at.into())?;
-        let is_seen = Ray::new(ray.origin, ray.direction)
-            .is_some_and(|ray| self.images[piece.image].may_be_seen_by(self.renderer.plan(), &ray));
-        if is_seen { traced(worker, index, &ray).map(|traced| traced.value) } else { None }
+        let camera_ray = self.camera.still_ray(column, row, at.into())?;
+        let ray = Ray::new(camera_ray.origin, camera_ray.direction)?;
+        self.images[piece.image].may_be_seen_by(plan, &ray).then_some(camera_ray)
     }
 }

@@ -15,6 +15,9 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
 
+/// Maximum number of emitters that a picture shows.
+const MAX_EMITTERS: usize = 1 << 16;
+
 /// Lights that cover more of a pixel than this are found by its first samples.
 const MAX_COVER: f64 = 0.9;
 
@@ -43,7 +46,7 @@ impl LightStrata {
         if camera.jitter <= 0.0 || camera.aperture > 0.0 || camera.motion.is_some() {
             return LightStrata::default();
         }
-        let images = images(plan, camera);
+        let images = images(plan, camera, MAX_EMITTERS);
         let search = Search { plan, camera, columns: part.0, rows: part.1 };
         let found: Vec<Vec<(usize, ConvexPolygon)>> =
             images.par_iter().with_min_len(64).map(|image| search.covered(image)).collect();

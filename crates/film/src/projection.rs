@@ -15,15 +15,16 @@ const FEW_CORNERS: usize = 8;
 /// Nearest depth of an outline in a perspective view, relative to its farthest.
 const MIN_DEPTH: f64 = 1e-3;
 
-/// The images of lights that a picture may show.
-pub(crate) fn images(plan: &RenderPlan, camera: &ViewCamera) -> Vec<LightImage> {
+/// The images of lights that a picture may show; none if it shows more than `most` emitters.
+pub(crate) fn images(plan: &RenderPlan, camera: &ViewCamera, most: usize) -> Vec<LightImage> {
     let view = camera.view();
     let from = match view.options().kind {
         ViewKind::Parallel => Viewpoint::Direction(view.direction()),
         _ => Viewpoint::Point(view.options().point),
     };
     let sides = sides(view);
-    LightImage::all(plan, from, &|center, radius| sides.iter().all(|side| side.height(center) >= -radius))
+    let may_show = |center, radius: f64| sides.iter().all(|side| side.height(center) >= -radius);
+    LightImage::all(plan, from, may_show, most)
 }
 
 /// A plane at a side of a picture.

@@ -9,8 +9,7 @@ use radsight_compile::{Kind, RenderPlan};
 use radsight_ir::{Shape, SurfaceHandle};
 use radsight_light::{LightForm, VirtualSource, virtual_form};
 
-/// Maximum number of emitters, and of pairs of emitter and mirror.
-const MAX_EMITTERS: usize = 1 << 16;
+/// Maximum number of pairs of emitter and mirror.
 const MAX_PAIRS: usize = 1 << 14;
 
 /// Distance from which parallel rays see a light, in its radii.
@@ -45,11 +44,21 @@ pub struct LightImage {
 impl LightImage {
     /// All images: of all emitters, their reflections in one surface, and in several mirrors as far
     /// as those make virtual sources. `may_show` excludes those whose bounding sphere a picture does
-    /// not show, from its centre and its radius in scene units; distant ones are not excluded.
+    /// not show, from its centre and its radius in scene units; distant ones are not excluded. None
+    /// if more than `most` emitters are shown directly.
     #[must_use]
-    pub fn all(plan: &RenderPlan, from: Viewpoint, may_show: &(dyn Fn(DVec3, f64) -> bool + Sync)) -> Vec<LightImage> {
+    pub fn all(
+        plan: &RenderPlan,
+        from: Viewpoint,
+        may_show: impl Fn(DVec3, f64) -> bool,
+        most: usize,
+    ) -> Vec<LightImage> {
+        let is_shown = |form: &LightForm| {
+            let (center, radius) = form.bounding_sphere();
+            radius.is_infinite() || may_show(center, radius)
+        };
         let emitters = emitters(plan);
-        if plan.has_antimatter || emitters.len() > MAX_EMITTERS {
+        if plan.has_antimatter || emitters.iter().filter(|(_, form)| is_shown(form)).count() > most {
             return Vec::new();
         }
         let mut mirrors = polished_surfaces(plan);
@@ -57,9 +66,7 @@ impl LightImage {
             mirrors.clear();
         }
         let shown = |form: &LightForm, surface, through: &[SurfaceHandle]| {
-            let (center, radius) = form.bounding_sphere();
-            let is_shown = radius.is_infinite() || may_show(center, radius);
-            is_shown.then(|| LightImage::new(form, surface, through, from)).flatten()
+            is_shown(form).then(|| LightImage::new(form, surface, through, from)).flatten()
         };
         let direct = emitters.iter().filter_map(|(surface, form)| shown(form, *surface, &[]));
         let reflected = emitters.iter().flat_map(|(surface, form)| {
