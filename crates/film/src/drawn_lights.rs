@@ -1,10 +1,11 @@
-//! Small lights in interpolated pictures, drawn by the part of each pixel that they cover.
+//! Lights in interpolated pictures, drawn by the part of each pixel that they cover.
 //!
-//! A lamp of a few pixels is missed by most samples of a coarse grid. Radiance's `rpict` draws such
-//! lights after the rest of the picture (`drawsources`); this file does the same. The outlines of
-//! small emitters are projected onto the film. In each pixel that they touch, rays to points of the
-//! outline find whether the light is visible, and its radiance. A pixel is the sum of the visible
-//! lights and of the rest, weighted by the areas that they cover.
+//! A lamp of a few pixels is missed by most samples of a coarse grid, and few samples find the edge
+//! of a larger one. Radiance's `rpict` draws small lights after the rest of the picture
+//! (`drawsources`); this file does so for the edges of all. The outlines of emitters and of their
+//! images are projected onto the film. In each pixel that an edge crosses, or that a narrow light
+//! covers, rays to points of the outline find how much of the light is visible, and its radiance. A
+//! pixel is the sum of the visible lights and of the rest, weighted by the areas that they cover.
 //!
 //! The samples of these pixels, from which the rest is interpolated, pass beside the outlines, so
 //! that nothing counts twice.
@@ -67,8 +68,9 @@ struct Piece {
 }
 
 impl DrawnLights {
-    /// Finds the lights whose images are at most `widest` pixels wide. There are none with an
-    /// aperture, in motion, and where lights are invisible.
+    /// Finds the lights of a picture. Those whose images are at most `widest` pixels wide may be
+    /// missed by all samples, and are drawn inside as well. There are none with an aperture, in
+    /// motion, and where lights are invisible.
     pub(crate) fn find(renderer: &Renderer, camera: &ViewCamera, widest: f64) -> DrawnLights {
         let plan = renderer.plan();
         if camera.aperture > 0.0 || camera.motion.is_some() || plan.lights_seen() == Lights::Invisible {

@@ -4,7 +4,8 @@
 //! the same surfaces, are nearly coplanar, and differ by no more than the allowed contrast or their
 //! noise. Otherwise it is divided into four, down to single pixels. Probe rays that only find the
 //! first surface detect silhouettes between the corners. Samples that agree within their noise are
-//! averaged with their neighbours before interpolation.
+//! averaged with their neighbours before interpolation. Edges of lights are drawn afterwards
+//! (`drawn_lights.rs`).
 //!
 //! The scheme is that of Radiance's `rpict` (Ward 1994), with the surface and noise tests of
 //! edge-aware reconstruction (Bala, Walter and Greenberg 2003; Rousselle, Manzi and Zwicker 2013).
