@@ -38,6 +38,8 @@ pub(crate) struct Edges {
     has_pinhole: bool,
     /// Width of the sharpest edge, pixels; infinite if there is none.
     narrowest: f64,
+    /// By pixel, whether it sees the outline of a surface.
+    outlines: Vec<bool>,
 }
 
 /// By how much the edges near a cell are blurred.
@@ -67,6 +69,8 @@ struct PixelEdges {
     widths: Vec<f64>,
     /// The number of pixels over which the pinhole blurs any edge, at the least.
     by_pinhole: f64,
+    /// Whether each pixel sees the outline of a surface.
+    outlines: Vec<bool>,
 }
 
 impl Edges {
@@ -74,7 +78,7 @@ impl Edges {
     pub(crate) fn find(film: SearchedFilm<'_>, lattice: &Lattice) -> Edges {
         let (rays, plan) = (film.exposer.rays, film.exposer.renderer.plan());
         let [columns, rows] = film.size();
-        let PixelEdges { widths, by_pinhole } = PixelEdges::find(film);
+        let PixelEdges { widths, by_pinhole, outlines } = PixelEdges::find(film);
         let distance = |pixel: usize| film.center_ray(pixel).and_then(|ray| plan.distance(&ray));
         let blur_at = |pixel: usize| {
             let near = [Some(pixel), Some(pixel + 1), Some(pixel + columns)].into_iter().flatten();
@@ -93,7 +97,12 @@ impl Edges {
         };
         let unresolved = (1..lattice.finest()).map(of_level).collect();
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
-        Edges { columns, rows, unresolved, other, blur, has_pinhole, narrowest }
+        Edges { columns, rows, unresolved, other, blur, has_pinhole, narrowest, outlines }
+    }
+
+    /// Whether each pixel sees the outline of a surface.
+    pub(crate) fn into_outlines(self) -> Vec<bool> {
+        self.outlines
     }
 
     /// Whether radiance is smooth within each pixel of a point pinhole.
@@ -143,7 +152,12 @@ impl SearchedFilm<'_> {
 
     /// The ray through the centres of a pixel and of the pinhole.
     fn center_ray(&self, pixel: usize) -> Option<Ray> {
-        let (rays, place) = (self.exposer.rays, [0.5; 2]);
+        self.ray_through(pixel, [0.5; 2])
+    }
+
+    /// The ray through a place of a pixel and the centre of the pinhole.
+    fn ray_through(&self, pixel: usize, place: [f64; 2]) -> Option<Ray> {
+        let rays = self.exposer.rays;
         let ray = match self.unblurred {
             Some(film) => film.ray(rays, pixel, place, DVec2::ZERO).map(|on_film| on_film.ray),
             None => rays.ray_through(pixel as u64, place, [0.0; 2]),
@@ -178,7 +192,8 @@ impl PixelEdges {
                 _ => by_pinhole,
             }
         };
-        PixelEdges { widths: (0..views.len()).map(width).collect(), by_pinhole }
+        let outlines = outlines(film, &views);
+        PixelEdges { widths: (0..views.len()).map(width).collect(), by_pinhole, outlines }
     }
 }
 
@@ -198,6 +213,33 @@ fn views(film: SearchedFilm<'_>) -> Vec<Option<SmoothView>> {
     };
     let view = |pixel: usize| centers[pixel].and_then(|ray| plan.smooth_view(&ray, spacing(pixel, &ray)));
     (0..pixels).into_par_iter().with_min_len(64).map(view).collect()
+}
+
+/// Whether each pixel sees the outline of a surface: rays through its corners and its centre, and the
+/// centre of the pinhole, hit different ones. Only pixels whose view differs from one beside them
+/// are tested.
+fn outlines(film: SearchedFilm<'_>, views: &[Option<SmoothView>]) -> Vec<bool> {
+    let plan = film.exposer.renderer.plan();
+    let [columns, rows] = film.size();
+    let surface = |pixel: usize, place: [f64; 2]| {
+        let ray = film.ray_through(pixel, place)?;
+        plan.first_hit(&ray, None).map(|hit| (hit.surface, hit.shader))
+    };
+    let may_see = |pixel: usize| {
+        let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+        let mut beside = near(pixel / columns, rows)
+            .flat_map(|row| near(pixel % columns, columns).map(move |column| row * columns + column));
+        beside.any(|other| !are_alike(&views[pixel], &views[other]))
+    };
+    let sees = |pixel: usize| {
+        let middle = || surface(pixel, [0.5; 2]);
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        may_see(pixel) && {
+            let middle = middle();
+            corners.into_iter().any(|place| surface(pixel, place) != middle)
+        }
+    };
+    (0..columns * rows).into_par_iter().with_min_len(256).map(sees).collect()
 }
 
 fn are_alike(a: &Option<SmoothView>, b: &Option<SmoothView>) -> bool {

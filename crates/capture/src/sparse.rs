@@ -162,7 +162,7 @@ impl<'a> AdaptiveSampler<'a> {
         self.film = self.unblurred_film();
         if let Some(film) = &self.film {
             let mut film_state = AdaptiveState::new(film.pixel_count());
-            let found = self.sparse(&mut film_state, target, images);
+            let found = self.on_lattice(&mut film_state, target, images);
             self.film = None;
             if found.is_some() {
                 *state = film_state;
@@ -172,7 +172,21 @@ impl<'a> AdaptiveSampler<'a> {
                 return None;
             }
         }
-        self.sparse(state, target, images)
+        self.on_lattice(state, target, images)
+    }
+
+    /// Finds the lattice and exposes it.
+    fn on_lattice(
+        &mut self,
+        state: &mut AdaptiveState,
+        target: ErrorTarget,
+        images: &mut Option<ImageLight>,
+    ) -> Option<(Estimate, Option<Stop>)> {
+        let (sparse, outlines) = self.lattice()?;
+        self.outlines = outlines;
+        let found = self.sparse(state, target, images, sparse);
+        self.outlines = Vec::new();
+        found
     }
 
     fn unblurred_film(&self) -> Option<UnblurredFilm> {
@@ -194,9 +208,9 @@ impl<'a> AdaptiveSampler<'a> {
         state: &mut AdaptiveState,
         target: ErrorTarget,
         images: &mut Option<ImageLight>,
+        mut sparse: Sparse,
     ) -> Option<(Estimate, Option<Stop>)> {
         let most = target.most_samples.min(MAX_SAMPLES);
-        let mut sparse = self.lattice().filter(|sparse| !sparse.is_dense())?;
         self.mirrors_points.store(sparse.is_smooth && self.exposer.renderer.integrates_all_lights(), Ordering::Relaxed);
         self.is_on_lattice.store(true, Ordering::Relaxed);
         let blur = self.film.as_ref().map(|film| self.blur(film, &sparse));
@@ -304,8 +318,9 @@ impl<'a> AdaptiveSampler<'a> {
         *state = AdaptiveState::new(state.pixels.len());
     }
 
-    /// The first lattice of a picture; `None` where neighbouring pixels have little in common.
-    fn lattice(&self) -> Option<Sparse> {
+    /// The first lattice of a picture, and the pixels that see the outline of a surface; `None`
+    /// where neighbouring pixels have little in common.
+    fn lattice(&self) -> Option<(Sparse, Vec<bool>)> {
         let exposer = self.exposer;
         if !self.is_plain() {
             return None;
@@ -321,7 +336,9 @@ impl<'a> AdaptiveSampler<'a> {
         let nodes = lattice.nodes(&levels);
         let ratio = |(cell, level): (usize, &u8)| residual_ratio(edges.blurs(&lattice, cell, *level));
         let ratios = levels.iter().enumerate().map(ratio).collect();
-        Some(Sparse { lattice, levels, nodes, is_smooth: edges.are_wider_than_pixels(), ratios })
+        let sparse = Sparse { lattice, levels, nodes, is_smooth: edges.are_wider_than_pixels(), ratios };
+        let outlines = |sparse| (sparse, edges.into_outlines());
+        (!sparse.is_dense()).then_some(sparse).map(outlines)
     }
 
     /// Traces the first samples of the nodes that have none.
@@ -348,7 +365,7 @@ impl<'a> AdaptiveSampler<'a> {
             .into_par_iter()
             .with_min_len(32)
             .map_init(
-                || self.worker(),
+                || self.exposer.workers(),
                 |worker, pixel| {
                     self.report(1);
                     self.discarded.fetch_add(1, Ordering::Relaxed);
@@ -384,7 +401,8 @@ impl<'a> AdaptiveSampler<'a> {
             self.discarded.fetch_add(4, Ordering::Relaxed);
             (pixel, PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, pixel, on_pinhole)))
         };
-        let probes: Vec<_> = probed.into_par_iter().with_min_len(8).map_init(|| self.worker(), probe).collect();
+        let probes: Vec<_> =
+            probed.into_par_iter().with_min_len(8).map_init(|| self.exposer.workers(), probe).collect();
         let derivatives = PinholeDerivatives::new(film, (lattice, &nodes), &probes, STRIDE as usize);
         PinholeBlur { film, derivatives }
     }
