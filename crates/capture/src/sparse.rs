@@ -337,8 +337,7 @@ impl<'a> AdaptiveSampler<'a> {
         let ratio = |(cell, level): (usize, &u8)| residual_ratio(edges.blurs(&lattice, cell, *level));
         let ratios = levels.iter().enumerate().map(ratio).collect();
         let sparse = Sparse { lattice, levels, nodes, is_smooth: edges.are_wider_than_pixels(), ratios };
-        let outlines = |sparse| (sparse, edges.into_outlines());
-        (!sparse.is_dense()).then_some(sparse).map(outlines)
+        if sparse.is_dense() { None } else { Some((sparse, edges.into_outlines())) }
     }
 
     /// Traces the first samples of the nodes that have none.
