@@ -6,7 +6,7 @@ use radsight_ir::Facing;
 use std::f64::consts::{PI, TAU};
 
 /// Corners of the polygon around a circle.
-const CORNERS: usize = 24;
+const CORNERS: usize = 64;
 
 /// Parts into which a cone is divided along its axis, for projections that curve it.
 const PARTS: usize = 8;
