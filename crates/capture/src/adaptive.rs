@@ -287,6 +287,12 @@ impl<'a> AdaptiveSampler<'a> {
         Some(DrawnRay { number, ray, weight, counted })
     }
 
+    /// Sums over some samples of a pixel, in one phase.
+    pub(crate) fn plain_sums(&self, worker: &mut Workers<'a>, pixel: usize, samples: Range<u32>) -> Sums {
+        let drawn = |sample| self.drawn(pixel, ray_number(pixel as u64, sample), self.camera_point(pixel, sample));
+        self.summed(worker, pixel, samples.filter_map(drawn))
+    }
+
     /// The rays of the second phase for some samples of a pixel ([`two_phase`](crate::two_phase)).
     fn chosen_rays(&self, pixel: usize, samples: Range<u32>) -> Vec<DrawnRay> {
         let plan = self.exposer.renderer.plan();
@@ -353,8 +359,7 @@ impl<'a> PixelSource for AdaptiveSampler<'a> {
             let rays = self.chosen_rays(pixel, samples);
             return self.summed(worker, pixel, rays.into_iter());
         }
-        let drawn = |sample| self.drawn(pixel, ray_number(pixel as u64, sample), self.camera_point(pixel, sample));
-        self.summed(worker, pixel, samples.filter_map(drawn))
+        self.plain_sums(worker, pixel, samples)
     }
 
     fn stops(&self) -> bool {

@@ -379,7 +379,7 @@ impl<'a> AdaptiveSampler<'a> {
 
     /// The light of one ray of a pixel of the picture, in the frame of the film.
     fn light_of_picture(&self, worker: &mut Workers<'a>, pixel: usize) -> f64 {
-        let Some(film) = &self.film else { return self.sums(worker, pixel, 0..1).whole };
+        let Some(film) = &self.film else { return self.plain_sums(worker, pixel, 0..1).whole };
         let Exposer { rays, weights, .. } = *self.exposer;
         let Some(own) = film.in_picture(pixel) else { return f64::NAN };
         let (own, index) = (own as u64, ray_number(own as u64, 0));
