@@ -110,6 +110,7 @@ impl Geometry {
 mod tests {
     use super::*;
     use crate::coincident::Substance;
+    use crate::random::numbers;
     use crate::{Builder, Ray};
     use radsight_ir::{Facing, Scene, Surface};
 
@@ -171,11 +172,7 @@ mod tests {
     /// No ray of a beam that nothing may block hits anything.
     #[test]
     fn rays_of_free_beams_are_free() {
-        let mut state = 7_u32;
-        let mut random = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1_u32 << 24)
-        };
+        let mut random = numbers(7);
         let [mut free, mut blocked] = [0; 2];
         for case in 0..3000 {
             let mut point = |size: f64| DVec3::new(random() - 0.5, random() - 0.5, random() - 0.5) * size;

@@ -52,6 +52,8 @@ mod limits;
 mod mesh;
 mod outline;
 mod polygon;
+#[cfg(test)]
+mod random;
 mod ray;
 mod shaft;
 mod shaft_query;

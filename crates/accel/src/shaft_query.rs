@@ -39,6 +39,7 @@ mod tests {
     use super::*;
     use crate::Builder;
     use crate::coincident::Substance;
+    use crate::random::numbers;
     use glam::DVec3;
     use radsight_ir::{Facing, Scene, Sphere, Surface};
 
@@ -96,11 +97,7 @@ mod tests {
     /// If nothing overlaps the shaft, no ray to the cover hits anything.
     #[test]
     fn no_ray_is_blocked_in_an_empty_shaft() {
-        let mut state = 1_u32;
-        let mut random = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1_u32 << 24)
-        };
+        let mut random = numbers(1);
         let mut empty = 0;
         for _ in 0..400 {
             let balls: [(DVec3, f64); 3] = std::array::from_fn(|_| {
