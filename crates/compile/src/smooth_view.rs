@@ -8,7 +8,7 @@ use crate::plan::RenderPlan;
 use crate::shader::{Kind, Shader};
 use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
-use radsight_accel::{Intersection, MemberId, PrimitiveId, Ray};
+use radsight_accel::{Beam, Intersection, MemberId, PrimitiveId, Ray};
 use radsight_light::{Light, LightCone, LightForm};
 use radsight_texture::Step;
 
@@ -141,7 +141,7 @@ impl RenderPlan {
     }
 
     /// Whether all possible blockers are beside the segments from a point to the lights, by a
-    /// bounding sphere of the lights' centres and one of each blocker. Saves shadow rays.
+    /// bounding sphere of the lights' centres. Saves shadow rays.
     fn sees_all_centers(&self, hit: &Intersection) -> bool {
         let Some(receiver) = self.receiver(hit.primitive) else { return false };
         // Virtual sources need no shadow rays here.
@@ -149,12 +149,8 @@ impl RenderPlan {
         let centers = || lights().map(|(light, _)| light.center);
         let center = centers().sum::<DVec3>() / centers().count() as f64;
         let radius = centers().map(|other| other.distance(center)).fold(0.0, f64::max);
-        let is_beside = |member: &MemberId| {
-            let shape = self.scene.surfaces[self.geometry.surface_of(*member)].shape;
-            let Some(bounds) = self.geometry.bounds(&self.scene, shape) else { return false };
-            let (blocker, reach) = (0.5 * (bounds.min + bounds.max), 0.5 * bounds.min.distance(bounds.max));
-            distance_from_segment(blocker, [hit.point, center]) > radius + reach
-        };
+        let beam = Beam { from: hit.point, to: center, radius };
+        let is_beside = |member: &MemberId| !self.geometry.may_block(&self.scene, *member, &beam);
         // Lights of a group have the same blockers.
         let mut checked: &[MemberId] = &[];
         for (light, class) in lights() {
@@ -186,12 +182,6 @@ impl RenderPlan {
         let ray = Ray { origin: hit.point, direction };
         self.geometry.any_between(&self.scene, &ray, Some(hit.primitive), distance.max(0.0), |_| true)
     }
-}
-
-fn distance_from_segment(point: DVec3, [start, end]: [DVec3; 2]) -> f64 {
-    let along = end - start;
-    let share = ((point - start).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-    (start + share * along).distance(point)
 }
 
 /// The position of a point, and of what is within `margin` of it, relative to the cone of a light.
