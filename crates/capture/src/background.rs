@@ -7,6 +7,7 @@
 
 use crate::adaptive::Pixel;
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
+use crate::neighbourhood::around;
 use crate::region::{LitRegion, Region};
 use crate::{Exposer, Progress};
 use radsight_adaptive::{ErrorTarget, ray_number};
@@ -133,12 +134,7 @@ fn path_bounds(rays: &Rays, ray_tree: &Renderer, within: &Region) -> Vec<PathBou
 /// Unites the bounds of each pixel with those of its eight neighbours: what lies between the rays
 /// of a pixel lies between the rays of its neighbours.
 fn with_neighbours(path_bounds: &[PathBounds], columns: usize) -> Vec<PathBounds> {
-    let near = |count: usize, index: usize| index.saturating_sub(1)..(index + 2).min(count);
-    let rows = path_bounds.len() / columns.max(1);
-    let of_pixel = |pixel: usize| {
-        let (row, column) = (pixel / columns, pixel % columns);
-        let around = near(rows, row).flat_map(|row| near(columns, column).map(move |column| row * columns + column));
-        around.fold(PathBounds::NONE, |sum, pixel| sum.union(&path_bounds[pixel]))
-    };
+    let size = [columns, path_bounds.len() / columns.max(1)];
+    let of_pixel = |pixel: usize| around(pixel, size).fold(PathBounds::NONE, |sum, near| sum.union(&path_bounds[near]));
     (0..path_bounds.len()).map(of_pixel).collect()
 }

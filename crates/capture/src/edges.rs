@@ -9,6 +9,7 @@
 use crate::Exposer;
 use crate::lattice::Lattice;
 use crate::mirrored_lights::PixelImages;
+use crate::neighbourhood::around;
 use crate::shared_rays::UnblurredFilm;
 use glam::DVec2;
 use radsight_pinhole::{CameraRay, Rays};
@@ -225,14 +226,8 @@ fn outlines(film: SearchedFilm<'_>, views: &[Option<SmoothView>]) -> Vec<bool> {
         let ray = film.ray_through(pixel, place)?;
         plan.first_hit(&ray, None).map(|hit| (hit.surface, hit.shader))
     };
-    let may_see = |pixel: usize| {
-        let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
-        let mut beside = near(pixel / columns, rows)
-            .flat_map(|row| near(pixel % columns, columns).map(move |column| row * columns + column));
-        beside.any(|other| !are_alike(&views[pixel], &views[other]))
-    };
     let sees = |pixel: usize| {
-        if !may_see(pixel) {
+        if around(pixel, [columns, rows]).all(|other| are_alike(&views[pixel], &views[other])) {
             return false;
         }
         let middle = surface(pixel, [0.5; 2]);

@@ -15,6 +15,7 @@ use crate::edges::{Edges, SearchedFilm};
 use crate::fixed::radiance;
 use crate::image_light::{ExposedImages, IMAGE_FRACTION, ImageLight};
 use crate::lattice::{Lattice, STRIDE};
+use crate::neighbourhood::around;
 use crate::shared_rays::{FilmRay, PinholeBlur, PinholeDerivatives, PinholeProbe, PixelPassage, UnblurredFilm};
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::{Exposer, Workers};
@@ -443,7 +444,6 @@ impl<'a> AdaptiveSampler<'a> {
 /// The residuals of audited pixels, by cell.
 struct Audit {
     cells: Vec<Residuals>,
-    across: usize,
 }
 
 /// Differences between rays and interpolation.
@@ -490,29 +490,23 @@ impl Audit {
             residuals
         };
         let [across, down] = sparse.lattice.cells();
-        Audit { cells: (0..across * down).map(of_cell).collect(), across }
+        Audit { cells: (0..across * down).map(of_cell).collect() }
     }
 
     /// The cells with significant residuals, alone or together with their neighbours, and their new
     /// levels.
     fn cells_to_refine(&self, sparse: &Sparse) -> Vec<(usize, u8)> {
+        let size = sparse.lattice.cells();
         let judge = |cell: usize| {
             let alone = &self.cells[cell];
             if alone.has_outlier {
                 return Some((cell, sparse.lattice.finest()));
             }
-            let together = self.neighbours(cell).fold(Residuals::default(), |sum, near| sum.added(&self.cells[near]));
+            let together = around(cell, size).fold(Residuals::default(), |sum, near| sum.added(&self.cells[near]));
             let is_wrong = alone.are_wrong() || together.are_wrong();
             (alone.count > 0.0 && is_wrong).then_some((cell, sparse.levels[cell] + 1))
         };
         (0..self.cells.len()).filter_map(judge).collect()
-    }
-
-    fn neighbours(&self, cell: usize) -> impl Iterator<Item = usize> {
-        let down = self.cells.len() / self.across;
-        let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
-        let columns = near(cell % self.across, self.across);
-        near(cell / self.across, down).flat_map(move |y| columns.clone().map(move |x| y * self.across + x))
     }
 }
 

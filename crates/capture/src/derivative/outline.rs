@@ -1,6 +1,7 @@
 //! The pixels that see the outline of something that moves in the picture.
 
 use super::ParameterStep;
+use crate::neighbourhood::around;
 use crate::{Progress, Workers};
 use glam::DVec3;
 use radsight_render::Ray;
@@ -125,12 +126,9 @@ fn seen(step: &ParameterStep<'_>, workers: &mut Workers<'_>, pixel: u64) -> Seen
 }
 
 fn with_neighbours(seen: &[Seen], columns: usize) -> Vec<Option<DVec3>> {
-    let near = |count: usize, index: usize| index.saturating_sub(1)..(index + 2).min(count);
-    let rows = seen.len() / columns.max(1);
+    let size = [columns, seen.len() / columns.max(1)];
     let of_pixel = |pixel: usize| {
-        let (row, column) = (pixel / columns, pixel % columns);
-        let around = near(rows, row).flat_map(|row| near(columns, column).map(move |column| row * columns + column));
-        let all = around.fold(Seen::default(), |all, pixel| all.union(&seen[pixel]));
+        let all = around(pixel, size).fold(Seen::default(), |all, near| all.union(&seen[near]));
         all.nearest.filter(|_| all.is_mixed).map(|(_, point)| point)
     };
     (0..seen.len()).map(of_pixel).collect()
