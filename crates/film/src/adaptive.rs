@@ -87,17 +87,15 @@ impl<'r> Film<'r> {
         let pixels = camera.columns() * camera.rows();
         let finished = Finished::default();
         let part = (0..camera.columns(), 0..camera.rows());
-        let strata = match budget {
-            SamplingBudget::Samples(samples) => LightStrata::for_samples(samples, renderer.plan(), &camera, part),
-            SamplingBudget::Error(_) => LightStrata::find(renderer.plan(), &camera, part),
-            SamplingBudget::Interpolated(_) => LightStrata::default(),
-        };
-        let drawn_lights = match budget {
+        let plan = renderer.plan();
+        let (mut strata, mut drawn_lights) = (LightStrata::default(), DrawnLights::default());
+        match budget {
+            SamplingBudget::Samples(samples) => strata = LightStrata::for_samples(samples, plan, &camera, part),
+            SamplingBudget::Error(_) => strata = LightStrata::find(plan, &camera, part),
             SamplingBudget::Interpolated(interpolation) => {
-                DrawnLights::find(renderer, &camera, interpolation.widest_drawn_light(&camera))
+                drawn_lights = DrawnLights::find(renderer, &camera, interpolation.widest_drawn_light(&camera));
             }
-            _ => DrawnLights::default(),
-        };
+        }
         let mut frame = Film {
             renderer,
             camera,
