@@ -122,9 +122,17 @@ impl PixelImages {
         if curved.is_empty() && in_plane_mirrors.is_empty() {
             return none;
         }
+        let directions = curved.iter().map(|image| (image.direction(), image.reach()));
+        let directions: Vec<_> =
+            directions.chain(in_plane_mirrors.iter().map(|image| (image.direction(), 0.0))).collect();
+        let blocks = PixelBlocks::new(rays, &directions);
         let of_pixel = |worker: &mut RayWorker<'_>, pixel: usize| {
+            let none = (Vec::new(), Vec::new());
+            if !blocks.may_see_any(pixel) {
+                return none;
+            }
             let pixel = pixel as u64;
-            let Some(cone) = PixelCone::new(rays, pixel) else { return (Vec::new(), Vec::new()) };
+            let Some(cone) = PixelCone::new(rays, pixel) else { return none };
             let search = &mut Search { worker, rays, pixel, domain };
             let images = search.curved_images(&cone, &curved);
             let seen = in_plane_mirrors.iter().enumerate().filter(|(_, image)| cone.meets(image.direction(), 0.0));
@@ -228,6 +236,56 @@ impl FieldOfView {
     /// Whether a cone with a half angle by its tangent may contain a ray.
     fn meets(&self, axis: DVec3, tangent: f64) -> bool {
         self.axis.angle_between(axis) <= self.half_angle + tangent.atan()
+    }
+}
+
+/// The square blocks of pixels of a picture that may see an image: saves most pixels their search.
+struct PixelBlocks {
+    columns: usize,
+    /// Row by row; empty for cameras whose blocks have no known cone.
+    may_see_any: Vec<bool>,
+}
+
+impl PixelBlocks {
+    /// Pixels along each side.
+    const SIDE: usize = 8;
+
+    /// The corners of a block may have pixels that are smaller by this factor than others.
+    const MARGIN: f64 = 1.1;
+
+    /// For images with these directions and reaches, as tangents.
+    fn new(rays: &Rays, images: &[(DVec3, f64)]) -> PixelBlocks {
+        let camera = rays.camera();
+        let [columns, rows] = [camera.columns(), camera.rows()].map(|count| count as usize);
+        let across = columns.div_ceil(PixelBlocks::SIDE);
+        let of_block = |block: usize| {
+            let [x, y] = [block % across, block / across].map(|index| index * PixelBlocks::SIDE);
+            let last = [(x, columns), (y, rows)].map(|(first, count)| (first + PixelBlocks::SIDE - 1).min(count - 1));
+            let cone = PixelBlocks::cone(rays, columns, [[x, last[0]], [y, last[1]]]);
+            cone.is_none_or(|cone| images.iter().any(|(direction, reach)| cone.meets(*direction, *reach)))
+        };
+        let may_see_any = match camera.is_plain_pinhole() {
+            true => (0..across * rows.div_ceil(PixelBlocks::SIDE)).map(of_block).collect(),
+            false => Vec::new(),
+        };
+        PixelBlocks { columns, may_see_any }
+    }
+
+    /// The cone around all pixels from the first to the last of two columns and rows.
+    fn cone(rays: &Rays, columns: usize, [across, down]: [[usize; 2]; 2]) -> Option<PixelCone> {
+        let of_pixel = |x: usize, y: usize| PixelCone::new(rays, (y * columns + x) as u64);
+        let middle = of_pixel(across[0].midpoint(across[1]), down[0].midpoint(down[1]))?;
+        let mut max_chord = middle.max_chord;
+        for (x, y) in down.into_iter().flat_map(|y| across.map(|x| (x, y))) {
+            let corner = of_pixel(x, y)?;
+            max_chord = max_chord.max(PixelBlocks::MARGIN * corner.max_chord + corner.middle.distance(middle.middle));
+        }
+        Some(PixelCone { max_chord, ..middle })
+    }
+
+    fn may_see_any(&self, pixel: usize) -> bool {
+        let [x, y] = [pixel % self.columns, pixel / self.columns].map(|index| index / PixelBlocks::SIDE);
+        self.may_see_any.get(y * self.columns.div_ceil(PixelBlocks::SIDE) + x).is_none_or(|may_see| *may_see)
     }
 }
 

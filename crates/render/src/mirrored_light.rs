@@ -126,6 +126,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if plan.has_antimatter || plan.lights.len() > MAX_LIGHTS || plan.reflectors.is_empty() {
             return found;
         }
+        let in_plane_mirrors = MirroredLight::in_plane_mirrors(plan, from);
         let side = (MAX_RAYS / plan.reflectors.len() as f64).sqrt() as usize;
         let side = side.clamp(MIN_SIDE, MAX_SIDE);
         for reflector in &plan.reflectors {
@@ -133,14 +134,23 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 continue;
             };
             let frame = TangentPlane::new(axis);
+            let is_in_any = |ray: &Ray, light: usize| {
+                let is_of_light =
+                    |image: &&MirroredLight| plan.lights[image.light].surface == plan.lights[light].surface;
+                in_plane_mirrors.iter().filter(is_of_light).any(|image| image.is_in_plane_mirror(plan, ray))
+            };
             let at = |index: usize| {
                 let along = |index: usize| reach * (2.0 * (index as f64 + 0.5) / side as f64 - 1.0);
                 frame.direction(DVec2::new(along(index % side), along(index / side)))
             };
             let grid: Vec<_> = (0..side * side).map(|index| self.mirrored_rays((from, None), at(index))).collect();
-            for light in 0..plan.lights.len() {
+            for light in (0..plan.lights.len()).filter(|light| plan.lights[*light].virtual_sources.is_empty()) {
                 for (seed, mirrors) in nearest(&self.passings(light, &grid), side) {
                     let events = grid[seed][mirrors - 1].events.clone();
+                    // One reflection in a plane mirror is known.
+                    if events.len() == 1 && Ray::new(from, at(seed)).is_some_and(|ray| is_in_any(&ray, light)) {
+                        continue;
+                    }
                     found.extend(self.mirrored_light(from, at(seed), (light, events)));
                 }
             }
@@ -165,7 +175,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let passing = |rays: &Vec<MirroredRay>| {
             std::array::from_fn(|mirrors| {
                 let ray = &rays.get(mirrors)?.ray;
-                if !light.virtual_sources.is_empty() || light.misses(ray.origin) {
+                if light.misses(ray.origin) {
                     return None;
                 }
                 let (position, radius) = passing_point(light, &TangentPlane::new(ray.direction), ray)?;
