@@ -18,6 +18,7 @@ mod fixed;
 mod image_light;
 mod lattice;
 mod mirrored_lights;
+mod piecewise_linear;
 mod plane_images;
 mod region;
 mod shared_rays;

@@ -13,7 +13,7 @@
 use crate::curved_image::CurvedImage;
 use crate::domain::Domain;
 use crate::ellipse::{Ellipse, LinearMap};
-use crate::plane_images::{PlaneImage, PlaneImages, stratified};
+use crate::plane_images::{PlaneImage, PlaneImages, PlaneStrata, WeightedPoint};
 use crate::shared_rays::PixelPassage;
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Rays};
@@ -127,7 +127,7 @@ impl PixelImages {
             directions.chain(in_plane_mirrors.iter().map(|image| (image.direction(), 0.0))).collect();
         let blocks = PixelBlocks::new(rays, &directions);
         let of_pixel = |worker: &mut RayWorker<'_>, pixel: usize| {
-            let none = (Vec::new(), Vec::new());
+            let none = (Vec::new(), PlaneStrata::default());
             if !blocks.may_see_any(pixel) {
                 return none;
             }
@@ -137,7 +137,7 @@ impl PixelImages {
             let images = search.curved_images(&cone, &curved);
             let seen = in_plane_mirrors.iter().enumerate().filter(|(_, image)| cone.meets(image.direction(), 0.0));
             let plane = seen.filter_map(|image| search.plane_image(renderer.plan(), image));
-            (images, plane.collect())
+            (images, PlaneStrata::new(plane.collect(), domain))
         };
         let (images, plane): (Vec<_>, Vec<_>) = (0..camera.pixel_count() as usize)
             .into_par_iter()
@@ -167,16 +167,17 @@ impl PixelImages {
         let fixed = DVec2::from(fixed);
         let curved = self.images.get(pixel).map_or(&[][..], Vec::as_slice);
         let mixed = |drawn| self.mixed_point((curved, aimed), fixed, drawn);
-        let ray = |at| self.domain.ray(rays, pixel as u64, fixed, at);
-        let hits = |at, light: usize| {
-            let ray = ray(at).and_then(|ray| Ray::new(ray.origin, ray.direction));
+        let ray = |fixed, at| self.domain.ray(rays, pixel as u64, fixed, at);
+        let hits = |fixed, at, light: usize| {
+            let ray = ray(fixed, at).and_then(|ray| Ray::new(ray.origin, ray.direction));
             ray.is_some_and(|ray| self.in_plane_mirrors[light].is_in_plane_mirror(plan, &ray))
         };
-        let (at, weight) = match self.plane.of_pixel(pixel) {
-            [] => mixed(drawn)?,
-            images => stratified(images, self.domain, (fixed, drawn), hits, mixed)?,
+        let Some(strata) = self.plane.of_pixel(pixel) else {
+            let (at, weight) = mixed(drawn)?;
+            return Some((ray(fixed, at)?, weight));
         };
-        Some((ray(at)?, weight))
+        let WeightedPoint { fixed, at, weight } = strata.sample((fixed, drawn), hits, mixed)?;
+        Some((ray(fixed, at)?, weight))
     }
 
     /// A point of the pinhole, or of the pixel for a point pinhole, with its weight.
@@ -439,7 +440,7 @@ impl Search<'_, '_> {
             let offset = self.offset_from_light(image, fixed, at)?;
             farthest = farthest.max(offset.distance(found.offset(fixed, at)));
         }
-        found.widened(farthest)?.overlapping(domain)
+        found.widened(farthest)
     }
 }
 
