@@ -20,10 +20,13 @@ use std::f64::consts::PI;
 const REST: f64 = 0.125;
 
 /// Strips into which an overlap is divided.
-const STRIPS: usize = 12;
+const STRIPS: usize = 8;
 
 /// Points along each side of the pixel for the density of points on it.
 const GRID_SIDE: usize = 5;
+
+/// Positions along an overlap keep this distance from its ends, where the derivative is infinite.
+const END: f64 = 1e-12;
 
 /// Smallest density of strips, so that none is zero.
 const LEAST_AREA: f64 = 1e-100;
@@ -77,13 +80,15 @@ pub(crate) struct PlaneImages {
 pub(crate) struct PlaneStrata {
     images: Vec<PlaneImage>,
     domain: Domain,
-    /// Approximate area of the overlap of each image with the domain, for a grid of fixed points.
-    areas: Vec<Vec<f64>>,
-    /// The sum of the areas.
-    totals: Vec<f64>,
-    /// Points of the grid along each axis.
-    side: usize,
+    /// The overlaps of each image with the domain, and their sum.
+    areas: Vec<AreaGrid>,
+    total: AreaGrid,
 }
+
+/// Approximate areas of an image's overlap with the domain, for a grid of fixed points, row by row.
+/// Bilinear between them.
+#[derive(Clone, Copy, Debug, Default)]
+struct AreaGrid([[f64; GRID_SIDE]; GRID_SIDE]);
 
 impl PlaneImages {
     pub(crate) fn new(strata: Vec<PlaneStrata>) -> PlaneImages {
@@ -115,48 +120,14 @@ pub(crate) struct WeightedPoint {
 impl PlaneStrata {
     /// Of the images that overlap the domain.
     pub(crate) fn new(images: Vec<PlaneImage>, domain: Domain) -> PlaneStrata {
-        // In front of a point pinhole nothing depends on the fixed point.
-        let side = if domain == Domain::Disk { GRID_SIDE } else { 2 };
-        let of_image = |image: PlaneImage| Some((image, image.grid_areas(domain, side)?));
-        let (images, areas): (Vec<PlaneImage>, Vec<Vec<f64>>) = images.into_iter().filter_map(of_image).unzip();
-        let total = |point: usize| areas.iter().map(|areas| areas[point]).sum();
-        let totals = (0..side * side).map(total).collect();
-        PlaneStrata { images, domain, areas, totals, side }
+        let of_image = |image: PlaneImage| Some((image, AreaGrid::new(&image, domain)?));
+        let (images, areas): (Vec<PlaneImage>, Vec<AreaGrid>) = images.into_iter().filter_map(of_image).unzip();
+        let total = AreaGrid::total(&areas);
+        PlaneStrata { images, domain, areas, total }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
         self.images.is_empty()
-    }
-
-    /// A fixed point for a point of the unit square, and its pdf: the bilinear interpolation of the
-    /// total area.
-    fn fixed_point(&self, u: DVec2) -> Option<(DVec2, f64)> {
-        let rows: Vec<f64> = self.totals.chunks(self.side).map(integral).collect();
-        let (down, pdf_down) = sample_linear(&rows, u.y)?;
-        let row: Vec<f64> = (0..self.side).map(|column| self.at_row(&self.totals, column, down)).collect();
-        let (along, pdf_along) = sample_linear(&row, u.x)?;
-        Some((DVec2::new(along, down), pdf_down * pdf_along))
-    }
-
-    /// The value of a grid in a column, at a position from 0 to 1 along it.
-    fn at_row(&self, grid: &[f64], column: usize, position: f64) -> f64 {
-        let (row, share) = self.place(position);
-        let [above, below] = [row, row + 1].map(|row| grid[row * self.side + column]);
-        above + share * (below - above)
-    }
-
-    /// The interpolated value of a grid.
-    fn at(&self, grid: &[f64], fixed: DVec2) -> f64 {
-        let (column, share) = self.place(fixed.x);
-        let [left, right] = [column, column + 1].map(|column| self.at_row(grid, column, fixed.y));
-        left + share * (right - left)
-    }
-
-    /// The interval of the grid that contains a position, and the share of it before the position.
-    fn place(&self, position: f64) -> (usize, f64) {
-        let scaled = position * (self.side - 1) as f64;
-        let first = (scaled as usize).min(self.side - 2);
-        (first, scaled - first as f64)
     }
 
     /// A point of the domain and a fixed point for two points of unit squares: aimed at an image, or
@@ -174,9 +145,9 @@ impl PlaneStrata {
             let is_aimed_at = self.images.iter().any(|image| is_seen(image, fixed, at));
             return (!is_aimed_at).then_some(WeightedPoint { fixed, at, weight: weight / REST });
         }
-        let (fixed, pdf) = self.fixed_point(fixed)?;
-        let total = self.at(&self.totals, fixed);
-        let share = |areas: &Vec<f64>| self.at(areas, fixed) / total;
+        let (fixed, pdf) = self.total.sample(fixed)?;
+        let total = self.total.at(fixed);
+        let share = |areas: &AreaGrid| areas.at(fixed) / total;
         let (chosen, u) = choose(self.areas.iter().map(share), (drawn[0] - REST) / (1.0 - REST))?;
         let image = &self.images[chosen];
         let (at, inverse_density) = Overlap::new(image, self.domain, fixed)?.point([u, drawn[1]])?;
@@ -184,6 +155,55 @@ impl PlaneStrata {
         let is_taken = || self.images[..chosen].iter().any(|image| is_seen(image, fixed, at));
         let weight = inverse_density / (self.domain.area() * pdf * share(&self.areas[chosen]) * (1.0 - REST));
         (hits(fixed, at, image.light) && !is_taken()).then_some(WeightedPoint { fixed, at, weight })
+    }
+}
+
+impl AreaGrid {
+    /// `None` where they do not overlap.
+    fn new(image: &PlaneImage, domain: Domain) -> Option<AreaGrid> {
+        let at = |index: usize| index as f64 / (GRID_SIDE - 1) as f64;
+        let area = |fixed: DVec2| Overlap::new(image, domain, fixed).map_or(0.0, |overlap| overlap.area());
+        let of_row = |y: usize| std::array::from_fn(|x| area(DVec2::new(at(x), at(y))));
+        let mut areas: [[f64; GRID_SIDE]; GRID_SIDE] = std::array::from_fn(of_row);
+        let floor = FLOOR * areas.iter().flatten().sum::<f64>() / (GRID_SIDE * GRID_SIDE) as f64;
+        areas.iter_mut().flatten().for_each(|area| *area = area.max(floor));
+        (floor > 0.0).then_some(AreaGrid(areas))
+    }
+
+    fn total(grids: &[AreaGrid]) -> AreaGrid {
+        let mut total = AreaGrid::default();
+        for grid in grids {
+            let of_grid = grid.0.iter().flatten();
+            total.0.iter_mut().flatten().zip(of_grid).for_each(|(sum, area)| *sum += area);
+        }
+        total
+    }
+
+    /// A fixed point in proportion to the area, for a point of the unit square, and its pdf.
+    fn sample(&self, u: DVec2) -> Option<(DVec2, f64)> {
+        let (down, pdf_down) = sample_linear(&self.0.map(|row| integral(&row)), u.y)?;
+        let (along, pdf_along) = sample_linear(&self.row_at(down), u.x)?;
+        Some((DVec2::new(along, down), pdf_down * pdf_along))
+    }
+
+    fn at(&self, fixed: DVec2) -> f64 {
+        let (column, share) = AreaGrid::place(fixed.x);
+        let row = self.row_at(fixed.y);
+        row[column] + share * (row[column + 1] - row[column])
+    }
+
+    /// The interpolated row at a position from 0 to 1.
+    fn row_at(&self, position: f64) -> [f64; GRID_SIDE] {
+        let (row, share) = AreaGrid::place(position);
+        let [above, below] = [&self.0[row], &self.0[row + 1]];
+        std::array::from_fn(|column| above[column] + share * (below[column] - above[column]))
+    }
+
+    /// The interval of the grid that contains a position, and the share of it before the position.
+    fn place(position: f64) -> (usize, f64) {
+        let scaled = position * (GRID_SIDE - 1) as f64;
+        let first = (scaled as usize).min(GRID_SIDE - 2);
+        (first, scaled - first as f64)
     }
 }
 
@@ -242,17 +262,6 @@ impl PlaneImage {
         is_within(&self.image)
             && self.outline.as_ref().is_none_or(is_within)
             && !self.opening.as_ref().is_some_and(is_within)
-    }
-
-    /// The areas of its overlaps for a grid of fixed points, `side` along each axis; `None` if there
-    /// are none.
-    fn grid_areas(&self, domain: Domain, side: usize) -> Option<Vec<f64>> {
-        let at = |point: usize| DVec2::new((point % side) as f64, (point / side) as f64) / (side - 1) as f64;
-        let area = |point: usize| Overlap::new(self, domain, at(point)).map_or(0.0, |overlap| overlap.area());
-        let mut areas: Vec<f64> = (0..side * side).map(area).collect();
-        let floor = FLOOR * areas.iter().sum::<f64>() / areas.len() as f64;
-        areas.iter_mut().for_each(|area| *area = area.max(floor));
-        (floor > 0.0).then_some(areas)
     }
 
     /// Points of the overlap with the domain, each with its fixed point: where the image may be
@@ -356,11 +365,15 @@ impl Overlap {
         }
     }
 
-    /// The coordinate along the axis at a position from 0 to 1, and its derivative: by the cosine of
-    /// an angle, since the strips of a disk shrink like roots towards its ends.
+    /// The coordinate along the axis at a position above 0 and below 1, and its derivative. The
+    /// distance from an end is a power of 2/3, so the area per position is nearly constant where the
+    /// overlap is round.
     fn along(&self, position: f64) -> (f64, f64) {
-        let (sin, cos) = (PI * position).sin_cos();
-        (self.start + 0.5 * self.length * (1.0 - cos), 0.5 * PI * self.length * sin)
+        let from_end = 2.0 * position.min(1.0 - position);
+        let root = from_end.cbrt();
+        let along = 0.5 * root * root;
+        let along = if position < 0.5 { along } else { 1.0 - along };
+        (self.start + self.length * along, self.length * 2.0 / 3.0 / root)
     }
 
     /// The area per position at a position.
@@ -369,9 +382,14 @@ impl Overlap {
         slope * self.strip(along).iter().map(|[low, high]| high - low).sum::<f64>()
     }
 
-    /// The same between the strips.
+    /// The same between the strips; at the ends that of a line through the two nearest points.
     fn strip_areas(&self) -> [f64; STRIPS + 1] {
-        std::array::from_fn(|strip| self.area_at(strip as f64 / STRIPS as f64))
+        let mut areas = [0.0; STRIPS + 1];
+        (1..STRIPS).for_each(|strip| areas[strip] = self.area_at(strip as f64 / STRIPS as f64));
+        let half = 0.5 / STRIPS as f64;
+        areas[0] = (2.0 * self.area_at(half) - areas[1]).max(0.0);
+        areas[STRIPS] = (2.0 * self.area_at(1.0 - half) - areas[STRIPS - 1]).max(0.0);
+        areas
     }
 
     /// Approximate area.
@@ -385,6 +403,7 @@ impl Overlap {
         let floor = (FLOOR * integral(&areas)).max(LEAST_AREA);
         areas.iter_mut().for_each(|area| *area = area.max(floor));
         let (position, pdf) = sample_linear(&areas, u[0])?;
+        let position = position.clamp(END, 1.0 - END);
         let (along, slope) = self.along(position);
         let [first, second] = self.strip(along);
         let [near, far] = [first, second].map(|[low, high]| high - low);
@@ -430,7 +449,7 @@ mod tests {
         at.x + at.y < 0.7
     }
 
-    const COUNT: u32 = 1 << 17;
+    const COUNT: u32 = 1 << 18;
 
     /// Evenly distributed points of the unit cube: multiples of powers of the root of x⁵ = x + 1.
     fn points() -> impl Iterator<Item = (DVec2, [f64; 2])> {
@@ -477,7 +496,7 @@ mod tests {
                     smooth(at) * if is_seen && hits(fixed, at, 0) { 1000.0 } else { 1.0 }
                 };
                 let [a, b] = [mean_by_strata(&strata, seen), mean_by_points(domain, seen)];
-                assert!((a / b - 1.0).abs() < 3e-3, "{a} for {b}: {domain:?} {images:?}");
+                assert!((a / b - 1.0).abs() < 8e-3, "{a} for {b}: {domain:?} {images:?}");
             }
         }
     }
@@ -485,7 +504,7 @@ mod tests {
     #[test]
     fn the_light_of_an_image_hardly_varies() {
         let round = [0.35, 0.0, 0.0, 0.35];
-        for (image, largest) in [(image([0.6, 0.5], round), 0.1), (moving([0.9, 0.6], round), 0.25)] {
+        for (image, largest) in [(image([0.6, 0.5], round), 0.05), (moving([0.9, 0.6], round), 0.1)] {
             let strata = PlaneStrata::new(vec![image], Domain::Disk);
             let light = |u| strata.sample(u, |_, _, _| true, |_| None).map_or(0.0, |point| point.weight);
             let aimed = points().filter(|(_, drawn)| drawn[0] >= REST).map(light);
