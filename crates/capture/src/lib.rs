@@ -21,11 +21,12 @@ mod mirrored_lights;
 mod piecewise_linear;
 mod plane_images;
 mod region;
+mod shared_film;
 mod shared_rays;
 mod sparse;
 mod sparse_estimate;
 
-pub use background::Background;
+pub use background::{Background, PlacedParts};
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use derivative::{Derivative, DerivativeSamples, Motion, ParameterStep, PartMotion, RANDOMISATIONS};
 pub use radsight_adaptive::{ErrorTarget, MAX_SAMPLES, Stop};

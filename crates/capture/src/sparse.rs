@@ -80,6 +80,8 @@ struct Sparse {
     is_smooth: bool,
     /// By cell: what a residual says about the error of interpolation.
     ratios: Vec<f64>,
+    /// By pixel: the width of the sharpest edge.
+    edge_widths: Vec<f64>,
 }
 
 impl Sparse {
@@ -160,6 +162,10 @@ impl<'a> AdaptiveSampler<'a> {
         images: &mut Option<ImageLight>,
     ) -> Option<(Estimate, Option<Stop>)> {
         self.film = self.unblurred_film();
+        let known = self.shared.known().map(|known| known.record.film.is_some());
+        if known.is_some_and(|has_film| has_film != self.film.is_some()) {
+            return None;
+        }
         if let Some(film) = &self.film {
             let mut film_state = AdaptiveState::new(film.pixel_count());
             let found = self.sparse(&mut film_state, target, images);
@@ -168,7 +174,7 @@ impl<'a> AdaptiveSampler<'a> {
                 *state = film_state;
                 return found;
             }
-            if self.progress.stops() {
+            if self.progress.stops() || known.is_some() {
                 return None;
             }
         }
@@ -176,7 +182,13 @@ impl<'a> AdaptiveSampler<'a> {
     }
 
     fn unblurred_film(&self) -> Option<UnblurredFilm> {
-        self.is_plain().then(|| UnblurredFilm::new(self.exposer)).flatten()
+        match self.shared.known() {
+            _ if !self.is_plain() => None,
+            Some(known) => {
+                known.record.film.as_ref()?.with_parts(self.exposer, |pixel| known.is_picture_affected[pixel])
+            }
+            None => UnblurredFilm::new(self.exposer),
+        }
     }
 
     /// Whether each ray adds its radiance to one pixel, in the same way for all pixels.
@@ -197,7 +209,9 @@ impl<'a> AdaptiveSampler<'a> {
     ) -> Option<(Estimate, Option<Stop>)> {
         let most = target.most_samples.min(MAX_SAMPLES);
         let mut sparse = self.lattice().filter(|sparse| !sparse.is_dense())?;
-        self.mirrors_points.store(sparse.is_smooth && self.exposer.renderer.integrates_all_lights(), Ordering::Relaxed);
+        let mirrors_points = || sparse.is_smooth && self.exposer.renderer.integrates_all_lights();
+        let mirrors_points = self.shared.known().map_or_else(mirrors_points, |known| known.record.mirrors_points);
+        self.mirrors_points.store(mirrors_points, Ordering::Relaxed);
         self.is_on_lattice.store(true, Ordering::Relaxed);
         let blur = self.film.as_ref().map(|film| self.blur(film, &sparse));
         let (mut audits, mut film_error) = (0, FilmError::default());
@@ -245,6 +259,7 @@ impl<'a> AdaptiveSampler<'a> {
             if refined.is_empty() {
                 let left = all - known - estimate.squared_errors().iter().sum::<f64>();
                 let squared = estimate.pixel_count as f64 * left.max(0.5 * IMAGE_FRACTION * all);
+                self.keep(state, &sparse);
                 let images = images.as_mut().map(|images| images.expose(self, squared, most));
                 return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(Stop::Rays)));
             }
@@ -252,6 +267,16 @@ impl<'a> AdaptiveSampler<'a> {
         }
         self.abandon(state);
         None
+    }
+
+    /// Records a finished lattice where others use it.
+    fn keep(&self, state: &AdaptiveState, sparse: &Sparse) {
+        if let Some(mut record) = self.shared.record() {
+            record.film.clone_from(&self.film);
+            record.edge_widths.clone_from(&sparse.edge_widths);
+            record.mirrors_points = self.mirrors_points.load(Ordering::Relaxed);
+            record.pixels.clone_from(&state.pixels);
+        }
     }
 
     /// Refines cells; where there are none, doubles the samples of nodes.
@@ -312,7 +337,7 @@ impl<'a> AdaptiveSampler<'a> {
         }
         let [x, y, ..] = RaySampler::new(exposer.rays.seed(), RESERVED_NUMBER).take(DimensionSet::CAMERA);
         let images = (!self.images_apart).then_some(&self.images);
-        let film = SearchedFilm { exposer, images, unblurred: self.film.as_ref() };
+        let film = SearchedFilm { exposer, images, unblurred: self.film.as_ref(), known: self.shared.known() };
         let [columns, rows] = film.size().map(|count| count as u32);
         let lattice = Lattice::new(columns, rows, [x, y])?;
         let edges = Edges::find(film, &lattice);
@@ -321,7 +346,14 @@ impl<'a> AdaptiveSampler<'a> {
         let nodes = lattice.nodes(&levels);
         let ratio = |(cell, level): (usize, &u8)| residual_ratio(edges.blurs(&lattice, cell, *level));
         let ratios = levels.iter().enumerate().map(ratio).collect();
-        Some(Sparse { lattice, levels, nodes, is_smooth: edges.are_wider_than_pixels(), ratios })
+        Some(Sparse {
+            lattice,
+            levels,
+            nodes,
+            is_smooth: edges.are_wider_than_pixels(),
+            ratios,
+            edge_widths: edges.widths,
+        })
     }
 
     /// Traces the first samples of the nodes that have none.
@@ -333,7 +365,8 @@ impl<'a> AdaptiveSampler<'a> {
             || self.worker(),
             |worker, (index, pixel)| {
                 if !self.progress.stops() {
-                    *pixel = self.first(worker, index);
+                    let known = self.shared.known().and_then(|known| known.samples(index));
+                    *pixel = known.unwrap_or_else(|| self.first(worker, index));
                     self.report(pixel.samples);
                 }
             },
@@ -350,14 +383,21 @@ impl<'a> AdaptiveSampler<'a> {
             .map_init(
                 || self.worker(),
                 |worker, pixel| {
-                    self.report(1);
-                    self.discarded.fetch_add(1, Ordering::Relaxed);
-                    (pixel, self.light_of_picture(worker, pixel))
+                    let known = self.shared.known().filter(|_| round == 0).and_then(|known| known.audited(pixel));
+                    let light = known.unwrap_or_else(|| {
+                        self.report(1);
+                        self.discarded.fetch_add(1, Ordering::Relaxed);
+                        self.light_of_picture(worker, pixel)
+                    });
+                    (pixel, light)
                 },
             )
             .collect();
         let mut traced = vec![f64::NAN; values.len()];
         rays.into_iter().for_each(|(pixel, light)| traced[pixel] = light);
+        if let Some(mut record) = self.shared.record().filter(|_| round == 0) {
+            record.audited.clone_from(&traced);
+        }
         Audit::new(sparse, values, &traced).cells_to_refine(sparse)
     }
 
@@ -380,11 +420,18 @@ impl<'a> AdaptiveSampler<'a> {
         let nodes = lattice.nodes(&levels);
         let probed: Vec<usize> = (0..nodes.len()).filter(|pixel| nodes[*pixel] > 0).collect();
         let probe = |worker: &mut Workers<'a>, pixel: usize| {
+            if let Some(known) = self.shared.known().and_then(|known| known.probe(pixel)) {
+                return (pixel, known);
+            }
             self.report(4);
             self.discarded.fetch_add(4, Ordering::Relaxed);
             (pixel, PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, pixel, on_pinhole)))
         };
         let probes: Vec<_> = probed.into_par_iter().with_min_len(8).map_init(|| self.worker(), probe).collect();
+        if let Some(mut record) = self.shared.record() {
+            record.probes = vec![None; nodes.len()];
+            probes.iter().for_each(|(pixel, probe)| record.probes[*pixel] = Some(*probe));
+        }
         let derivatives = PinholeDerivatives::new(film, (lattice, &nodes), &probes, STRIDE as usize);
         PinholeBlur { film, derivatives }
     }
