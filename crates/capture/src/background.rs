@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 /// Rays traced per pixel to find its light paths. The paths of neighbouring pixels count as well,
 /// so each pixel has nine times as many.
-const PATHS_PER_PIXEL: u32 = 4;
+const PATHS_PER_PIXEL: u32 = 2;
 
 /// The exposed scene without its moving parts.
 #[derive(Clone, Debug)]

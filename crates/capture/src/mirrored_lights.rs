@@ -122,10 +122,11 @@ impl PixelImages {
         if curved.is_empty() && in_plane_mirrors.is_empty() {
             return none;
         }
-        let directions = curved.iter().map(|image| (image.direction(), image.reach()));
-        let directions: Vec<_> =
-            directions.chain(in_plane_mirrors.iter().map(|image| (image.direction(), 0.0))).collect();
-        let blocks = PixelBlocks::new(rays, &directions);
+        let may_see_any = |cone: &PixelCone| {
+            curved.iter().any(|image| cone.meets(image.direction(), image.reach()))
+                || in_plane_mirrors.iter().any(|image| cone.meets_plane(image))
+        };
+        let blocks = PixelBlocks::new(rays, may_see_any);
         let of_pixel = |worker: &mut RayWorker<'_>, pixel: usize| {
             let none = (Vec::new(), PlaneStrata::default());
             if !blocks.may_see_any(pixel) {
@@ -135,7 +136,7 @@ impl PixelImages {
             let Some(cone) = PixelCone::new(rays, pixel) else { return none };
             let search = &mut Search { worker, rays, pixel, domain };
             let images = search.curved_images(&cone, &curved);
-            let seen = in_plane_mirrors.iter().enumerate().filter(|(_, image)| cone.meets(image.direction(), 0.0));
+            let seen = in_plane_mirrors.iter().enumerate().filter(|(_, image)| cone.meets_plane(image));
             let plane = seen.filter_map(|image| search.plane_image(renderer.plan(), image));
             (images, PlaneStrata::new(plane.collect(), domain))
         };
@@ -254,8 +255,8 @@ impl PixelBlocks {
     /// The corners of a block may have pixels that are smaller by this factor than others.
     const MARGIN: f64 = 1.1;
 
-    /// For images with these directions and reaches, as tangents.
-    fn new(rays: &Rays, images: &[(DVec3, f64)]) -> PixelBlocks {
+    /// `may_see_any` tells whether pixels within a cone may see an image.
+    fn new(rays: &Rays, may_see_any: impl Fn(&PixelCone) -> bool) -> PixelBlocks {
         let camera = rays.camera();
         let [columns, rows] = [camera.columns(), camera.rows()].map(|count| count as usize);
         let across = columns.div_ceil(PixelBlocks::SIDE);
@@ -263,7 +264,7 @@ impl PixelBlocks {
             let [x, y] = [block % across, block / across].map(|index| index * PixelBlocks::SIDE);
             let last = [(x, columns), (y, rows)].map(|(first, count)| (first + PixelBlocks::SIDE - 1).min(count - 1));
             let cone = PixelBlocks::cone(rays, columns, [[x, last[0]], [y, last[1]]]);
-            cone.is_none_or(|cone| images.iter().any(|(direction, reach)| cone.meets(*direction, *reach)))
+            cone.is_none_or(|cone| may_see_any(&cone))
         };
         let may_see_any = match camera.is_plain_pinhole() {
             true => (0..across * rows.div_ceil(PixelBlocks::SIDE)).map(of_block).collect(),
@@ -314,6 +315,12 @@ impl PixelCone {
     fn meets(&self, direction: DVec3, reach: f64) -> bool {
         let chord = self.max_chord + reach;
         self.middle.distance_squared(direction) <= chord * chord
+    }
+
+    /// Whether the pixel may see a light in a plane mirror.
+    fn meets_plane(&self, image: &MirroredLight) -> bool {
+        let meets_mirror = |(axis, reach)| self.meets(axis, reach);
+        self.meets(image.direction(), 0.0) && image.mirror_cone().is_none_or(meets_mirror)
     }
 }
 
