@@ -41,8 +41,9 @@ const MAX_FRACTION: f64 = 0.9;
 /// A linear map may be wrong by this fraction of the radius of the light or the mirror.
 const MAX_MISS: f64 = 0.1;
 
-/// Minimum enlargement of an image, for rounding.
-const MARGIN: f64 = 1e-4;
+/// Minimum enlargement of an image, for rounding. Rays in the margin show no light: at 1e-4 they would
+/// contribute most of the variance.
+const MARGIN: f64 = 1e-7;
 
 impl Domain {
     /// The direction of the strips across it, unit. With it the strips of a disk and a circle are

@@ -27,7 +27,7 @@ pub(crate) struct FilmRecord {
     pub(crate) edge_widths: Vec<f64>,
     /// Whether points of a pixel are followed by their mirror images.
     pub(crate) mirrors_points: bool,
-    /// The samples of the exposed pixels.
+    /// The samples of the exposed pixels, and interpolated values of the others.
     pub(crate) pixels: Vec<Pixel>,
     /// By pixel, where the dependence on the point of the pinhole was measured.
     pub(crate) probes: Vec<Option<PinholeProbe>>,
@@ -80,10 +80,10 @@ impl KnownFilm<'_> {
         if self.is_affected[pixel] { None } else { recorded() }
     }
 
-    /// The light of the first audit of a pixel of the picture, by its index on the film.
-    pub(crate) fn audited(&self, pixel: usize) -> Option<f64> {
-        let own = self.record.film.as_ref().map_or(Some(pixel), |film| film.in_picture(pixel))?;
+    /// The light of the first audit of a pixel of the picture, by its index on the film. `seen` is the
+    /// pixel of the film that its ray sees.
+    pub(crate) fn audited(&self, pixel: usize, seen: usize) -> Option<f64> {
         let recorded = || self.record.audited.get(pixel).copied().filter(|light| !light.is_nan());
-        if self.is_picture_affected[own] { None } else { recorded() }
+        if self.is_affected[seen] { None } else { recorded() }
     }
 }

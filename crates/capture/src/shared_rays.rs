@@ -209,6 +209,15 @@ impl UnblurredFilm {
         self.ray(rays, pixel, [u[0], u[1]], unit_disk(u[2], u[3]).into())
     }
 
+    /// The pixel of the film that a ray of the picture sees. `pixel` is that of the picture, by its
+    /// index on the film.
+    pub(crate) fn pixel_seen(&self, pixel: usize, passage: PixelPassage) -> Option<usize> {
+        let film = DVec2::new((pixel % self.columns) as f64, (pixel / self.columns) as f64);
+        let place = film + passage.on_pixel + self.shift * passage.on_pinhole;
+        let is_inside = place.cmpge(DVec2::ZERO).all() && place.x < self.columns as f64 && place.y < self.rows as f64;
+        is_inside.then(|| place.y as usize * self.columns + place.x as usize)
+    }
+
     /// The number of pixels of the picture that a pixel of the film adds up to, between 0 and about
     /// 1.
     pub(crate) fn share(&self, pixel: usize) -> f64 {

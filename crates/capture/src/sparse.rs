@@ -15,6 +15,7 @@ use crate::edges::{Edges, SearchedFilm};
 use crate::fixed::radiance;
 use crate::image_light::{ExposedImages, IMAGE_FRACTION, ImageLight};
 use crate::lattice::{Lattice, STRIDE};
+use crate::shared_film::KnownFilm;
 use crate::shared_rays::{FilmRay, PinholeBlur, PinholeDerivatives, PinholeProbe, PixelPassage, UnblurredFilm};
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::{Exposer, Workers};
@@ -259,7 +260,7 @@ impl<'a> AdaptiveSampler<'a> {
             if refined.is_empty() {
                 let left = all - known - estimate.squared_errors().iter().sum::<f64>();
                 let squared = estimate.pixel_count as f64 * left.max(0.5 * IMAGE_FRACTION * all);
-                self.keep(state, &sparse);
+                self.keep(state, &sparse, &estimate);
                 let images = images.as_mut().map(|images| images.expose(self, squared, most));
                 return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(Stop::Rays)));
             }
@@ -270,12 +271,14 @@ impl<'a> AdaptiveSampler<'a> {
     }
 
     /// Records a finished lattice where others use it.
-    fn keep(&self, state: &AdaptiveState, sparse: &Sparse) {
+    fn keep(&self, state: &AdaptiveState, sparse: &Sparse, estimate: &SparseEstimate) {
         if let Some(mut record) = self.shared.record() {
+            let mut state = state.clone();
+            fill_interpolated(&mut state, sparse, estimate);
             record.film.clone_from(&self.film);
             record.edge_widths.clone_from(&sparse.edge_widths);
             record.mirrors_points = self.mirrors_points.load(Ordering::Relaxed);
-            record.pixels.clone_from(&state.pixels);
+            record.pixels = state.pixels;
         }
     }
 
@@ -383,7 +386,8 @@ impl<'a> AdaptiveSampler<'a> {
             .map_init(
                 || self.worker(),
                 |worker, pixel| {
-                    let known = self.shared.known().filter(|_| round == 0).and_then(|known| known.audited(pixel));
+                    let known =
+                        self.shared.known().filter(|_| round == 0).and_then(|known| self.known_audit(known, pixel));
                     let light = known.unwrap_or_else(|| {
                         self.report(1);
                         self.discarded.fetch_add(1, Ordering::Relaxed);
@@ -399,6 +403,21 @@ impl<'a> AdaptiveSampler<'a> {
             record.audited.clone_from(&traced);
         }
         Audit::new(sparse, values, &traced).cells_to_refine(sparse)
+    }
+
+    /// The known light of the ray that audits a pixel of the picture, in the frame of the film.
+    fn known_audit(&self, known: &KnownFilm<'_>, pixel: usize) -> Option<f64> {
+        let seen = match &self.film {
+            Some(film) => film.pixel_seen(pixel, self.passage(film.in_picture(pixel)?))?,
+            None => pixel,
+        };
+        known.audited(pixel, seen)
+    }
+
+    /// Where the ray that audits a pixel of the picture passes.
+    fn passage(&self, own: usize) -> PixelPassage {
+        let index = ray_number(own as u64, 0);
+        PixelPassage::new(own, RaySampler::new(self.exposer.rays.seed(), index).take(DimensionSet::CAMERA))
     }
 
     /// The light of one ray of a pixel of the picture, in the frame of the film.
