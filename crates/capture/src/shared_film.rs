@@ -87,3 +87,29 @@ impl KnownFilm<'_> {
         if self.is_affected[seen] { None } else { recorded() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::adaptive::Sums;
+
+    #[test]
+    fn nothing_is_known_where_parts_affect_the_film() {
+        let exposed = Pixel::of(Sums { whole: 3.0, ..Sums::default() }, 4);
+        let record = FilmRecord {
+            edge_widths: vec![5.0; 12],
+            pixels: vec![exposed, exposed, Pixel::default(), exposed],
+            audited: vec![1.0, f64::NAN, 2.0, 3.0],
+            ..FilmRecord::default()
+        };
+        let mut is_affected = vec![false; 12];
+        is_affected[6] = true;
+        let known = KnownFilm { record: &record, is_picture_affected: is_affected.clone(), is_affected };
+        // Three rows of four pixels: the pixel, the one to the left and the one above.
+        let unknown: Vec<usize> = (0..12).filter(|pixel| known.edge_width(*pixel, 4).is_none()).collect();
+        assert_eq!(unknown, [2, 5, 6]);
+        assert_eq!(known.samples(0).map(|pixel| pixel.mean()), Some(0.75));
+        assert!(known.samples(2).is_none() && known.samples(6).is_none());
+        assert_eq!([known.audited(0, 0), known.audited(1, 0), known.audited(3, 6)], [Some(1.0), None, None]);
+    }
+}
