@@ -73,7 +73,7 @@ impl Background {
         target: ErrorTarget,
         progress: &dyn Progress,
     ) -> Option<Background> {
-        let recorded = SharedFilm::Recorded(std::sync::Mutex::default());
+        let recorded = SharedFilm::Recorded(Box::default());
         let (exposure, record) = exposer.shared_to_error(target, AdaptiveState::default(), recorded, progress);
         let Checkpoint(State::Adaptive { state, .. }) = exposure.checkpoint else { return None };
         if exposure.is_partial || progress.stops() {

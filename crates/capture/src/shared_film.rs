@@ -13,7 +13,7 @@ pub(crate) enum SharedFilm<'a> {
     /// It does not.
     Own,
     /// It records what others may use.
-    Recorded(Mutex<FilmRecord>),
+    Recorded(Box<Mutex<FilmRecord>>),
     /// It uses what was recorded without parts.
     Known(KnownFilm<'a>),
 }
