@@ -80,7 +80,8 @@ fn pictures_of_a_moving_part_are_those_of_captures_alone() {
         }
     }
     let shared = pictures[0].data().iter().zip(pictures[1].data()).filter(|(a, b)| a == b).count();
-    assert!((40..400).contains(&shared), "{shared} of 480 pixels are shared");
+    // Some shared pixels are refined further in one of the two.
+    assert!((20..400).contains(&shared), "{shared} of 480 pixels are shared");
 }
 
 #[test]

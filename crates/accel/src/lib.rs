@@ -28,6 +28,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod beam;
 mod bounds;
 mod builder;
 mod choice;
@@ -58,6 +59,7 @@ mod shape;
 mod sphere;
 mod traversal;
 
+pub use beam::Beam;
 pub use bounds::Bounds;
 pub use builder::Builder;
 pub use coincident::{Substance, SubstanceOf};

@@ -14,14 +14,17 @@ use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
 use crate::shared_film::{FilmRecord, SharedFilm};
 use crate::shared_rays::{FilmRay, PixelPassage, UnblurredFilm};
+use crate::two_phase::{FIRST_PHASE, choose};
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
 use radsight_adaptive::{
     ErrorEstimate, ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource,
     SampleCounter, SampleSums, Selection, Stop, begin, ray_number, refine,
 };
-use radsight_render::CountedLight;
+use radsight_pinhole::CameraRay;
+use radsight_render::{CountedLight, CubatureError, Ray};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Limits of the estimated factor q by which `⟨d²⟩` falls.
@@ -35,9 +38,21 @@ pub(crate) const SELECTION_BIAS: f64 = 1.33;
 /// Fraction of the requested error that cubature over a lamp may have.
 const CUBATURE_FRACTION: f64 = 0.125;
 
+/// Number of samples of a pixel from which small lights are sampled, and from which its outlines are
+/// no longer resolved by two phases. What is left of the noise has other causes, and more of cheaper
+/// rays are better.
+const MAX_INTEGRATED: u32 = 16;
+const MAX_IN_PHASES: u32 = 64;
+
+/// Ray numbers of first phases begin at this pixel, so that their samples are independent of others.
+const FIRST_PHASE_PIXEL: u64 = 1 << 41;
+
 /// Fraction of the rays of a pixel that is aimed at images in curved mirrors, where they show all
 /// light.
 const AIMED: f64 = 0.5;
+
+/// The renderer's set of dimensions that chooses rays of the second phase. No path is that long.
+const CHOICE_SET: u32 = 1 << 24;
 
 /// Maximum number of passes, whatever the error is.
 pub(crate) const MAX_PASSES: u32 = 64;
@@ -159,12 +174,14 @@ pub(crate) struct AdaptiveSampler<'a> {
     /// What is exposed instead of the picture.
     pub(crate) film: Option<UnblurredFilm>,
     pub(crate) shared: SharedFilm<'a>,
+    /// Whether each pixel of the lattice sees the outline of a surface; empty without a lattice.
+    pub(crate) outlines: Vec<bool>,
     pub(crate) progress: &'a dyn Progress,
     /// Whether points of a pixel are followed by their mirror images: the exposure is the integral of
     /// a smooth function over the pixel alone.
     pub(crate) mirrors_points: AtomicBool,
     /// Allowed error of the light of small lamps, relative to each lamp's.
-    cubature_error: f64,
+    cubature_error: CubatureError,
     counter: SampleCounter,
     /// Traced rays that contribute to no pixel: those of an abandoned lattice, and those that
     /// audited one.
@@ -184,9 +201,10 @@ impl<'a> AdaptiveSampler<'a> {
             images_apart: false,
             film: None,
             shared: SharedFilm::Own,
+            outlines: Vec::new(),
             progress,
             mirrors_points: AtomicBool::new(false),
-            cubature_error: CUBATURE_FRACTION * error,
+            cubature_error: CubatureError(CUBATURE_FRACTION * error),
             counter: SampleCounter::new(traced, traced + first),
             discarded: AtomicU64::new(0),
             is_on_lattice: AtomicBool::new(false),
@@ -264,53 +282,103 @@ impl<'a> AdaptiveSampler<'a> {
     }
 }
 
-impl<'a> PixelSource for AdaptiveSampler<'a> {
-    type Sums = Sums;
-    type Worker = Workers<'a>;
+/// A ray of a pixel.
+struct DrawnRay {
+    number: u64,
+    ray: CameraRay,
+    weight: f64,
+    counted: CountedLight,
+}
 
-    fn worker(&self) -> Workers<'a> {
-        self.exposer.integrating_workers(self.cubature_error)
+impl<'a> AdaptiveSampler<'a> {
+    /// The ray of a pixel for a point of the unit cube; `None` if it has no radiance.
+    fn drawn(&self, pixel: usize, number: u64, u: [f64; 4]) -> Option<DrawnRay> {
+        let Exposer { renderer, rays, .. } = *self.exposer;
+        let (ray, weight, counted) = match &self.film {
+            Some(film) => {
+                let FilmRay { ray, passage } = film.sampled_ray(rays, pixel, u)?;
+                (ray, 1.0, self.counted(passage))
+            }
+            None if self.images_apart => {
+                let passage = PixelPassage::new(pixel, u);
+                (self.images.plain_ray(rays, &passage)?, 1.0, self.counted(Some(passage)))
+            }
+            None => {
+                let (ray, weight) = self.images.ray((renderer.plan(), rays), (pixel, AIMED), u)?;
+                (ray, weight, CountedLight::All)
+            }
+        };
+        Some(DrawnRay { number, ray, weight, counted })
     }
 
-    /// Sums of radiance·cos⁴ over some samples of a pixel. Every pixel has its own scramble of the
-    /// sequence.
-    fn sums(&self, worker: &mut Workers<'a>, pixel: usize, samples: std::ops::Range<u32>) -> Sums {
-        let Exposer { renderer, rays, weights, .. } = *self.exposer;
-        let plan = renderer.plan();
-        let number = pixel as u64;
-        let drawn = samples.filter_map(|sample| {
-            let index = ray_number(number, sample);
-            let u = self.camera_point(pixel, sample);
-            let (ray, weight, counted) = match &self.film {
-                Some(film) => {
-                    let FilmRay { ray, passage } = film.sampled_ray(rays, pixel, u)?;
-                    (ray, 1.0, self.counted(passage))
-                }
-                None if self.images_apart => {
-                    let passage = PixelPassage::new(pixel, u);
-                    (self.images.plain_ray(rays, &passage)?, 1.0, self.counted(Some(passage)))
-                }
-                None => self
-                    .images
-                    .ray((plan, rays), (pixel, AIMED), u)
-                    .map(|(ray, weight)| (ray, weight, CountedLight::All))?,
-            };
-            Some((index, ray, weight, counted))
+    /// The rays of the second phase for some samples of a pixel ([`two_phase`](crate::two_phase)).
+    fn chosen_rays(&self, pixel: usize, samples: Range<u32>) -> Vec<DrawnRay> {
+        let plan = self.exposer.renderer.plan();
+        let wanted = samples.end - samples.start;
+        let seed = self.exposer.rays.seed();
+        let number = |sample| ray_number(FIRST_PHASE_PIXEL + pixel as u64, sample);
+        let first = FIRST_PHASE * samples.start;
+        let [offset, ..] = RaySampler::new(seed, number(first)).take(DimensionSet::render(CHOICE_SET));
+        let drawn = |sample| {
+            let u = RaySampler::new(seed, number(sample)).take(DimensionSet::CAMERA);
+            self.drawn(pixel, number(sample), u)
+        };
+        let mut rays: Vec<Option<DrawnRay>> = (first..FIRST_PHASE * samples.end).map(drawn).collect();
+        let strata: Vec<Option<Option<_>>> = rays
+            .iter()
+            .map(|drawn| {
+                let drawn = drawn.as_ref()?;
+                let ray = Ray::new(drawn.ray.origin, drawn.ray.direction)?;
+                Some(plan.first_hit(&ray, None).map(|hit| (hit.surface, hit.shader)))
+            })
+            .collect();
+        let chosen = choose(&strata, wanted, offset);
+        let taken = chosen.into_iter().filter_map(|chosen| {
+            let drawn = rays[chosen.index].take()?;
+            Some(DrawnRay { weight: chosen.weight * drawn.weight, ..drawn })
         });
+        taken.collect()
+    }
+
+    /// Sums of weighted radiance·cos⁴ over rays of a pixel.
+    fn summed(&self, worker: &mut Workers<'a>, pixel: usize, drawn: impl Iterator<Item = DrawnRay>) -> Sums {
+        let Exposer { rays, weights, .. } = *self.exposer;
+        let number = pixel as u64;
         if self.bands == 0 {
-            let light = drawn.map(|(index, ray, weight, counted)| {
+            let light = drawn.map(|DrawnRay { number: index, ray, weight, counted }| {
                 worker.count(counted);
                 weight * ray.cos4 * radiance(worker, index, (rays, number), &ray, weights)
             });
             return Sums { whole: light.sum(), ..Sums::default() };
         }
         let mut bands = [0.0; MAX_BANDS];
-        for (index, ray, weight, counted) in drawn {
+        for DrawnRay { number: index, ray, weight, counted } in drawn {
             worker.count(counted);
             let light = radiance_apart(worker, index, (rays, number), &ray, weights);
             bands.iter_mut().zip(light).for_each(|(sum, light)| *sum += weight * ray.cos4 * light);
         }
         Sums { whole: weights.combine_apart(number, &bands[..self.bands]), bands }
+    }
+}
+
+impl<'a> PixelSource for AdaptiveSampler<'a> {
+    type Sums = Sums;
+    type Worker = Workers<'a>;
+
+    fn worker(&self) -> Workers<'a> {
+        self.exposer.workers()
+    }
+
+    /// Sums of radiance·cos⁴ over some samples of a pixel. Every pixel has its own scramble of the
+    /// sequence.
+    fn sums(&self, worker: &mut Workers<'a>, pixel: usize, samples: Range<u32>) -> Sums {
+        worker.integrate_lights((samples.start < MAX_INTEGRATED).then_some(self.cubature_error));
+        if samples.start < MAX_IN_PHASES && self.outlines.get(pixel) == Some(&true) {
+            let rays = self.chosen_rays(pixel, samples);
+            return self.summed(worker, pixel, rays.into_iter());
+        }
+        let drawn = |sample| self.drawn(pixel, ray_number(pixel as u64, sample), self.camera_point(pixel, sample));
+        self.summed(worker, pixel, samples.filter_map(drawn))
     }
 
     fn stops(&self) -> bool {

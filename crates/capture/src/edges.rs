@@ -38,9 +38,11 @@ pub(crate) struct Edges {
     blur: usize,
     has_pinhole: bool,
     /// By pixel: the width of its sharpest edge, pixels; infinite if there is none.
-    pub(crate) widths: Vec<f64>,
+    widths: Vec<f64>,
     /// Width of the sharpest edge, pixels; infinite if there is none.
     narrowest: f64,
+    /// By pixel, whether it sees the outline of a surface.
+    outlines: Vec<bool>,
 }
 
 /// By how much the edges near a cell are blurred.
@@ -72,6 +74,8 @@ struct PixelEdges {
     widths: Vec<f64>,
     /// The number of pixels over which the pinhole blurs any edge, at the least.
     by_pinhole: f64,
+    /// Whether each pixel sees the outline of a surface.
+    outlines: Vec<bool>,
 }
 
 impl Edges {
@@ -79,7 +83,7 @@ impl Edges {
     pub(crate) fn find(film: SearchedFilm<'_>, lattice: &Lattice) -> Edges {
         let (rays, plan) = (film.exposer.rays, film.exposer.renderer.plan());
         let [columns, rows] = film.size();
-        let PixelEdges { widths, by_pinhole } = PixelEdges::find(film);
+        let PixelEdges { widths, by_pinhole, outlines } = PixelEdges::find(film);
         let distance = |pixel: usize| film.center_ray(pixel).and_then(|ray| plan.distance(&ray));
         let blur_at = |pixel: usize| {
             let near = [Some(pixel), Some(pixel + 1), Some(pixel + columns)].into_iter().flatten();
@@ -98,7 +102,12 @@ impl Edges {
         };
         let unresolved = (1..lattice.finest()).map(of_level).collect();
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
-        Edges { columns, rows, unresolved, other, blur, has_pinhole, widths, narrowest }
+        Edges { columns, rows, unresolved, other, blur, has_pinhole, widths, narrowest, outlines }
+    }
+
+    /// The width of the sharpest edge of each pixel, and whether it sees the outline of a surface.
+    pub(crate) fn into_widths_and_outlines(self) -> (Vec<f64>, Vec<bool>) {
+        (self.widths, self.outlines)
     }
 
     /// Whether radiance is smooth within each pixel of a point pinhole.
@@ -148,7 +157,12 @@ impl SearchedFilm<'_> {
 
     /// The ray through the centres of a pixel and of the pinhole.
     fn center_ray(&self, pixel: usize) -> Option<Ray> {
-        let (rays, place) = (self.exposer.rays, [0.5; 2]);
+        self.ray_through(pixel, [0.5; 2])
+    }
+
+    /// The ray through a place of a pixel and the centre of the pinhole.
+    fn ray_through(&self, pixel: usize, place: [f64; 2]) -> Option<Ray> {
+        let rays = self.exposer.rays;
         let ray = match self.unblurred {
             Some(film) => film.ray(rays, pixel, place, DVec2::ZERO).map(|on_film| on_film.ray),
             None => rays.ray_through(pixel as u64, place, [0.0; 2]),
@@ -187,7 +201,8 @@ impl PixelEdges {
                 _ => by_pinhole,
             }
         };
-        PixelEdges { widths: (0..views.len()).map(width).collect(), by_pinhole }
+        let outlines = outlines(film, &views);
+        PixelEdges { widths: (0..views.len()).map(width).collect(), by_pinhole, outlines }
     }
 }
 
@@ -212,6 +227,36 @@ fn views(film: SearchedFilm<'_>, known: impl Fn(usize) -> Option<f64> + Sync) ->
     let seen = |pixel: usize| centers[pixel].and_then(|ray| plan.smooth_view(&ray, spacing(pixel, &ray)));
     let view = |pixel: usize| if is_needed(pixel) { seen(pixel) } else { None };
     (0..pixels).into_par_iter().with_min_len(64).map(view).collect()
+}
+
+/// Whether each pixel sees the outline of a surface: rays through its corners and its centre, and the
+/// centre of the pinhole, hit different ones. Only pixels whose view differs from one beside them
+/// are tested.
+fn outlines(film: SearchedFilm<'_>, views: &[Option<SmoothView>]) -> Vec<bool> {
+    let plan = film.exposer.renderer.plan();
+    let [columns, rows] = film.size();
+    let surface = |pixel: usize, place: [f64; 2]| {
+        let ray = film.ray_through(pixel, place)?;
+        plan.first_hit(&ray, None).map(|hit| (hit.surface, hit.shader))
+    };
+    let may_see = |pixel: usize| {
+        let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+        let mut beside = near(pixel / columns, rows)
+            .flat_map(|row| near(pixel % columns, columns).map(move |column| row * columns + column));
+        beside.any(|other| !are_alike(&views[pixel], &views[other]))
+    };
+    let sees = |pixel: usize| {
+        if let Some(sees) = film.known.and_then(|known| known.sees_outline(pixel)) {
+            return sees;
+        }
+        if !may_see(pixel) {
+            return false;
+        }
+        let middle = surface(pixel, [0.5; 2]);
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        corners.into_iter().any(|place| surface(pixel, place) != middle)
+    };
+    (0..columns * rows).into_par_iter().with_min_len(256).map(sees).collect()
 }
 
 fn are_alike(a: &Option<SmoothView>, b: &Option<SmoothView>) -> bool {

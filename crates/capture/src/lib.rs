@@ -25,6 +25,7 @@ mod shared_film;
 mod shared_rays;
 mod sparse;
 mod sparse_estimate;
+mod two_phase;
 
 pub use background::{Background, PlacedParts};
 pub use checkpoint::{Checkpoint, CheckpointError};
@@ -70,17 +71,16 @@ impl Workers<'_> {
         self.main.count(counted);
         self.by_row.iter_mut().for_each(|(worker, _)| worker.count(counted));
     }
+
+    /// Integrates small lights, with this error relative to each light's contribution, or samples
+    /// them.
+    pub(crate) fn integrate_lights(&mut self, allowed: Option<CubatureError>) {
+        self.main.integrate_lights(allowed);
+        self.by_row.iter_mut().for_each(|(worker, _)| worker.integrate_lights(allowed));
+    }
 }
 
 impl<'a> Exposer<'a> {
-    /// Workers that integrate small lights, with this error relative to each light's contribution.
-    pub(crate) fn integrating_workers(&self, error: f64) -> Workers<'a> {
-        let mut workers = self.workers();
-        let others = workers.by_row.iter_mut().map(|(worker, _)| worker);
-        others.chain([&mut workers.main]).for_each(|worker| worker.integrate_lights(CubatureError(error)));
-        workers
-    }
-
     pub(crate) fn workers(&self) -> Workers<'a> {
         let by_row = self.by_row.iter().map(|light| (light.renderer.worker(), light.brightness.as_slice())).collect();
         Workers { main: self.renderer.worker(), by_row }

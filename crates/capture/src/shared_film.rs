@@ -25,6 +25,8 @@ pub(crate) struct FilmRecord {
     pub(crate) film: Option<UnblurredFilm>,
     /// By pixel: the width of the sharpest edge.
     pub(crate) edge_widths: Vec<f64>,
+    /// By pixel: whether it sees the outline of a surface.
+    pub(crate) outlines: Vec<bool>,
     /// Whether points of a pixel are followed by their mirror images.
     pub(crate) mirrors_points: bool,
     /// The samples of the exposed pixels, and interpolated values of the others.
@@ -68,6 +70,12 @@ impl KnownFilm<'_> {
         self.record.edge_widths.get(pixel).copied().filter(|_| is_known)
     }
 
+    /// Whether a pixel of the film sees the outline of a surface.
+    pub(crate) fn sees_outline(&self, pixel: usize) -> Option<bool> {
+        let recorded = || self.record.outlines.get(pixel).copied();
+        if self.is_affected[pixel] { None } else { recorded() }
+    }
+
     /// The samples of a pixel of the film.
     pub(crate) fn samples(&self, pixel: usize) -> Option<Pixel> {
         let recorded = || self.record.pixels.get(pixel).copied().filter(|samples| samples.samples > 0);
@@ -99,6 +107,7 @@ mod tests {
         let record = FilmRecord {
             edge_widths: vec![5.0; 12],
             pixels: vec![exposed, exposed, Pixel::default(), exposed],
+            outlines: vec![true; 12],
             audited: vec![1.0, f64::NAN, 2.0, 3.0],
             ..FilmRecord::default()
         };
@@ -109,6 +118,7 @@ mod tests {
         let unknown: Vec<usize> = (0..12).filter(|pixel| known.edge_width(*pixel, 4).is_none()).collect();
         assert_eq!(unknown, [2, 5, 6]);
         assert_eq!(known.samples(0).map(|pixel| pixel.mean()), Some(0.75));
+        assert_eq!([5, 6].map(|pixel| known.sees_outline(pixel)), [Some(true), None]);
         assert!(known.samples(2).is_none() && known.samples(6).is_none());
         assert_eq!([known.audited(0, 0), known.audited(1, 0), known.audited(3, 6)], [Some(1.0), None, None]);
     }

@@ -169,7 +169,7 @@ impl<'a> AdaptiveSampler<'a> {
         }
         if let Some(film) = &self.film {
             let mut film_state = AdaptiveState::new(film.pixel_count());
-            let found = self.sparse(&mut film_state, target, images);
+            let found = self.on_lattice(&mut film_state, target, images);
             self.film = None;
             if found.is_some() {
                 *state = film_state;
@@ -179,7 +179,21 @@ impl<'a> AdaptiveSampler<'a> {
                 return None;
             }
         }
-        self.sparse(state, target, images)
+        self.on_lattice(state, target, images)
+    }
+
+    /// Finds the lattice and exposes it.
+    fn on_lattice(
+        &mut self,
+        state: &mut AdaptiveState,
+        target: ErrorTarget,
+        images: &mut Option<ImageLight>,
+    ) -> Option<(Estimate, Option<Stop>)> {
+        let (sparse, outlines) = self.lattice()?;
+        self.outlines = outlines;
+        let found = self.sparse(state, target, images, sparse);
+        self.outlines = Vec::new();
+        found
     }
 
     fn unblurred_film(&self) -> Option<UnblurredFilm> {
@@ -207,9 +221,9 @@ impl<'a> AdaptiveSampler<'a> {
         state: &mut AdaptiveState,
         target: ErrorTarget,
         images: &mut Option<ImageLight>,
+        mut sparse: Sparse,
     ) -> Option<(Estimate, Option<Stop>)> {
         let most = target.most_samples.min(MAX_SAMPLES);
-        let mut sparse = self.lattice().filter(|sparse| !sparse.is_dense())?;
         let mirrors_points = || sparse.is_smooth && self.exposer.renderer.integrates_all_lights();
         let mirrors_points = self.shared.known().map_or_else(mirrors_points, |known| known.record.mirrors_points);
         self.mirrors_points.store(mirrors_points, Ordering::Relaxed);
@@ -277,6 +291,7 @@ impl<'a> AdaptiveSampler<'a> {
             fill_interpolated(&mut state, sparse, estimate);
             record.film.clone_from(&self.film);
             record.edge_widths.clone_from(&sparse.edge_widths);
+            record.outlines.clone_from(&self.outlines);
             record.mirrors_points = self.mirrors_points.load(Ordering::Relaxed);
             record.pixels = state.pixels;
         }
@@ -332,8 +347,9 @@ impl<'a> AdaptiveSampler<'a> {
         *state = AdaptiveState::new(state.pixels.len());
     }
 
-    /// The first lattice of a picture; `None` where neighbouring pixels have little in common.
-    fn lattice(&self) -> Option<Sparse> {
+    /// The first lattice of a picture, and the pixels that see the outline of a surface; `None`
+    /// where neighbouring pixels have little in common.
+    fn lattice(&self) -> Option<(Sparse, Vec<bool>)> {
         let exposer = self.exposer;
         if !self.is_plain() {
             return None;
@@ -349,14 +365,10 @@ impl<'a> AdaptiveSampler<'a> {
         let nodes = lattice.nodes(&levels);
         let ratio = |(cell, level): (usize, &u8)| residual_ratio(edges.blurs(&lattice, cell, *level));
         let ratios = levels.iter().enumerate().map(ratio).collect();
-        Some(Sparse {
-            lattice,
-            levels,
-            nodes,
-            is_smooth: edges.are_wider_than_pixels(),
-            ratios,
-            edge_widths: edges.widths,
-        })
+        let is_smooth = edges.are_wider_than_pixels();
+        let (edge_widths, outlines) = edges.into_widths_and_outlines();
+        let sparse = Sparse { lattice, levels, nodes, is_smooth, ratios, edge_widths };
+        if sparse.is_dense() { None } else { Some((sparse, outlines)) }
     }
 
     /// Traces the first samples of the nodes that have none.
@@ -384,7 +396,7 @@ impl<'a> AdaptiveSampler<'a> {
             .into_par_iter()
             .with_min_len(32)
             .map_init(
-                || self.worker(),
+                || self.exposer.workers(),
                 |worker, pixel| {
                     let known =
                         self.shared.known().filter(|_| round == 0).and_then(|known| self.known_audit(known, pixel));
@@ -446,7 +458,8 @@ impl<'a> AdaptiveSampler<'a> {
             self.discarded.fetch_add(4, Ordering::Relaxed);
             (pixel, PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, pixel, on_pinhole)))
         };
-        let probes: Vec<_> = probed.into_par_iter().with_min_len(8).map_init(|| self.worker(), probe).collect();
+        let probes: Vec<_> =
+            probed.into_par_iter().with_min_len(8).map_init(|| self.exposer.workers(), probe).collect();
         if let Some(mut record) = self.shared.record() {
             record.probes = vec![None; nodes.len()];
             probes.iter().for_each(|(pixel, probe)| record.probes[*pixel] = Some(*probe));

@@ -4,7 +4,7 @@ use crate::first_hit::{FirstHit, material_name};
 use crate::hierarchy_choice::HierarchyChoice;
 use crate::medium::Medium;
 use crate::mist_lights::MistLights;
-use crate::options::{BackFaces, Caustics, GlobalMedium, RenderOptions, Skip};
+use crate::options::{BackFaces, Caustics, GlobalMedium, Lights, RenderOptions, Skip};
 use crate::portals::Portals;
 use crate::reflectors::Reflector;
 use crate::shader::{Kind, Shader, Substitution};
@@ -151,6 +151,12 @@ impl RenderPlan {
     #[must_use]
     pub fn seed(&self) -> u64 {
         self.options.seed
+    }
+
+    /// Whether lights are visible.
+    #[must_use]
+    pub fn lights_seen(&self) -> Lights {
+        self.options.lights
     }
 
     /// Number of traced bands: one for a grey scene, three for colour, or those of a spectrum.

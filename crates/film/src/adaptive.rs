@@ -6,6 +6,7 @@
 //! Where irradiance is cached, its error counts as well. It is estimated and corrected by
 //! independent paths (`residual.rs`).
 
+use crate::drawn_lights::DrawnLights;
 use crate::interpolated::{self, Interpolation};
 use crate::light_strata::LightStrata;
 use crate::noise::{Estimate, Finished, Pixel, PixelNoise};
@@ -55,6 +56,7 @@ pub struct Film<'r> {
     camera: ViewCamera,
     budget: SamplingBudget,
     strata: LightStrata,
+    drawn_lights: DrawnLights,
     state: SamplingState<[f64; 3]>,
     noise: PixelNoise,
     finished: Finished,
@@ -90,11 +92,18 @@ impl<'r> Film<'r> {
             SamplingBudget::Error(_) => LightStrata::find(renderer.plan(), &camera, part),
             SamplingBudget::Interpolated(_) => LightStrata::default(),
         };
+        let drawn_lights = match budget {
+            SamplingBudget::Interpolated(interpolation) => {
+                DrawnLights::find(renderer, &camera, interpolation.widest_drawn_light(&camera))
+            }
+            _ => DrawnLights::default(),
+        };
         let mut frame = Film {
             renderer,
             camera,
             budget,
             strata,
+            drawn_lights,
             state: SamplingState::new(pixels),
             noise: PixelNoise::new(&[], camera.columns()),
             finished,
@@ -147,7 +156,7 @@ impl<'r> Film<'r> {
         let range = block.start * columns..block.end * columns;
         match self.budget {
             SamplingBudget::Interpolated(interpolation) => {
-                return interpolated::block(self.renderer, &self.camera, interpolation, &block);
+                return interpolated::block(self.renderer, (&self.camera, &self.drawn_lights), interpolation, &block);
             }
             SamplingBudget::Samples(samples) => self.trace_all(range.clone(), samples.clamp(1, MAX_SAMPLES)),
             SamplingBudget::Error(target) => return self.finish_to_error(&range, target),

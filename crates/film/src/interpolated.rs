@@ -4,11 +4,13 @@
 //! the same surfaces, are nearly coplanar, and differ by no more than the allowed contrast or their
 //! noise. Otherwise it is divided into four, down to single pixels. Probe rays that only find the
 //! first surface detect silhouettes between the corners. Samples that agree within their noise are
-//! averaged with their neighbours before interpolation.
+//! averaged with their neighbours before interpolation. Edges of lights are drawn afterwards
+//! (`drawn_lights.rs`).
 //!
 //! The scheme is that of Radiance's `rpict` (Ward 1994), with the surface and noise tests of
 //! edge-aware reconstruction (Bala, Walter and Greenberg 2003; Rousselle, Manzi and Zwicker 2013).
 
+use crate::drawn_lights::DrawnLights;
 use crate::pixel_sample::{RayValue, SEVERAL, Sample, Surface, Tally, mean};
 use crate::view_camera::{CameraRay, ViewCamera};
 use radsight_render::{Ray, RayWorker, Renderer};
@@ -106,6 +108,7 @@ impl Cell {
 struct Block<'b> {
     renderer: &'b Renderer,
     camera: &'b ViewCamera,
+    lights: &'b DrawnLights,
     interpolation: Interpolation,
     /// Differences below this are invisible.
     darkness: f64,
@@ -121,7 +124,7 @@ struct Block<'b> {
 /// The pixels of a block of rows.
 pub(crate) fn block(
     renderer: &Renderer,
-    camera: &ViewCamera,
+    (camera, lights): (&ViewCamera, &DrawnLights),
     interpolation: Interpolation,
     rows: &Range<usize>,
 ) -> Vec<[f32; 3]> {
@@ -133,6 +136,7 @@ pub(crate) fn block(
     let mut block = Block {
         renderer,
         camera,
+        lights,
         interpolation,
         darkness: 0.0,
         first_row,
@@ -144,7 +148,9 @@ pub(crate) fn block(
     let smooth = block.sample(spacing);
     let pixels = block.interpolated(&smooth);
     let columns = camera.columns();
-    pixels[(rows.start - first_row) * columns..(rows.end - first_row) * columns].to_vec()
+    let mut pixels = pixels[(rows.start - first_row) * columns..(rows.end - first_row) * columns].to_vec();
+    lights.draw(&mut pixels, camera, rows);
+    pixels
 }
 
 impl Interpolation {
@@ -152,6 +158,11 @@ impl Interpolation {
     #[must_use]
     pub fn most_rays(&self) -> u32 {
         rays_of(self.spacing as usize, Noise::Low).1
+    }
+
+    /// The largest width of a light that is drawn, pixels.
+    pub(crate) fn widest_drawn_light(&self, camera: &ViewCamera) -> f64 {
+        self.grid(camera.columns().min(camera.rows())) as f64
     }
 
     /// The spacing of the coarsest grid for a picture whose shorter side has `side` pixels, a power
@@ -320,7 +331,7 @@ impl Block<'_> {
             for number in tally.rays..wanted {
                 let index = numbered([column, row], spacing, COARSE_RAYS.1, number);
                 let sampler = RaySampler::new(self.renderer.plan().seed(), index);
-                let ray = self.camera.ray(column, row, &sampler);
+                let ray = self.lights.ray_beside(self.camera, column, row, &sampler);
                 tally.add(ray.map_or(RayValue::OUTSIDE, |ray| RayValue::trace(worker, index, &ray)));
             }
             let sample = tally.sample();
@@ -370,10 +381,12 @@ impl Block<'_> {
         })
     }
 
-    /// Whether a pixel sees the surface of a corner first.
+    /// Whether a pixel sees the surface of a corner first, or nothing but drawn lights.
     fn probe(&self, (column, row): (usize, usize), corner: &Surface) -> bool {
-        let ray = self.camera.central_ray(column, row + self.first_row);
-        ray.and_then(|ray| self.first_surface(&ray)).is_some_and(|surface| corner.continues(&surface))
+        let row = row + self.first_row;
+        let ray = self.lights.central_ray_beside(self.camera, column, row);
+        self.lights.cover(self.camera, column, row)
+            || ray.and_then(|ray| self.first_surface(&ray)).is_some_and(|surface| corner.continues(&surface))
     }
 
     /// The first surface on a ray, without its radiance.
@@ -445,7 +458,7 @@ impl Block<'_> {
         near: &[(&Surface, [f64; 3])],
     ) -> Option<[f64; 3]> {
         let sampler = RaySampler::new(self.renderer.plan().seed(), index);
-        let ray = self.camera.ray(column, row + self.first_row, &sampler)?;
+        let ray = self.lights.ray_beside(self.camera, column, row + self.first_row, &sampler)?;
         let met = self.first_surface(&ray)?;
         if own.continues(&met) {
             return None;

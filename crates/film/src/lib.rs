@@ -12,11 +12,13 @@
 #![forbid(unsafe_code)]
 
 mod adaptive;
+mod drawn_lights;
 mod interpolated;
 mod light_strata;
 mod noise;
 mod part;
 mod pixel_sample;
+mod projection;
 mod residual;
 mod section;
 mod single;

@@ -7,14 +7,16 @@
 //! whatever an outline leaves out and whatever hides the light, and edges of lights cause no noise.
 //! Pixels that no edge of a visible light crosses are sampled as before.
 
+use crate::projection::{Cover, PixelSquare, Visit, images, projected, visit_touched};
 use crate::section::{ConvexPolygon, Partition};
 use crate::view_camera::ViewCamera;
-use glam::{DVec2, DVec3};
-use radsight_picture::ViewKind;
-use radsight_render::{LightImage, Ray, RenderPlan, Viewpoint};
+use radsight_render::{LightImage, Ray, RenderPlan};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
+
+/// Maximum number of emitters that a picture shows.
+const MAX_EMITTERS: usize = 1 << 16;
 
 /// Lights that cover more of a pixel than this are found by its first samples.
 const MAX_COVER: f64 = 0.9;
@@ -27,14 +29,6 @@ const MAX_OUTLINES: usize = 8;
 
 /// Overlapping outlines are joined if they share more than this fraction of the pixel.
 const MIN_OVERLAP: f64 = 1e-12;
-
-/// Parts into which connections of corners are divided where the projection curves them, and the
-/// number of corners up to which all are connected.
-const PARTS: usize = 8;
-const FEW_CORNERS: usize = 8;
-
-/// Nearest depth of an outline in a perspective view, relative to its farthest.
-const MIN_DEPTH: f64 = 1e-3;
 
 /// Rays along each side of an outline that test whether a light is visible in a pixel.
 const TESTS: usize = 3;
@@ -52,12 +46,7 @@ impl LightStrata {
         if camera.jitter <= 0.0 || camera.aperture > 0.0 || camera.motion.is_some() {
             return LightStrata::default();
         }
-        let view = camera.view();
-        let from = match view.options().kind {
-            ViewKind::Parallel => Viewpoint::Direction(view.direction()),
-            _ => Viewpoint::Point(view.options().point),
-        };
-        let images = LightImage::all(plan, from);
+        let images = images(plan, camera, MAX_EMITTERS);
         let search = Search { plan, camera, columns: part.0, rows: part.1 };
         let found: Vec<Vec<(usize, ConvexPolygon)>> =
             images.par_iter().with_min_len(64).map(|image| search.covered(image)).collect();
@@ -70,7 +59,7 @@ impl LightStrata {
         let partition = |(pixel, outlines): (usize, Vec<(usize, ConvexPolygon)>)| {
             let is_seen = |(image, outline): &(usize, ConvexPolygon)| search.sees(&images[*image], pixel, outline);
             let seen = outlines.into_iter().filter(is_seen).map(|(_, outline)| outline).collect();
-            let partition = Partition::new(&disjoint(seen)?)?;
+            let partition = Partition::new(&disjoint(seen, MAX_COVER)?)?;
             Some((pixel, partition))
         };
         let partitions = by_pixel.into_par_iter().filter_map(partition).collect();
@@ -98,8 +87,9 @@ impl LightStrata {
     }
 }
 
-/// Joins outlines that overlap, or are too many; `None` if they cover nearly the whole pixel.
-fn disjoint(mut outlines: Vec<ConvexPolygon>) -> Option<Vec<ConvexPolygon>> {
+/// Joins outlines that overlap, or are too many; `None` if they cover more than a fraction of the
+/// pixel.
+pub(crate) fn disjoint(mut outlines: Vec<ConvexPolygon>, most: f64) -> Option<Vec<ConvexPolygon>> {
     let join = |outlines: &[&ConvexPolygon]| {
         ConvexPolygon::hull(outlines.iter().flat_map(|outline| outline.corners()).copied().collect())
     };
@@ -119,14 +109,7 @@ fn disjoint(mut outlines: Vec<ConvexPolygon>) -> Option<Vec<ConvexPolygon>> {
         break;
     }
     let area: f64 = outlines.iter().map(ConvexPolygon::area).sum();
-    (MIN_COVER..MAX_COVER).contains(&area).then_some(outlines)
-}
-
-/// How much of a pixel an outline covers.
-enum Cover {
-    Nothing,
-    Part(ConvexPolygon),
-    All,
+    (MIN_COVER..most).contains(&area).then_some(outlines)
 }
 
 struct Search<'s> {
@@ -136,96 +119,23 @@ struct Search<'s> {
     rows: Range<usize>,
 }
 
-/// The corners of an outline in space.
-#[derive(Clone, Copy, Debug)]
-enum Corners<'a> {
-    Positions(&'a [DVec3]),
-    /// Unit directions from the eye.
-    Directions(&'a [DVec3]),
-}
-
-impl Corners<'_> {
-    fn of(image: &LightImage) -> Corners<'_> {
-        if image.is_distant { Corners::Directions(&image.outline) } else { Corners::Positions(&image.outline) }
-    }
-}
-
 impl Search<'_> {
     /// The pixels that an image covers partly, with the covered part of the unit square over which
     /// the rays of the pixel are distributed.
     fn covered(&self, image: &LightImage) -> Vec<(usize, ConvexPolygon)> {
-        let Some(mut outline) = self.projected(Corners::of(image)) else { return Vec::new() };
-        if !image.frame.is_empty() {
-            let Some(frame) = self.projected(Corners::Positions(&image.frame)) else { return Vec::new() };
-            outline = outline.clipped(&frame);
-        }
-        let (low, high) = outline
-            .corners()
-            .iter()
-            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), at| (low.min(*at), high.max(*at)));
-        let range = |low: f64, high: f64, of: &Range<usize>| {
-            (low.floor().max(of.start as f64) as usize)..(high.ceil().max(0.0).min(of.end as f64) as usize)
-        };
-        let (columns, rows) = (range(low.x, high.x, &self.columns), range(low.y, high.y, &self.rows));
+        let Some(outline) = projected(self.camera, image) else { return Vec::new() };
         let mut pixels = Vec::new();
-        for row in rows {
-            let mut visit = |column: usize| match self.part_of(&outline, column, row) {
-                Cover::All => false,
-                Cover::Part(part) => {
-                    pixels.push((row * self.camera.columns() + column, part));
-                    true
-                }
-                Cover::Nothing => true,
-            };
-            // Those that are covered entirely lie between the others.
-            if let Some(first) = columns.clone().find(|column| !visit(*column)) {
-                let _ = (first..columns.end).rev().all(visit);
+        let visit = |column: usize, row: usize| match PixelSquare::new(column, row, self.camera.jitter).cover(&outline)
+        {
+            Cover::All => Visit::SkipRow,
+            Cover::Part(part) => {
+                pixels.push((row * self.camera.columns() + column, part));
+                Visit::GoOn
             }
-        }
+            Cover::Nothing => Visit::GoOn,
+        };
+        visit_touched(&outline, (self.columns.clone(), self.rows.clone()), visit);
         pixels
-    }
-
-    /// The part of a pixel's unit square that an outline covers.
-    fn part_of(&self, outline: &ConvexPolygon, column: usize, row: usize) -> Cover {
-        let corner = DVec2::new(column as f64, row as f64) + 0.5 - 0.5 * self.camera.jitter;
-        let square = ConvexPolygon::square().map(|at| corner + at * self.camera.jitter);
-        if outline.holds(&square) {
-            return Cover::All;
-        }
-        // From the top row down to upwards in the pixel.
-        let upright = |at: DVec2| {
-            let at = (at - corner) / self.camera.jitter;
-            DVec2::new(at.x, 1.0 - at.y)
-        };
-        let part = outline.clipped(&square);
-        if part.area() > 0.0 {
-            Cover::Part(ConvexPolygon::hull(part.map(upright).corners().to_vec()))
-        } else {
-            Cover::Nothing
-        }
-    }
-
-    /// The convex hull of projected points, in columns and rows from the upper left corner.
-    fn projected(&self, corners: Corners<'_>) -> Option<ConvexPolygon> {
-        let view = self.camera.view();
-        let options = view.options();
-        // The distance of a direction does not matter, except for rounding.
-        let (mut points, scale): (Vec<DVec3>, f64) = match corners {
-            Corners::Positions(points) => (points.iter().map(|at| *at - options.point).collect(), 1.0),
-            Corners::Directions(directions) => (directions.to_vec(), 1.0 + options.fore),
-        };
-        match options.kind {
-            ViewKind::Perspective => points = before_the_eye(&points, view.direction()),
-            ViewKind::Parallel => {}
-            _ => points.extend(connections(&points)),
-        }
-        let size = DVec2::new(self.camera.columns() as f64, self.camera.rows() as f64);
-        let place = |at: &DVec3| {
-            // A hemispherical view would show what lies behind it before it.
-            let location = view.locate(options.point + *at * scale).filter(|location| location.distance > 0.0)?;
-            Some(DVec2::new(location.x, 1.0 - location.y) * size).filter(|place| place.is_finite())
-        };
-        Some(ConvexPolygon::hull(points.iter().map(place).collect::<Option<Vec<DVec2>>>()?))
     }
 
     /// Whether some points of an outline in a pixel may show the light.
@@ -239,31 +149,4 @@ impl Search<'_> {
                 .is_some_and(|ray| image.may_be_seen_by(self.plan, &ray))
         })
     }
-}
-
-/// The points before the eye, and where connections to the others cross a plane near it; places
-/// from the eye.
-fn before_the_eye(points: &[DVec3], direction: DVec3) -> Vec<DVec3> {
-    let depth = |at: &DVec3| at.dot(direction);
-    let nearest = MIN_DEPTH * points.iter().map(depth).fold(0.0, f64::max);
-    let (before, behind): (Vec<DVec3>, Vec<DVec3>) = points.iter().partition(|at| depth(at) > nearest);
-    let crossing = |before: &DVec3, behind: &DVec3| {
-        let [far, near] = [before, behind].map(|at| depth(at) - nearest);
-        before.lerp(*behind, far / (far - near))
-    };
-    let crossings = before.iter().flat_map(|before| behind.iter().map(move |behind| crossing(before, behind)));
-    let crossings: Vec<DVec3> = crossings.collect();
-    before.into_iter().chain(crossings).collect()
-}
-
-/// Points on the connections of a few points.
-fn connections(points: &[DVec3]) -> Vec<DVec3> {
-    if points.len() > FEW_CORNERS {
-        return Vec::new();
-    }
-    let pairs = (0..points.len()).flat_map(|second| (0..second).map(move |first| (first, second)));
-    let parts = |(first, second): (usize, usize)| {
-        (1..PARTS).map(move |part| points[first].lerp(points[second], part as f64 / PARTS as f64))
-    };
-    pairs.flat_map(parts).collect()
 }

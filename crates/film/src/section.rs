@@ -49,6 +49,12 @@ impl ConvexPolygon {
         &self.0
     }
 
+    /// The lowest and the highest coordinates; infinite without corners.
+    pub(crate) fn bounds(&self) -> [DVec2; 2] {
+        let [low, high] = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+        self.0.iter().fold([low, high], |[low, high], at| [low.min(*at), high.max(*at)])
+    }
+
     pub(crate) fn map(&self, map: impl Fn(DVec2) -> DVec2) -> ConvexPolygon {
         ConvexPolygon(self.0.iter().map(|corner| map(*corner)).collect())
     }
@@ -62,23 +68,39 @@ impl ConvexPolygon {
         0.5 * self.edges().map(|[from, to]| from.perp_dot(to)).sum::<f64>()
     }
 
+    /// The smallest distance of two parallel lines with the polygon between them.
+    pub(crate) fn width(&self) -> f64 {
+        let height = |[from, to]: [DVec2; 2]| {
+            let normal = (to - from).perp().normalize_or_zero();
+            self.0.iter().map(|at| normal.dot(*at - from)).fold(0.0, f64::max)
+        };
+        self.edges().map(height).reduce(f64::min).unwrap_or(0.0)
+    }
+
     /// The part inside another convex polygon (Sutherland and Hodgman 1974).
     pub(crate) fn clipped(&self, by: &ConvexPolygon) -> ConvexPolygon {
-        let clip = |polygon: ConvexPolygon, [start, end]: [DVec2; 2]| {
-            let inside = |point: DVec2| (end - start).perp_dot(point - start);
-            let mut kept = Vec::with_capacity(polygon.0.len() + 1);
-            for [from, to] in polygon.edges() {
-                let [a, b] = [from, to].map(inside);
-                if a >= 0.0 {
-                    kept.push(from);
-                }
-                if a * b < 0.0 {
-                    kept.push(from.lerp(to, a / (a - b)));
-                }
+        let inside = |[start, end]: [DVec2; 2]| move |point: DVec2| (end - start).perp_dot(point - start);
+        by.edges().fold(self.clone(), |polygon, edge| polygon.where_positive(inside(edge)))
+    }
+
+    /// The part between two vertical coordinates.
+    pub(crate) fn between(&self, low: f64, high: f64) -> ConvexPolygon {
+        self.where_positive(|point| point.y - low).where_positive(|point| high - point.y)
+    }
+
+    /// The part in which a linear function is not negative.
+    fn where_positive(&self, inside: impl Fn(DVec2) -> f64) -> ConvexPolygon {
+        let mut kept = Vec::with_capacity(self.0.len() + 1);
+        for [from, to] in self.edges() {
+            let [a, b] = [from, to].map(&inside);
+            if a >= 0.0 {
+                kept.push(from);
             }
-            ConvexPolygon(kept)
-        };
-        by.edges().fold(self.clone(), clip)
+            if a * b < 0.0 {
+                kept.push(from.lerp(to, a / (a - b)));
+            }
+        }
+        ConvexPolygon(kept)
     }
 
     /// Whether a polygon lies entirely inside this one.
@@ -127,14 +149,14 @@ impl Density {
 
 /// The vertical sections of a convex polygon.
 #[derive(Clone, Debug)]
-struct Sections {
+pub(crate) struct Sections {
     /// Start and end of each interval, the lower ends of the sections there, and the upper ones.
     intervals: Vec<[[f64; 2]; 3]>,
     density: Density,
 }
 
 impl Sections {
-    fn new(polygon: &ConvexPolygon) -> Sections {
+    pub(crate) fn new(polygon: &ConvexPolygon) -> Sections {
         let mut places: Vec<f64> = polygon.0.iter().map(|corner| corner.x).collect();
         places.sort_by(f64::total_cmp);
         let intervals: Vec<[[f64; 2]; 3]> = (places.windows(2))
@@ -149,7 +171,7 @@ impl Sections {
     }
 
     /// A point of the polygon, for a point of the unit square.
-    fn point(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
+    pub(crate) fn point(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
         let x = self.density.place(u)?;
         let [low, high] = self.at(x)?;
         Some([x, low + v * (high - low)])
@@ -217,6 +239,11 @@ impl Partition {
         let sections = &self.polygons[chosen];
         let weight = sections.density.area() / (self.shares[chosen] * (1.0 - REST));
         Some((sections.point([u, v])?, weight))
+    }
+
+    /// A point outside the polygons, for a point of the unit square.
+    pub(crate) fn outside(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
+        self.point([REST * u, v]).map(|(at, _)| at)
     }
 
     /// A point of the first polygon.
@@ -301,6 +328,13 @@ mod tests {
         let frame = polygon(&rounded.collect::<Vec<_>>());
         let light = polygon(&[[12.0, 12.0], [12.1, 12.0], [12.0, 12.1]]);
         assert!((light.clipped(&frame).area() - light.area()).abs() < 1e-12, "{frame:?}");
+    }
+
+    #[test]
+    fn a_width_is_the_smallest_one() {
+        let strip = polygon(&[[0.0, 0.0], [4.0, 3.0], [4.0 - 0.3, 3.0 + 0.4], [-0.3, 0.4]]);
+        assert!((strip.width() - 0.5).abs() < 1e-12, "{}", strip.width());
+        assert_eq!(polygon(&[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]).width(), 0.0);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::virtual_source::VirtualSource;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
 use radsight_ir::SurfaceHandle;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// Index of a light in the plan.
@@ -88,6 +88,8 @@ pub struct LightCubature {
     /// Unit vectors in the light's plane.
     x: DVec3,
     y: DVec3,
+    /// Of the disk, scene units.
+    radius: f64,
 }
 
 /// A node of a cubature rule on a light.
@@ -99,6 +101,8 @@ pub struct LightNode {
     pub distance: f64,
     /// Solid angle for which it stands, sr.
     pub solid_angle: f64,
+    /// Coordinates in the light's plane, relative to its radius.
+    pub at: [f64; 2],
 }
 
 /// Axes with a cosine above this count as parallel.
@@ -156,7 +160,7 @@ impl Light {
         };
         let shape = self.integrand_shape(receiver, peak, radius);
         let rule = DiskRule::new(&overlap, radius, shape, tolerance)?;
-        Some(LightCubature { rule, receiver, center, normal, x, y: normal.cross(x) })
+        Some(LightCubature { rule, receiver, center, normal, x, y: normal.cross(x), radius })
     }
 
     /// Whether it is a disk without hole, seen directly, that gives light at all distances.
@@ -319,6 +323,7 @@ impl LightCubature {
     #[inline]
     pub fn for_each_node(&self, mut visit: impl FnMut(LightNode)) {
         let to_center = self.center - self.receiver;
+        let unit = self.radius.recip();
         self.rule.for_each_node(|x, y, area| {
             let offset = to_center + self.x * x + self.y * y;
             let squared = offset.length_squared();
@@ -326,9 +331,24 @@ impl LightCubature {
             let direction = offset / distance;
             let cosine = -direction.dot(self.normal);
             if cosine > 0.0 {
-                visit(LightNode { direction, distance, solid_angle: area * cosine / squared });
+                let at = [x * unit, y * unit];
+                visit(LightNode { direction, distance, solid_angle: area * cosine / squared, at });
             }
         });
+    }
+
+    /// The point of the disk at coordinates relative to its radius, as a sample uniform by area.
+    #[must_use]
+    pub fn sample_at(&self, [x, y]: [f64; 2]) -> Option<LightSample> {
+        let point = self.center + (self.x * x + self.y * y) * self.radius;
+        seen(self.receiver, point, self.normal, (PI * self.radius * self.radius).recip())
+    }
+
+    /// The coordinates of a sample in the light's plane, relative to its radius.
+    #[must_use]
+    pub fn coordinates(&self, sample: &LightSample) -> [f64; 2] {
+        let from_center = self.receiver + sample.direction * sample.distance - self.center;
+        [self.x, self.y].map(|axis| axis.dot(from_center) / self.radius)
     }
 }
 

@@ -6,7 +6,7 @@ use radsight_ir::Facing;
 use std::f64::consts::{PI, TAU};
 
 /// Corners of the polygon around a circle.
-const CORNERS: usize = 24;
+const CORNERS: usize = 64;
 
 /// Parts into which a cone is divided along its axis, for projections that curve it.
 const PARTS: usize = 8;
@@ -48,6 +48,18 @@ impl LightForm {
                 let tangent = sine / cosine;
                 around(*direction, *x * tangent, *y * tangent).map(DVec3::normalize).collect()
             }
+        }
+    }
+
+    /// The share of the area in its outline that the light covers, where it is round; else 1.
+    #[must_use]
+    pub fn share_of_outline(&self) -> f64 {
+        match self {
+            LightForm::Disk { .. } | LightForm::Sphere { .. } | LightForm::Distant { .. } => {
+                let half_angle = PI / CORNERS as f64;
+                half_angle / half_angle.tan()
+            }
+            _ => 1.0,
         }
     }
 }
@@ -118,6 +130,22 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_disk_covers_its_share_of_its_outline() {
+        let disk = LightForm::Disk {
+            center: DVec3::ZERO,
+            normal: DVec3::Z,
+            x: DVec3::X,
+            y: DVec3::Y,
+            inner_squared: 0.0,
+            outer_squared: 4.0,
+        };
+        let outline = disk.outline(DVec3::Z);
+        let next = outline.iter().cycle().skip(1);
+        let area: f64 = outline.iter().zip(next).map(|(from, to)| 0.5 * from.cross(*to).z).sum();
+        assert!((area * disk.share_of_outline() - 4.0 * PI).abs() < 1e-12, "{area}");
     }
 
     #[test]

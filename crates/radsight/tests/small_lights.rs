@@ -1,5 +1,5 @@
 //! Lights that cover a small part of a pixel, seen directly, in mirrors and in panes: a few samples
-//! per pixel find them, and the mean is that of the projection.
+//! per pixel find them, interpolated pictures draw them, and the mean is that of the projection.
 
 use glam::DVec3;
 use radsight::{Image, Ray, Renderer, Scene, View};
@@ -108,4 +108,87 @@ fn lights_in_two_mirrors_and_behind_obstacles_have_the_mean_of_many_samples() {
     let expected = (0..2).map(dense).sum::<f64>() / 2.0;
     assert!((found / expected - 1.0).abs() < 3.0 * error / expected + 0.02, "{found} ± {error} for {expected}");
     assert!(deviation < 0.15, "{deviation}");
+}
+
+/// The mean over an interpolated picture of this size; `seed` changes its random numbers.
+fn interpolated_mean(scene: &str, view: &str, [columns, rows]: [usize; 2], seed: u64) -> f64 {
+    let (scene, view) = (Scene::from_text(scene).unwrap(), View::from_args(view).unwrap());
+    let image = Renderer::new(&scene).unwrap().seed(seed).render(&view, columns, rows).unwrap();
+    image.pixels().iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / image.pixels().len() as f64
+}
+
+/// A view whose pixels are squares, straight ahead, and its area: a solid angle, or an area in
+/// parallel rays.
+fn view_of(kind: &str, [columns, rows]: [usize; 2]) -> (String, f64) {
+    let [width, height] = [columns, rows].map(|count| 0.02 * count as f64);
+    let size = match kind {
+        "l" => [width, height],
+        "v" => [width, height].map(|tangents| 2.0 * (0.5 * tangents).atan().to_degrees()),
+        "h" => [width, height].map(|sines| 2.0 * (0.5 * sines).asin().to_degrees()),
+        _ => [width, height].map(f64::to_degrees),
+    };
+    (format!("-vt{kind} -vd 0 1 0 -vh {} -vv {}", size[0], size[1]), width * height)
+}
+
+#[test]
+fn interpolated_pictures_show_the_same_light_of_a_small_ball_with_every_seed() {
+    // Balls of a tenth of a pixel to a dozen pixels.
+    for radius in [0.003, 0.02, 0.08, 0.3] {
+        for size in [[23, 17], [24, 40]] {
+            for kind in ["v", "l", "a", "h"] {
+                let (view, area) = view_of(kind, size);
+                let radius = if kind == "l" { 0.2 * radius } else { radius };
+                let scene = format!("void light bright 0 0 3 1e4 1e4 1e4  bright sphere lamp 0 0 4 .03 5 .02 {radius}");
+                let sine = radius / DVec3::new(0.03, 5.0, 0.02).length();
+                let lit = if kind == "l" { PI * radius * radius } else { PI * sine * sine };
+                for seed in 0..4 {
+                    let found = interpolated_mean(&scene, &view, size, seed) / (1e4 * lit / area);
+                    assert!((found - 1.0).abs() < 0.015, "{found} of {radius} in {view}, seed {seed}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn lights_drawn_before_others_hide_what_they_cover() {
+    let (view, area) = view_of("v", [24, 24]);
+    let sky = "void glow white 0 0 4 7 7 7 0  white source all 0 0 4 0 1 0 180";
+    for radius in [0.01_f64, 0.1] {
+        let ball = format!("void glow bright 0 0 4 50 50 50 0  bright sphere lamp 0 0 4 0 5 0 {radius}");
+        let dark = format!("void plastic black 0 0 5 0 0 0 0 0  black sphere ball 0 0 4 0 4 0 {}", 0.5 * radius);
+        let [lit, hidden] = [radius / 5.0, 0.5 * radius / 4.0].map(|sine| PI * sine * sine / area);
+        let before = 7.0 * (1.0 - lit) + 50.0 * (lit - hidden);
+        for (scene, expected, allowed) in [
+            (format!("{sky} {ball}"), 7.0 + (50.0 - 7.0) * lit, 1e-3),
+            // Four rays a pixel say how much of the ball is hidden.
+            (format!("{sky} {ball} {dark}"), before, 0.2 * 50.0 * lit / before),
+        ] {
+            let runs = (0..16).map(|seed| interpolated_mean(&scene, &view, [24, 24], seed));
+            let found = runs.sum::<f64>() / 16.0;
+            assert!((found / expected - 1.0).abs() < allowed, "{found} for {expected}: {scene}");
+        }
+    }
+}
+
+#[test]
+fn a_light_behind_a_wall_is_not_drawn() {
+    let (view, _) = view_of("v", [24, 24]);
+    let wall = "void plastic black 0 0 5 0 0 0 0 0  black polygon wall 0 0 12 -9 4 -9 9 4 -9 9 4 9 -9 4 9";
+    assert_eq!(interpolated_mean(&format!("{} {wall}", scene("", 5.0)), &view, [24, 24], 0), 0.0);
+}
+
+#[test]
+fn interpolated_pictures_show_small_lights_in_mirrors_and_behind_panes() {
+    let (view, area) = view_of("v", [24, 24]);
+    let mirror = format!("void mirror silver 0 0 3 .8 .8 .8 silver {SQUARE}");
+    let pane = format!("void glass clear 0 0 3 .9 .9 .9 clear {SQUARE}");
+    for (scene, distance) in [(scene(&pane, 8.0), 8.0), (scene(&mirror, -2.0), 12.0), (scene(&pane, -2.0), 12.0)] {
+        let sine: f64 = 0.01 / distance;
+        let expected = radiance_ahead(&scene) * PI * sine * sine / area;
+        for seed in 0..4 {
+            let found = interpolated_mean(&scene, &view, [24, 24], seed);
+            assert!((found / expected - 1.0).abs() < 0.02, "{found} for {expected}");
+        }
+    }
 }

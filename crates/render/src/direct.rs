@@ -5,7 +5,7 @@ use crate::subtraction::SubtractionId;
 use crate::trace::PathIntegrator;
 use crate::trace::path_state::MediumId;
 use glam::DVec3;
-use radsight_accel::{PrimitiveId, Shaft};
+use radsight_accel::{Beam, PrimitiveId, Shaft};
 use radsight_bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
 use radsight_compile::{RenderPlan, VisibilityClass, VisiblePortals, emission, given};
 use radsight_light::{Light, LightForm, LightSample, LightTree, MOST_SAMPLES, Reception, TreeCut};
@@ -63,6 +63,27 @@ struct DrawnSet {
     numbers: [f64; 4],
 }
 
+impl DrawnSet {
+    /// The set of a light, and its first dimension in it: two lights share a set.
+    fn of(light: usize, first_set: u32) -> (u32, usize) {
+        (first_set + (light / 2) as u32, 2 * (light % 2))
+    }
+
+    /// The point of the unit square for one sample of a light.
+    fn point<const BANDS: usize>(
+        &mut self,
+        tracer: &PathIntegrator<'_, BANDS>,
+        light: usize,
+        first_set: u32,
+    ) -> [f64; 2] {
+        let (set, half) = DrawnSet::of(light, first_set);
+        if self.set != set {
+            *self = DrawnSet { set, numbers: tracer.sampler.take(DimensionSet::render(set)) };
+        }
+        [self.numbers[half], self.numbers[half + 1]]
+    }
+}
+
 impl DirectSampler<'_> {
     /// The subtraction for a ray in this direction.
     pub(crate) fn subtraction_towards(&self, direction: DVec3) -> SubtractionId {
@@ -99,10 +120,11 @@ impl DirectSampler<'_> {
         let mut sum = [0.0; BANDS];
         let mut add = |given: [f64; BANDS]| sum.iter_mut().zip(given).for_each(|(sum, given)| *sum += given);
         self.for_each_reaching_light(tracer, |tracer, lit, drawn| {
-            if let Some(cubature) = cubature
-                && let Some(given) = self.integrate(tracer, point, &lit, cubature)
-            {
-                return add(given);
+            if let Some(allowed) = cubature {
+                let u = |tracer: &mut PathIntegrator<'_, BANDS>| drawn.point(tracer, lit.index, first_set);
+                if let Some(given) = self.integrate(tracer, point, &lit, allowed, u) {
+                    return add(given);
+                }
             }
             self.for_each_point(tracer, &lit, (first_set, drawn), |tracer, light, between, u| {
                 add(self.sample_light(tracer, point, light.light, between, u, f64::from(light.samples)));
@@ -153,12 +175,6 @@ impl DirectSampler<'_> {
         (first_set, drawn): (u32, &mut DrawnSet),
         mut visit: impl FnMut(&mut PathIntegrator<'p, BANDS>, NumberedLight<'p>, &'p VisibilityClass, [f64; 2]),
     ) {
-        // Two lights share a set of four dimensions.
-        let set = first_set + (index / 2) as u32;
-        if drawn.set != set {
-            *drawn = DrawnSet { set, numbers: tracer.sampler.take(DimensionSet::render(set)) };
-        }
-        let half = 2 * (index % 2);
         let samples = self.reception.samples_on(light, self.point);
         tracer.samples_highlight |= samples > 1 && self.reception.highlight_samples(light, self.point) > 1.0;
         // Without shadow rays, twice as many points cost less.
@@ -168,10 +184,11 @@ impl DirectSampler<'_> {
             (between, samples)
         };
         if samples == 1 {
-            let u = [drawn.numbers[half], drawn.numbers[half + 1]];
+            let u = drawn.point(tracer, index, first_set);
             return visit(tracer, NumberedLight { index, light, samples }, between, u);
         }
         let sampler = tracer.sampler;
+        let (set, half) = DrawnSet::of(index, first_set);
         for light_sample in 0..samples {
             let u = sampler
                 .branch(DimensionSet::render(set), light_sample, samples)
@@ -180,13 +197,23 @@ impl DirectSampler<'_> {
         }
     }
 
-    /// Whether nothing overlaps the shaft between the point and a light with unknown visibility.
+    /// Whether nothing is between the point and any point of a light that something may block.
     pub(crate) fn sees_all_of(&self, plan: &RenderPlan, light: &Light, between: &VisibilityClass) -> bool {
-        if *between != VisibilityClass::Anything || !light.virtual_sources.is_empty() {
+        if !light.virtual_sources.is_empty() {
             return false;
         }
-        let shaft = light.form.cover(self.point).and_then(|cover| Shaft::new(self.point, cover));
-        shaft.is_some_and(|shaft| !plan.geometry.reaches_into(&plan.scene, &shaft, [self.primitive, light.primitive]))
+        match between {
+            VisibilityClass::Few(blockers) if light.radius.is_finite() => {
+                let beam = Beam { from: self.point, to: light.center, radius: light.radius };
+                !blockers.iter().any(|blocker| plan.geometry.may_block(&plan.scene, *blocker, &beam))
+            }
+            VisibilityClass::Anything => {
+                let shaft = light.form.cover(self.point).and_then(|cover| Shaft::new(self.point, cover));
+                let ends = [self.primitive, light.primitive];
+                shaft.is_some_and(|shaft| !plan.geometry.reaches_into(&plan.scene, &shaft, ends))
+            }
+            _ => false,
+        }
     }
 
     /// Whether a light is entirely behind an opaque point. Skies consist of hundreds of suns, half of

@@ -8,8 +8,8 @@ use crate::direct::{DirectSampler, ReachingLight};
 use crate::trace::PathIntegrator;
 use radsight_bsdf::{Bsdf, PdfRequest};
 use radsight_compile::{RenderPlan, VisibilityClass, given};
-use radsight_light::Light;
-use radsight_texture::{bands, product};
+use radsight_light::{Light, LightCubature};
+use radsight_texture::bands;
 
 impl DirectSampler<'_> {
     /// The allowed error of rules at this point; `None` where lights are sampled.
@@ -25,7 +25,8 @@ impl DirectSampler<'_> {
         (is_alone && is_plain && point.is_smooth_lobe()).then_some(allowed)
     }
 
-    /// The contribution of a light by cubature; `None` where it must be sampled.
+    /// The contribution of a light by cubature; `None` where it must be sampled. `u` gives the point
+    /// of the unit square of its sample.
     #[inline]
     pub(crate) fn integrate<const BANDS: usize>(
         &self,
@@ -33,31 +34,126 @@ impl DirectSampler<'_> {
         point: &Bsdf<'_, BANDS>,
         lit: &ReachingLight<'_>,
         allowed: CubatureError,
+        u: impl FnOnce(&mut PathIntegrator<'_, BANDS>) -> [f64; 2],
     ) -> Option<[f64; BANDS]> {
         let light = lit.light;
-        let radiance = uniform_radiance(tracer, light)?;
+        let uniform = uniform_radiance(tracer, light);
+        if uniform.is_none() && allowed.0 > LARGEST_ERROR_OF_PATTERNS {
+            return None;
+        }
         let cubature = light.cubature(self.point, &self.reception.peak, allowed.0)?;
         let is_free = *lit.between == VisibilityClass::Nothing || self.sees_all_of(tracer.plan, light, lit.between);
         if !is_free {
             return None;
         }
+        if let Some(radiance) = uniform {
+            return Some(self.scattered(tracer, point, (light, &cubature), |_| radiance));
+        }
+        let plane = self.radiance_plane(tracer, light, &cubature)?;
+        let mut sum = self.scattered(tracer, point, (light, &cubature), |at| plane.at(at));
+        // The difference is small, so few of the rays sample it.
+        let [u, v] = u(tracer);
+        if u >= SAMPLED_SHARE {
+            return Some(sum);
+        }
+        let Some(sample) = self.light_sample(tracer, light, [u / SAMPLED_SHARE, v]) else { return Some(sum) };
+        let value = point.eval(sample.direction, sample.pdf, PdfRequest::Unused, &mut tracer.workspace.scratch);
+        let fit = plane.at(cubature.coordinates(&sample));
+        let radiance = self.radiance(tracer, light, &sample);
+        let share = light.focal_factor(sample.distance) / (SAMPLED_SHARE * sample.pdf);
+        for (band, sum) in sum.iter_mut().enumerate() {
+            *sum += share * (value.diffuse[band] + value.highlight[band]) * (radiance[band] - fit[band]);
+        }
+        Some(sum)
+    }
+
+    /// Light of the nodes that is scattered, with the radiance at a point of the light.
+    #[inline]
+    fn scattered<const BANDS: usize>(
+        &self,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        point: &Bsdf<'_, BANDS>,
+        (light, cubature): (&Light, &LightCubature),
+        radiance: impl Fn([f64; 2]) -> [f64; BANDS],
+    ) -> [f64; BANDS] {
         let scratch = &mut tracer.workspace.scratch;
         let mut scattered = [0.0; BANDS];
         cubature.for_each_node(|node| {
             let value = point.eval(node.direction, node.solid_angle.recip(), PdfRequest::Unused, scratch);
-            let share = node.solid_angle * light.focal_factor(node.distance);
-            for ((sum, diffuse), highlight) in scattered.iter_mut().zip(value.diffuse).zip(value.highlight) {
-                *sum += share * (diffuse + highlight);
+            let (share, radiance) = (node.solid_angle * light.focal_factor(node.distance), radiance(node.at));
+            for (band, sum) in scattered.iter_mut().enumerate() {
+                *sum += share * (value.diffuse[band] + value.highlight[band]) * radiance[band];
             }
         });
-        Some(product(scattered, radiance))
+        scattered
+    }
+
+    /// The radiance of a light with a pattern, as a linear function; `None` if it varies much over
+    /// the light.
+    fn radiance_plane<const BANDS: usize>(
+        &self,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        light: &Light,
+        cubature: &LightCubature,
+    ) -> Option<RadiancePlane<BANDS>> {
+        let mut corners = [[0.0; BANDS]; 3];
+        for (corner, at) in corners.iter_mut().zip(RadiancePlane::<BANDS>::CORNERS) {
+            *corner = self.radiance(tracer, light, &cubature.sample_at(at)?);
+        }
+        let plane = RadiancePlane::new(corners);
+        (0..BANDS).all(|band| plane.slope(band) <= STEEPEST * plane.mean[band]).then_some(plane)
     }
 }
 
-/// Whether all lights are disks of uniform radiance within their cones.
+/// Largest error for which lights with patterns are integrated: their radiance is evaluated several
+/// times, and a few cheaper samples are accurate enough beyond it.
+const LARGEST_ERROR_OF_PATTERNS: f64 = 1e-3;
+
+/// Share of the rays that sample the difference of a pattern from its control variate.
+const SAMPLED_SHARE: f64 = 0.25;
+
+/// Largest change of a pattern over the radius of a light, relative to its mean: the limits of the
+/// rules are those of the lobe.
+const STEEPEST: f64 = 0.3;
+
+/// A linear function over a disk: the control variate of a pattern's radiance.
+#[derive(Clone, Copy, Debug)]
+struct RadiancePlane<const BANDS: usize> {
+    mean: [f64; BANDS],
+    /// Along both axes, per radius.
+    slopes: [[f64; BANDS]; 2],
+}
+
+impl<const BANDS: usize> RadiancePlane<BANDS> {
+    /// The corners of an equilateral triangle, relative to the radius of the disk.
+    const CORNERS: [[f64; 2]; 3] = [[0.7, 0.0], [-0.35, 0.606_217_782_649_107], [-0.35, -0.606_217_782_649_107]];
+
+    /// From the values at the corners.
+    fn new(corners: [[f64; BANDS]; 3]) -> RadiancePlane<BANDS> {
+        let [[ax, _], [bx, by], _] = Self::CORNERS;
+        let [a, b, c] = corners;
+        RadiancePlane {
+            mean: std::array::from_fn(|band| (a[band] + b[band] + c[band]) / 3.0),
+            slopes: [
+                std::array::from_fn(|band| (a[band] - 0.5 * (b[band] + c[band])) / (ax - bx)),
+                std::array::from_fn(|band| (b[band] - c[band]) / (2.0 * by)),
+            ],
+        }
+    }
+
+    fn at(&self, [x, y]: [f64; 2]) -> [f64; BANDS] {
+        std::array::from_fn(|band| self.mean[band] + self.slopes[0][band] * x + self.slopes[1][band] * y)
+    }
+
+    /// Change over the radius.
+    fn slope(&self, band: usize) -> f64 {
+        self.slopes[0][band].hypot(self.slopes[1][band])
+    }
+}
+
+/// Whether rules suit the shapes of all lights.
 pub(crate) fn integrates_all_lights(plan: &RenderPlan) -> bool {
-    let is_uniform = |light: &Light| light.is_plain_disk() && plan.shader(light.surface).textures.steps.is_empty();
-    plan.light_tree.is_none() && plan.lights.iter().all(is_uniform)
+    plan.light_tree.is_none() && plan.lights.iter().all(Light::is_plain_disk)
 }
 
 /// The radiance of a light without pattern, in all directions of its cone.

@@ -9,8 +9,7 @@ use radsight_compile::{Kind, RenderPlan};
 use radsight_ir::{Shape, SurfaceHandle};
 use radsight_light::{LightForm, VirtualSource, virtual_form};
 
-/// Maximum number of emitters, and of pairs of emitter and mirror.
-const MAX_EMITTERS: usize = 1 << 16;
+/// Maximum number of pairs of emitter and mirror.
 const MAX_PAIRS: usize = 1 << 14;
 
 /// Distance from which parallel rays see a light, in its radii.
@@ -35,6 +34,8 @@ pub struct LightImage {
     pub is_distant: bool,
     /// Points in whose convex hull lies the surface that reflects it; empty for a direct view.
     pub frame: Vec<DVec3>,
+    /// The share of the area in its outline that it covers, where it is round; else 1.
+    pub share_of_outline: f64,
     emitter: SurfaceHandle,
     /// The surfaces that reflect a ray, in this order.
     mirrors: Vec<SurfaceHandle>,
@@ -42,27 +43,44 @@ pub struct LightImage {
 
 impl LightImage {
     /// All images: of all emitters, their reflections in one surface, and in several mirrors as far
-    /// as those make virtual sources.
+    /// as those make virtual sources. `may_show` excludes those whose bounding sphere a picture does
+    /// not show, from its centre and its radius in scene units; distant ones are not excluded. None
+    /// if more than `most` emitters are shown directly.
     #[must_use]
-    pub fn all(plan: &RenderPlan, from: Viewpoint) -> Vec<LightImage> {
+    pub fn all(
+        plan: &RenderPlan,
+        from: Viewpoint,
+        may_show: impl Fn(DVec3, f64) -> bool,
+        most: usize,
+    ) -> Vec<LightImage> {
+        let is_shown = |form: &LightForm| {
+            let (center, radius) = form.bounding_sphere();
+            radius.is_infinite() || may_show(center, radius)
+        };
         let emitters = emitters(plan);
-        if plan.has_antimatter || emitters.len() > MAX_EMITTERS {
+        if plan.has_antimatter || emitters.iter().filter(|(_, form)| is_shown(form)).count() > most {
             return Vec::new();
         }
         let mut mirrors = polished_surfaces(plan);
         if mirrors.len() * emitters.len() > MAX_PAIRS {
             mirrors.clear();
         }
-        let direct = emitters.iter().filter_map(|(surface, form)| LightImage::new(form, *surface, &[], from));
+        let shown = |form: &LightForm, surface, through: &[SurfaceHandle]| {
+            is_shown(form).then(|| LightImage::new(form, surface, through, from)).flatten()
+        };
+        let direct = emitters.iter().filter_map(|(surface, form)| shown(form, *surface, &[]));
         let reflected = emitters.iter().flat_map(|(surface, form)| {
-            let in_mirror = |mirror: &PolishedSurface| mirror.image_of(form, *surface, from);
+            let in_mirror = |mirror: &PolishedSurface| {
+                let image = shown(&mirror.reflected(form, *surface, from)?, *surface, &[mirror.surface])?;
+                Some(LightImage { frame: mirror.corners.clone(), ..image })
+            };
             mirrors.iter().filter_map(in_mirror).collect::<Vec<_>>()
         });
         let several = plan.lights.iter().filter(|light| light.virtual_sources.len() > 1).filter_map(|light| {
             let is_mirror = |source: &VirtualSource| is_mirror(&plan.shader(source.surface).kind);
             let nearest = light.virtual_sources.first().filter(|_| light.virtual_sources.iter().all(is_mirror))?;
             let surfaces: Vec<SurfaceHandle> = light.virtual_sources.iter().map(|source| source.surface).collect();
-            let image = LightImage::new(&light.form, light.surface, &surfaces, from)?;
+            let image = shown(&light.form, light.surface, &surfaces)?;
             Some(LightImage { frame: corners(plan, nearest.surface), ..image })
         });
         direct.chain(reflected).chain(several).collect()
@@ -81,7 +99,8 @@ impl LightImage {
         }
         let outline = form.outline(eye);
         let is_distant = radius.is_infinite();
-        let image = LightImage { outline, is_distant, frame: Vec::new(), emitter, mirrors: mirrors.to_vec() };
+        let (frame, share_of_outline) = (Vec::new(), form.share_of_outline());
+        let image = LightImage { outline, is_distant, frame, share_of_outline, emitter, mirrors: mirrors.to_vec() };
         (!image.outline.is_empty()).then_some(image)
     }
 
@@ -161,7 +180,7 @@ fn corners(plan: &RenderPlan, surface: SurfaceHandle) -> Vec<DVec3> {
 
 impl PolishedSurface {
     /// The reflection of an emitter; `None` unless the two, and the camera, are on the same side.
-    fn image_of(&self, form: &LightForm, emitter: SurfaceHandle, from: Viewpoint) -> Option<LightImage> {
+    fn reflected(&self, form: &LightForm, emitter: SurfaceHandle, from: Viewpoint) -> Option<LightForm> {
         let (center, radius) = form.bounding_sphere();
         let height = |point: DVec3| self.plane.normal.dot(point - self.plane.point);
         let of_camera = match from {
@@ -175,11 +194,7 @@ impl PolishedSurface {
             side * height(center) > -radius
         };
         let is_dark = emitter == self.surface || of_camera == 0.0 || self.is_one_sided && of_camera < 0.0;
-        if is_dark || !is_in_front {
-            return None;
-        }
-        let image = LightImage::new(&virtual_form(form, &self.plane), emitter, &[self.surface], from)?;
-        Some(LightImage { frame: self.corners.clone(), ..image })
+        (!is_dark && is_in_front).then(|| virtual_form(form, &self.plane))
     }
 }
 

@@ -152,7 +152,7 @@ impl Renderer {
         in_bands!(&self.shared, CachedIrradiance(gathered) => gathered.as_ref().map(GatheredIrradiance::noise))
     }
 
-    /// Whether all lights are small uniform disks, which [`RayWorker::integrate_lights`] integrates
+    /// Whether all lights are disks, which [`RayWorker::integrate_lights`] integrates
     /// where they are far enough.
     #[must_use]
     pub fn integrates_all_lights(&self) -> bool {
@@ -248,10 +248,10 @@ impl RayWorker<'_> {
         in_bands!(&mut self.0, Bands(tracer) => tracer.limit = distance)
     }
 
-    /// Integrates the light of small uniform disks by cubature where that is accurate enough,
-    /// instead of sampling points on them.
-    pub fn integrate_lights(&mut self, allowed: CubatureError) {
-        in_bands!(&mut self.0, Bands(tracer) => tracer.light_cubature = Some(allowed))
+    /// Integrates the light of small disks by cubature where that is accurate enough, instead of
+    /// sampling points on them. `None` samples all lights again.
+    pub fn integrate_lights(&mut self, allowed: Option<CubatureError>) {
+        in_bands!(&mut self.0, Bands(tracer) => tracer.light_cubature = allowed)
     }
 
     /// Computes a part of the radiance of later rays.

@@ -4,8 +4,8 @@ mod build;
 
 use build::Builder;
 use glam::DVec3;
-use radsight_ir::{Facing, ModifierHandle, Ring, Sphere};
-use radsight_render::{CubatureError, Ray, RenderOptions, Renderer};
+use radsight_ir::{Cone, Facing, Material, ModifierHandle, Rgb, Ring, Sphere};
+use radsight_render::{CubatureError, Ray, RayWorker, RenderOptions, Renderer};
 
 /// Height of the lamps and of the eye above the sheet.
 const HEIGHT: f64 = 0.48;
@@ -47,7 +47,7 @@ fn ray_to(x: f64, y: f64) -> Ray {
 
 fn integrated(renderer: &Renderer, ray: &Ray, error: f64) -> f64 {
     let mut worker = renderer.worker();
-    worker.integrate_lights(CubatureError(error));
+    worker.integrate_lights(Some(CubatureError(error)));
     let value = worker.trace(1, ray).value[0];
     assert_eq!(value, worker.trace(7, ray).value[0], "no sample has a part in it");
     value
@@ -95,11 +95,84 @@ fn retroreflective_sheeting_has_the_mean_of_many_samples() {
     }
 }
 
+/// Lamps whose radiance depends on the direction.
+fn patterned_lamps(scene: &mut Builder, pattern: &str) {
+    let light = scene.patterned(pattern, Material::Light { radiance: Rgb([1e3; 3]) });
+    for center in lamp_centers() {
+        scene.ring(light, Ring { center, normal: -DVec3::Z, inner_radius: 0.0, outer_radius: 0.0025 });
+    }
+}
+
+/// Mean of many rays with lights integrated, its standard error, and the variance of one ray.
+fn integrated_mean(renderer: &Renderer, ray: &Ray) -> [f64; 3] {
+    let (count, mut worker) = (1 << 12, renderer.worker());
+    worker.integrate_lights(Some(CubatureError(1e-4)));
+    let values: Vec<f64> = (0..count).map(|index| worker.trace(index, ray).value[0]).collect();
+    let mean = values.iter().sum::<f64>() / count as f64;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count as f64;
+    [mean, (variance / count as f64).sqrt(), variance]
+}
+
+/// A pattern is integrated by its linear part; a sample adds what is left. Cones, kinks and jumps
+/// are right in the mean.
+#[test]
+fn patterned_lamps_have_the_mean_of_many_samples() {
+    // Smooth; with a kink; with a jump; and by the place on the lamp.
+    let patterns = ["Dz*Dz*Dz", "1+20*abs(acos(Dz)-.06)", "if(Dz-.9982,1,.7)", "1+40*(Px-.0127)+if(Py-.001,.1,0)"];
+    for (pattern, gain) in patterns.into_iter().zip([50.0, 10.0, 1.5, 2.0]) {
+        let mut scene = Builder::default();
+        let material = scene.sheeting(0.086, 0.00612);
+        sheet(&mut scene, material);
+        patterned_lamps(&mut scene, pattern);
+        let renderer = renderer(&scene);
+        for at in [(0.0, 0.0), (0.01, 0.02), (0.028, 0.002), (-0.004, 0.0295)] {
+            let ray = ray_to(at.0, at.1);
+            let ([mean, error, variance], [truth, truth_error]) =
+                (integrated_mean(&renderer, &ray), sampled(&renderer, &ray));
+            let allowed = 4.0 * error.hypot(truth_error) + 4e-4 * truth;
+            assert!((mean - truth).abs() <= allowed, "{pattern} {at:?}: {mean}, not {truth} ± {truth_error}");
+            let of_sampling = truth_error * truth_error * f64::from(1 << 14);
+            assert!(variance * gain < of_sampling, "{pattern} {at:?}: {variance}, sampled {of_sampling}");
+        }
+    }
+}
+
+/// A washer of which the sheet sees the lamps past: its outer wall, its inner wall and its top may
+/// hide them, and do so nowhere but beside the walls.
+#[test]
+fn lamps_are_integrated_beside_and_within_a_washer() {
+    let mut scene = Builder::default();
+    let material = scene.sheeting(0.086, 0.00612);
+    sheet(&mut scene, material);
+    lamps(&mut scene, 0.0025);
+    let black = scene.plastic([0.0; 3], 0.0, 0.0);
+    let (base, apex) = (DVec3::ZERO, DVec3::new(0.0, 0.0, 0.002));
+    for radius in [0.0065, 0.0125] {
+        let facing = Facing::Outward;
+        scene.cone(black, Cone { base, apex, base_radius: radius, apex_radius: radius, facing });
+    }
+    scene.ring(black, Ring { center: apex, normal: DVec3::Z, inner_radius: 0.0065, outer_radius: 0.0125 });
+    let renderer = renderer(&scene);
+    let mut worker = renderer.worker();
+    worker.integrate_lights(Some(CubatureError(5e-4)));
+    let varies = |worker: &mut RayWorker<'_>, x: f64| {
+        let ray = ray_to(x, 0.0);
+        worker.trace(1, &ray).value != worker.trace(7, &ray).value
+    };
+    for (x, is_near) in [(0.0, false), (0.006, false), (0.00649, true), (0.01257, true), (0.013, false), (0.03, false)]
+    {
+        assert_eq!(varies(&mut worker, x), is_near, "{x}");
+        if !is_near {
+            assert_agrees(&scene, (x, 0.0), 5e-4);
+        }
+    }
+}
+
 /// Whether every ray has the same bits with cubature as without.
 fn is_sampled(scene: &Builder) -> bool {
     let renderer = renderer(scene);
     let (mut integrating, mut sampling) = (renderer.worker(), renderer.worker());
-    integrating.integrate_lights(CubatureError(1e-3));
+    integrating.integrate_lights(Some(CubatureError(1e-3)));
     (0..40).all(|k| {
         let ray = ray_to(0.001 * k as f64, 0.0005 * k as f64);
         integrating.trace(k, &ray).value == sampling.trace(k, &ray).value
