@@ -12,6 +12,7 @@
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
 use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
+use crate::shared_film::{FilmRecord, SharedFilm};
 use crate::shared_rays::{FilmRay, PixelPassage, UnblurredFilm};
 use crate::two_phase::{FIRST_PHASE, choose};
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
@@ -95,16 +96,35 @@ impl Exposer<'_> {
     /// Ignores the number of samples of [`Rays`](radsight_pinhole::Rays).
     #[must_use]
     pub fn to_error(&self, target: ErrorTarget, start: Option<Checkpoint>, progress: &dyn Progress) -> Exposure {
-        let error = target.error;
-        let mut state = match start {
+        let state = match start {
             Some(Checkpoint(State::Adaptive { state, .. })) => state,
             _ => AdaptiveState::default(),
         };
-        let camera = self.rays.camera();
+        self.shared_to_error(target, state, SharedFilm::Own, progress).0
+    }
+
+    /// The same, with what it records for others. If it has a known film, the state is where it starts
+    /// if the film cannot be interpolated.
+    pub(crate) fn shared_to_error<'a>(
+        &'a self,
+        target: ErrorTarget,
+        mut state: AdaptiveState,
+        shared: SharedFilm<'a>,
+        progress: &'a dyn Progress,
+    ) -> (Exposure, FilmRecord) {
+        let (error, camera) = (target.error, self.rays.camera());
         state.pixels.resize(camera.pixel_count() as usize, Pixel::default());
-        let mut sampler = AdaptiveSampler::new(self, error, progress, &state.pixels);
-        let is_new = state.pixels.iter().all(|pixel| pixel.samples == 0);
-        let sparse = if is_new { sampler.interpolated(&mut state, target) } else { None };
+        let is_known = shared.known().is_some();
+        let is_new = is_known || state.pixels.iter().all(|pixel| pixel.samples == 0);
+        let mut own = AdaptiveState::new(state.pixels.len());
+        let mut sampler = AdaptiveSampler::new(self, error, progress, if is_new { &own.pixels } else { &state.pixels });
+        sampler.shared = shared;
+        let sparse = if is_new { sampler.interpolated(&mut own, target) } else { None };
+        if sparse.is_some() || sampler.is_on_lattice.load(Ordering::Relaxed) {
+            state = own;
+        } else if is_known {
+            sampler.counter.add(state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum());
+        }
         if sparse.is_none() && !sampler.is_on_lattice.load(Ordering::Relaxed) {
             begin(&sampler, &mut state);
         }
@@ -128,7 +148,8 @@ impl Exposer<'_> {
             }
         };
         let estimated_error = estimate.as_ref().map(Estimate::relative_error);
-        Exposure {
+        let record = sampler.shared.record().map(|record| record.clone()).unwrap_or_default();
+        let exposure = Exposure {
             values,
             rays: sampler.counter.traced() - sampler.discarded.load(Ordering::Relaxed),
             estimated_error,
@@ -137,7 +158,8 @@ impl Exposer<'_> {
             stopped: stop.filter(|_| estimated_error.is_none_or(|reached| reached > error)),
             pixels: estimate.map(|estimate| estimate.statistics(scale)),
             checkpoint: sampler.checkpoint(state),
-        }
+        };
+        (exposure, record)
     }
 }
 
@@ -151,6 +173,7 @@ pub(crate) struct AdaptiveSampler<'a> {
     pub(crate) images_apart: bool,
     /// What is exposed instead of the picture.
     pub(crate) film: Option<UnblurredFilm>,
+    pub(crate) shared: SharedFilm<'a>,
     /// Whether each pixel of the lattice sees the outline of a surface; empty without a lattice.
     pub(crate) outlines: Vec<bool>,
     pub(crate) progress: &'a dyn Progress,
@@ -177,6 +200,7 @@ impl<'a> AdaptiveSampler<'a> {
             images: images(exposer),
             images_apart: false,
             film: None,
+            shared: SharedFilm::Own,
             outlines: Vec::new(),
             progress,
             mirrors_points: AtomicBool::new(false),

@@ -3,13 +3,16 @@
 //! A part on a large sheet changes the pixels that see the part, its shadow or its reflected light,
 //! and no others. The scene without parts is exposed once, and the bounds of the light paths of
 //! each pixel are stored. A picture with parts then copies the samples of every pixel whose paths
-//! miss the parts, and exposes the rest.
+//! miss the parts, and exposes the rest. Where pixels are interpolated or share rays, it copies those
+//! of the lattice.
 
 use crate::adaptive::Pixel;
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
 use crate::neighbourhood::around;
 use crate::region::{LitRegion, Region};
-use crate::{Exposer, Progress};
+use crate::shared_film::{FilmRecord, KnownFilm, SharedFilm};
+use crate::shared_rays::UnblurredFilm;
+use crate::{Exposer, Exposure, Progress};
 use radsight_adaptive::{ErrorTarget, ray_number};
 use radsight_pinhole::Rays;
 use radsight_render::{Ray, Renderer};
@@ -18,16 +21,25 @@ use rayon::prelude::*;
 
 /// Rays traced per pixel to find its light paths. The paths of neighbouring pixels count as well,
 /// so each pixel has nine times as many.
-const PATHS_PER_PIXEL: u32 = 4;
+const PATHS_PER_PIXEL: u32 = 2;
 
 /// The exposed scene without its moving parts.
 #[derive(Clone, Debug)]
 pub struct Background {
     state: AdaptiveState,
-    /// Number of separate bands.
-    bands: usize,
-    /// For each pixel in scanline order.
+    /// Of an interpolated picture.
+    record: FilmRecord,
+    /// For each pixel of the recorded film, or else of the picture, in scanline order.
     path_bounds: Vec<PathBounds>,
+}
+
+/// Where the parts of a picture are.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedParts<'a> {
+    /// Boxes around them.
+    pub parts: &'a [Region],
+    /// The images of lights in their mirrors.
+    pub virtual_sources: &'a [LitRegion],
 }
 
 /// Bounds of the light paths of one pixel.
@@ -62,56 +74,71 @@ impl Background {
         target: ErrorTarget,
         progress: &dyn Progress,
     ) -> Option<Background> {
-        let exposure = exposer.to_error(target, None, progress);
-        let Checkpoint(State::Adaptive { state, bands }) = exposure.checkpoint else { return None };
+        let recorded = SharedFilm::Recorded(Box::default());
+        let (exposure, record) = exposer.shared_to_error(target, AdaptiveState::default(), recorded, progress);
+        let Checkpoint(State::Adaptive { state, .. }) = exposure.checkpoint else { return None };
         if exposure.is_partial || progress.stops() {
             return None;
         }
-        let path_bounds =
-            with_neighbours(&path_bounds(exposer.rays, ray_tree, within), exposer.rays.camera().columns() as usize);
-        Some(Background { state, bands, path_bounds })
+        let film = record.film.as_ref();
+        let columns = film.map_or(exposer.rays.camera().columns() as usize, |film| film.size()[0]);
+        let path_bounds = with_neighbours(&path_bounds((exposer.rays, film), ray_tree, within), columns);
+        Some(Background { state, record, path_bounds })
     }
 
-    /// The state from which a picture with parts in these regions starts. `virtual_sources` are
-    /// the images of lights in their mirrors.
+    /// Exposes the scene with its parts to a relative error, as [`Exposer::to_error`] does. Pixels
+    /// that the parts do not affect have the samples of the background.
     #[must_use]
-    pub fn with_parts(&self, parts: &[Region], virtual_sources: &[LitRegion]) -> Checkpoint {
+    pub fn expose_with_parts(
+        &self,
+        exposer: &Exposer<'_>,
+        placed: PlacedParts<'_>,
+        target: ErrorTarget,
+        progress: &dyn Progress,
+    ) -> Exposure {
+        let is_affected: Vec<bool> = self.path_bounds.iter().map(|bounds| placed.affect(bounds)).collect();
+        let film = self.record.film.as_ref();
+        let is_picture_affected = film.map_or_else(|| is_affected.clone(), |film| film.blurred_marks(&is_affected));
         let mut state = AdaptiveState { passes: 0, pending: Vec::new(), ..self.state.clone() };
-        for (pixel, bounds) in state.pixels.iter_mut().zip(&self.path_bounds) {
-            let is_met = parts.iter().any(|part| part.meets(&bounds.crossed));
-            if is_met || virtual_sources.iter().any(|source| source.reaches(&bounds.lit)) {
+        for (pixel, is_affected) in state.pixels.iter_mut().zip(&is_picture_affected) {
+            if *is_affected {
                 *pixel = Pixel::default();
             }
         }
-        Checkpoint(State::Adaptive { state, bands: self.bands })
+        let shared = match self.record.pixels.is_empty() {
+            true => SharedFilm::Own,
+            false => SharedFilm::Known(KnownFilm { record: &self.record, is_affected, is_picture_affected }),
+        };
+        exposer.shared_to_error(target, state, shared, progress).0
     }
 }
 
-impl Checkpoint {
-    /// Number of pixels without samples.
-    #[must_use]
-    pub fn unexposed_pixels(&self) -> usize {
-        match &self.0 {
-            State::Fixed(state) => state.values.iter().filter(|value| value.is_none()).count(),
-            State::Adaptive { state, .. } => state.pixels.iter().filter(|pixel| pixel.samples == 0).count(),
-        }
+impl PlacedParts<'_> {
+    /// Whether light along these paths may meet the parts.
+    fn affect(&self, bounds: &PathBounds) -> bool {
+        let is_met = self.parts.iter().any(|part| part.meets(&bounds.crossed));
+        is_met || self.virtual_sources.iter().any(|source| source.reaches(&bounds.lit))
     }
 }
 
-/// Traces some rays of each pixel and bounds their paths.
-fn path_bounds(rays: &Rays, ray_tree: &Renderer, within: &Region) -> Vec<PathBounds> {
-    (0..rays.camera().pixel_count() as usize)
+/// Traces some rays of each pixel, of a film or of the picture, and bounds their paths.
+fn path_bounds((rays, film): (&Rays, Option<&UnblurredFilm>), ray_tree: &Renderer, within: &Region) -> Vec<PathBounds> {
+    let count = film.map_or(rays.camera().pixel_count() as usize, UnblurredFilm::pixel_count);
+    (0..count)
         .into_par_iter()
         .with_min_len(32)
         .map_init(
             || ray_tree.worker(),
             |worker, pixel| {
-                let (pixel, mut bounds) = (pixel as u64, PathBounds::NONE);
+                let (number, mut bounds) = (pixel as u64, PathBounds::NONE);
                 for sample in 0..PATHS_PER_PIXEL {
-                    let index = ray_number(pixel, sample);
+                    let index = ray_number(number, sample);
                     let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
-                    let ray = rays.ray(pixel, u);
-                    let Some(ray) = Ray::new(ray.origin, ray.direction) else { continue };
+                    let ray = match film {
+                        Some(film) => film.sampled_ray(rays, pixel, u).map(|on_film| on_film.ray),
+                        None => Some(rays.ray(number, u)),
+                    };
+                    let Some(ray) = ray.and_then(|ray| Ray::new(ray.origin, ray.direction)) else { continue };
                     let (_, tree) = worker.tree(index, &ray);
                     let mut below = 0;
                     for node in tree {

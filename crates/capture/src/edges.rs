@@ -10,6 +10,7 @@ use crate::Exposer;
 use crate::lattice::Lattice;
 use crate::mirrored_lights::PixelImages;
 use crate::neighbourhood::around;
+use crate::shared_film::KnownFilm;
 use crate::shared_rays::UnblurredFilm;
 use glam::DVec2;
 use radsight_pinhole::{CameraRay, Rays};
@@ -37,6 +38,8 @@ pub(crate) struct Edges {
     /// The number of pixels over which the pinhole blurs an edge to each side.
     blur: usize,
     has_pinhole: bool,
+    /// By pixel: the width of its sharpest edge, pixels; infinite if there is none.
+    widths: Vec<f64>,
     /// Width of the sharpest edge, pixels; infinite if there is none.
     narrowest: f64,
     /// By pixel, whether it sees the outline of a surface.
@@ -62,6 +65,8 @@ pub(crate) struct SearchedFilm<'a> {
     pub(crate) images: Option<&'a PixelImages>,
     /// Instead of that of the picture.
     pub(crate) unblurred: Option<&'a UnblurredFilm>,
+    /// What is known of it.
+    pub(crate) known: Option<&'a KnownFilm<'a>>,
 }
 
 /// The edges of the pixels of a picture.
@@ -98,12 +103,12 @@ impl Edges {
         };
         let unresolved = (1..lattice.finest()).map(of_level).collect();
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
-        Edges { columns, rows, unresolved, other, blur, has_pinhole, narrowest, outlines }
+        Edges { columns, rows, unresolved, other, blur, has_pinhole, widths, narrowest, outlines }
     }
 
-    /// Whether each pixel sees the outline of a surface.
-    pub(crate) fn into_outlines(self) -> Vec<bool> {
-        self.outlines
+    /// The width of the sharpest edge of each pixel, and whether it sees the outline of a surface.
+    pub(crate) fn into_widths_and_outlines(self) -> (Vec<f64>, Vec<bool>) {
+        (self.widths, self.outlines)
     }
 
     /// Whether radiance is smooth within each pixel of a point pinhole.
@@ -180,9 +185,13 @@ impl SearchedFilm<'_> {
 impl PixelEdges {
     fn find(film: SearchedFilm<'_>) -> PixelEdges {
         let [columns, _] = film.size();
-        let views = views(film);
+        let known = |pixel: usize| film.known.and_then(|known| known.edge_width(pixel, columns));
+        let views = views(film, known);
         let by_pinhole = film.least_blur();
         let width = |pixel: usize| {
+            if let Some(width) = known(pixel) {
+                return width;
+            }
             let differs = |other: usize| views.get(other).is_some_and(|other| !are_alike(&views[pixel], other));
             let is_last = (pixel + 1).is_multiple_of(columns);
             match &views[pixel] {
@@ -198,8 +207,8 @@ impl PixelEdges {
     }
 }
 
-/// The views of all pixels.
-fn views(film: SearchedFilm<'_>) -> Vec<Option<SmoothView>> {
+/// The views of all pixels whose edges are not known, and of those beside and below them.
+fn views(film: SearchedFilm<'_>, known: impl Fn(usize) -> Option<f64> + Sync) -> Vec<Option<SmoothView>> {
     let plan = film.exposer.renderer.plan();
     let [columns, rows] = film.size();
     let pixels = columns * rows;
@@ -212,7 +221,12 @@ fn views(film: SearchedFilm<'_>) -> Vec<Option<SmoothView>> {
         let near = [beside, below].into_iter().filter_map(|near| centers.get(near).copied().flatten());
         near.map(|near| near.direction.distance(ray.direction)).fold(0.0, f64::max)
     };
-    let view = |pixel: usize| centers[pixel].and_then(|ray| plan.smooth_view(&ray, spacing(pixel, &ray)));
+    let is_needed = |pixel: usize| {
+        let above = [Some(pixel), pixel.checked_sub(1), pixel.checked_sub(columns)];
+        film.known.is_none() || above.into_iter().flatten().any(|pixel| known(pixel).is_none())
+    };
+    let seen = |pixel: usize| centers[pixel].and_then(|ray| plan.smooth_view(&ray, spacing(pixel, &ray)));
+    let view = |pixel: usize| if is_needed(pixel) { seen(pixel) } else { None };
     (0..pixels).into_par_iter().with_min_len(64).map(view).collect()
 }
 
@@ -227,6 +241,9 @@ fn outlines(film: SearchedFilm<'_>, views: &[Option<SmoothView>]) -> Vec<bool> {
         plan.first_hit(&ray, None).map(|hit| (hit.surface, hit.shader))
     };
     let sees = |pixel: usize| {
+        if let Some(sees) = film.known.and_then(|known| known.sees_outline(pixel)) {
+            return sees;
+        }
         if around(pixel, [columns, rows]).all(|other| are_alike(&views[pixel], &views[other])) {
             return false;
         }

@@ -19,14 +19,16 @@ mod image_light;
 mod lattice;
 mod mirrored_lights;
 mod neighbourhood;
+mod piecewise_linear;
 mod plane_images;
 mod region;
+mod shared_film;
 mod shared_rays;
 mod sparse;
 mod sparse_estimate;
 mod two_phase;
 
-pub use background::Background;
+pub use background::{Background, PlacedParts};
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use derivative::{Derivative, DerivativeSamples, Motion, ParameterStep, PartMotion, RANDOMISATIONS};
 pub use radsight_adaptive::{ErrorTarget, MAX_SAMPLES, Stop};

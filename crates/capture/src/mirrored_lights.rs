@@ -13,7 +13,7 @@
 use crate::curved_image::CurvedImage;
 use crate::domain::Domain;
 use crate::ellipse::{Ellipse, LinearMap};
-use crate::plane_images::{PlaneImage, PlaneImages, stratified};
+use crate::plane_images::{PlaneImage, PlaneImages, PlaneStrata, WeightedPoint};
 use crate::shared_rays::PixelPassage;
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Rays};
@@ -122,14 +122,23 @@ impl PixelImages {
         if curved.is_empty() && in_plane_mirrors.is_empty() {
             return none;
         }
+        let may_see_any = |cone: &PixelCone| {
+            curved.iter().any(|image| cone.meets(image.direction(), image.reach()))
+                || in_plane_mirrors.iter().any(|image| cone.meets_plane(image))
+        };
+        let blocks = PixelBlocks::new(rays, may_see_any);
         let of_pixel = |worker: &mut RayWorker<'_>, pixel: usize| {
+            let none = (Vec::new(), PlaneStrata::default());
+            if !blocks.may_see_any(pixel) {
+                return none;
+            }
             let pixel = pixel as u64;
-            let Some(cone) = PixelCone::new(rays, pixel) else { return (Vec::new(), Vec::new()) };
+            let Some(cone) = PixelCone::new(rays, pixel) else { return none };
             let search = &mut Search { worker, rays, pixel, domain };
             let images = search.curved_images(&cone, &curved);
-            let seen = in_plane_mirrors.iter().enumerate().filter(|(_, image)| cone.meets(image.direction(), 0.0));
+            let seen = in_plane_mirrors.iter().enumerate().filter(|(_, image)| cone.meets_plane(image));
             let plane = seen.filter_map(|image| search.plane_image(renderer.plan(), image));
-            (images, plane.collect())
+            (images, PlaneStrata::new(plane.collect(), domain))
         };
         let (images, plane): (Vec<_>, Vec<_>) = (0..camera.pixel_count() as usize)
             .into_par_iter()
@@ -159,16 +168,17 @@ impl PixelImages {
         let fixed = DVec2::from(fixed);
         let curved = self.images.get(pixel).map_or(&[][..], Vec::as_slice);
         let mixed = |drawn| self.mixed_point((curved, aimed), fixed, drawn);
-        let ray = |at| self.domain.ray(rays, pixel as u64, fixed, at);
-        let hits = |at, light: usize| {
-            let ray = ray(at).and_then(|ray| Ray::new(ray.origin, ray.direction));
+        let ray = |fixed, at| self.domain.ray(rays, pixel as u64, fixed, at);
+        let hits = |fixed, at, light: usize| {
+            let ray = ray(fixed, at).and_then(|ray| Ray::new(ray.origin, ray.direction));
             ray.is_some_and(|ray| self.in_plane_mirrors[light].is_in_plane_mirror(plan, &ray))
         };
-        let (at, weight) = match self.plane.of_pixel(pixel) {
-            [] => mixed(drawn)?,
-            images => stratified(images, self.domain, (fixed, drawn), hits, mixed)?,
+        let Some(strata) = self.plane.of_pixel(pixel) else {
+            let (at, weight) = mixed(drawn)?;
+            return Some((ray(fixed, at)?, weight));
         };
-        Some((ray(at)?, weight))
+        let WeightedPoint { fixed, at, weight } = strata.sample((fixed, drawn), hits, mixed)?;
+        Some((ray(fixed, at)?, weight))
     }
 
     /// A point of the pinhole, or of the pixel for a point pinhole, with its weight.
@@ -231,6 +241,56 @@ impl FieldOfView {
     }
 }
 
+/// The square blocks of pixels of a picture that may see an image: saves most pixels their search.
+struct PixelBlocks {
+    columns: usize,
+    /// Row by row; empty for cameras whose blocks have no known cone.
+    may_see_any: Vec<bool>,
+}
+
+impl PixelBlocks {
+    /// Pixels along each side.
+    const SIDE: usize = 8;
+
+    /// The corners of a block may have pixels that are smaller by this factor than others.
+    const MARGIN: f64 = 1.1;
+
+    /// `may_see_any` tells whether pixels within a cone may see an image.
+    fn new(rays: &Rays, may_see_any: impl Fn(&PixelCone) -> bool) -> PixelBlocks {
+        let camera = rays.camera();
+        let [columns, rows] = [camera.columns(), camera.rows()].map(|count| count as usize);
+        let across = columns.div_ceil(PixelBlocks::SIDE);
+        let of_block = |block: usize| {
+            let [x, y] = [block % across, block / across].map(|index| index * PixelBlocks::SIDE);
+            let last = [(x, columns), (y, rows)].map(|(first, count)| (first + PixelBlocks::SIDE - 1).min(count - 1));
+            let cone = PixelBlocks::cone(rays, columns, [[x, last[0]], [y, last[1]]]);
+            cone.is_none_or(|cone| may_see_any(&cone))
+        };
+        let may_see_any = match camera.is_plain_pinhole() {
+            true => (0..across * rows.div_ceil(PixelBlocks::SIDE)).map(of_block).collect(),
+            false => Vec::new(),
+        };
+        PixelBlocks { columns, may_see_any }
+    }
+
+    /// The cone around all pixels from the first to the last of two columns and rows.
+    fn cone(rays: &Rays, columns: usize, [across, down]: [[usize; 2]; 2]) -> Option<PixelCone> {
+        let of_pixel = |x: usize, y: usize| PixelCone::new(rays, (y * columns + x) as u64);
+        let middle = of_pixel(across[0].midpoint(across[1]), down[0].midpoint(down[1]))?;
+        let mut max_chord = middle.max_chord;
+        for (x, y) in down.into_iter().flat_map(|y| across.map(|x| (x, y))) {
+            let corner = of_pixel(x, y)?;
+            max_chord = max_chord.max(PixelBlocks::MARGIN * corner.max_chord + corner.middle.distance(middle.middle));
+        }
+        Some(PixelCone { max_chord, ..middle })
+    }
+
+    fn may_see_any(&self, pixel: usize) -> bool {
+        let [x, y] = [pixel % self.columns, pixel / self.columns].map(|index| index / PixelBlocks::SIDE);
+        self.may_see_any.get(y * self.columns.div_ceil(PixelBlocks::SIDE) + x).is_none_or(|may_see| *may_see)
+    }
+}
+
 /// A cone around the rays of a pixel.
 struct PixelCone {
     /// Unit.
@@ -255,6 +315,12 @@ impl PixelCone {
     fn meets(&self, direction: DVec3, reach: f64) -> bool {
         let chord = self.max_chord + reach;
         self.middle.distance_squared(direction) <= chord * chord
+    }
+
+    /// Whether the pixel may see a light in a plane mirror.
+    fn meets_plane(&self, image: &MirroredLight) -> bool {
+        let meets_mirror = |(axis, reach)| self.meets(axis, reach);
+        self.meets(image.direction(), 0.0) && image.mirror_cone().is_none_or(meets_mirror)
     }
 }
 
@@ -381,7 +447,7 @@ impl Search<'_, '_> {
             let offset = self.offset_from_light(image, fixed, at)?;
             farthest = farthest.max(offset.distance(found.offset(fixed, at)));
         }
-        found.widened(farthest)?.overlapping(domain)
+        found.widened(farthest)
     }
 }
 

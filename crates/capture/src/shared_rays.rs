@@ -48,7 +48,7 @@ const KERNEL_POINTS: u32 = 1 << 14;
 const INTERPOLATED: usize = 4;
 
 /// The film of a point pinhole at the centre of a finite one.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct UnblurredFilm {
     columns: usize,
     rows: usize,
@@ -57,6 +57,8 @@ pub(crate) struct UnblurredFilm {
     /// Shift of a film point per radius of the pinhole, pixels along columns and rows.
     shift: DVec2,
     kernels: Kernels,
+    /// The least and the greatest ratio of the focal distance to the depth of what is seen.
+    focal_ratios: [f64; 2],
     /// For each pixel of the film the number of pixels of the picture that it adds up to.
     shares: Vec<f64>,
 }
@@ -104,7 +106,7 @@ pub(crate) struct BlurredPicture {
 }
 
 /// The weights of the film around a pixel of the picture.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Kernels {
     /// Of radiance.
     blur: Vec<f64>,
@@ -127,16 +129,38 @@ impl UnblurredFilm {
         let radius = 0.5 * camera.pinhole_diameter_m();
         let [x, y] = camera.pixel_pitch_m().map(|pitch| radius / pitch);
         let is_suitable = |radius: f64| (MIN_RADIUS..=MAX_RADIUS).contains(&radius);
-        let focal_ratio = if is_suitable(x) && is_suitable(y) { focal_ratio(exposer)? } else { return None };
+        if !(is_suitable(x) && is_suitable(y)) {
+            return None;
+        }
+        let focal_ratios = focal_ratios(exposer, |_| true);
+        let focal_ratio = shared_focal_ratio(focal_ratios)?;
         // A column is farther right, and a row is farther down.
         let shift = DVec2::new(x, -y) * (1.0 + focal_ratio);
         let margin = [x, y].map(|radius| (radius * (1.0 + focal_ratio)).ceil() as usize + INTERPOLATED / 2);
         let [columns, rows] = [(camera.columns(), margin[0]), (camera.rows(), margin[1])]
             .map(|(count, margin)| count as usize + 2 * margin);
         let kernels = Kernels::new(shift, margin);
-        let mut film = UnblurredFilm { columns, rows, margin, shift, kernels, shares: Vec::new() };
+        let mut film = UnblurredFilm { columns, rows, margin, shift, kernels, focal_ratios, shares: Vec::new() };
         film.shares = film.shares();
         Some(film)
+    }
+
+    /// The same film for a scene that differs in some pixels of the picture; `None` where its pixels
+    /// cannot share rays.
+    pub(crate) fn with_parts(&self, exposer: &Exposer<'_>, differs: impl Fn(usize) -> bool + Sync) -> Option<Self> {
+        if !exposer.renderer.plan().images_lights_by_mirrors_alone() {
+            return None;
+        }
+        let extent = union(self.focal_ratios, focal_ratios(exposer, differs));
+        shared_focal_ratio(extent).map(|_| self.clone())
+    }
+
+    /// The pixels of the picture into which marked pixels of the film are blurred.
+    pub(crate) fn blurred_marks(&self, marks: &[bool]) -> Vec<bool> {
+        let sums = WindowSums::new(marks.iter().map(|is_marked| f64::from(u8::from(*is_marked))), self.columns);
+        let reach = self.margin[0].max(self.margin[1]);
+        let in_picture = (0..marks.len()).filter(|pixel| self.in_picture(*pixel).is_some());
+        in_picture.map(|pixel| marks[pixel] || sums.signed_around(pixel, reach) > 0.5).collect()
     }
 
     /// Columns and rows, with the margin.
@@ -183,6 +207,15 @@ impl UnblurredFilm {
     /// The same for a point of the unit cube.
     pub(crate) fn sampled_ray(&self, rays: &Rays, pixel: usize, u: [f64; 4]) -> Option<FilmRay> {
         self.ray(rays, pixel, [u[0], u[1]], unit_disk(u[2], u[3]).into())
+    }
+
+    /// The pixel of the film that a ray of the picture sees. `pixel` is that of the picture, by its
+    /// index on the film.
+    pub(crate) fn pixel_seen(&self, pixel: usize, passage: PixelPassage) -> Option<usize> {
+        let film = DVec2::new((pixel % self.columns) as f64, (pixel / self.columns) as f64);
+        let place = film + passage.on_pixel + self.shift * passage.on_pinhole;
+        let is_inside = place.cmpge(DVec2::ZERO).all() && place.x < self.columns as f64 && place.y < self.rows as f64;
+        is_inside.then(|| place.y as usize * self.columns + place.x as usize)
     }
 
     /// The number of pixels of the picture that a pixel of the film adds up to, between 0 and about
@@ -385,9 +418,9 @@ fn cubic_weights(at: f64) -> [f64; INTERPOLATED] {
     ]
 }
 
-/// The focal distance relative to the depth of what the camera sees; `None` where depths differ too
-/// much.
-fn focal_ratio(exposer: &Exposer<'_>) -> Option<f64> {
+/// The least and the greatest ratio of the focal distance to the depth of what some pixels of the
+/// camera see.
+fn focal_ratios(exposer: &Exposer<'_>, is_seen: impl Fn(usize) -> bool + Sync) -> [f64; 2] {
     let (rays, plan) = (exposer.rays, exposer.renderer.plan());
     let camera = rays.camera();
     let of_pixel = |pixel: usize| {
@@ -396,9 +429,17 @@ fn focal_ratio(exposer: &Exposer<'_>) -> Option<f64> {
         let depth = distance * camera.scene_unit_m() * ray.direction.dot(camera.direction());
         Some(camera.focal_distance_m() / depth)
     };
-    let ratios = (0..camera.pixel_count() as usize).into_par_iter().with_min_len(64).filter_map(of_pixel);
-    let extent = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-    let [least, most] = ratios.map(|ratio| [ratio; 2]).reduce(|| [f64::INFINITY, 0.0], extent);
+    let pixels = (0..camera.pixel_count() as usize).into_par_iter().with_min_len(64);
+    let ratios = pixels.filter(|pixel| is_seen(*pixel)).filter_map(of_pixel);
+    ratios.map(|ratio| [ratio; 2]).reduce(|| [f64::INFINITY, 0.0], union)
+}
+
+fn union(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0].min(b[0]), a[1].max(b[1])]
+}
+
+/// The mean of two extreme focal ratios; `None` where depths differ too much.
+fn shared_focal_ratio([least, most]: [f64; 2]) -> Option<f64> {
     let is_even = most - least <= MAX_DEPTH_EFFECT * (1.0 + most) && most <= MAX_FOCAL_RATIO;
     (is_even && most > 0.0).then_some(0.5 * (least + most))
 }
@@ -412,7 +453,8 @@ mod tests {
         let [columns, rows] = [0, 1].map(|axis| size[axis] + 2 * margin[axis]);
         let shift = DVec2::new(radii[0], -radii[1]);
         let kernels = Kernels::new(shift, margin);
-        let film = UnblurredFilm { columns, rows, margin, shift, kernels, shares: Vec::new() };
+        let focal_ratios = [0.0; 2];
+        let film = UnblurredFilm { columns, rows, margin, shift, kernels, focal_ratios, shares: Vec::new() };
         UnblurredFilm { shares: film.shares(), ..film }
     }
 

@@ -16,6 +16,7 @@ use crate::fixed::radiance;
 use crate::image_light::{ExposedImages, IMAGE_FRACTION, ImageLight};
 use crate::lattice::{Lattice, STRIDE};
 use crate::neighbourhood::around;
+use crate::shared_film::KnownFilm;
 use crate::shared_rays::{FilmRay, PinholeBlur, PinholeDerivatives, PinholeProbe, PixelPassage, UnblurredFilm};
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::{Exposer, Workers};
@@ -81,6 +82,8 @@ struct Sparse {
     is_smooth: bool,
     /// By cell: what a residual says about the error of interpolation.
     ratios: Vec<f64>,
+    /// By pixel: the width of the sharpest edge.
+    edge_widths: Vec<f64>,
 }
 
 impl Sparse {
@@ -161,6 +164,10 @@ impl<'a> AdaptiveSampler<'a> {
         images: &mut Option<ImageLight>,
     ) -> Option<(Estimate, Option<Stop>)> {
         self.film = self.unblurred_film();
+        let known = self.shared.known().map(|known| known.record.film.is_some());
+        if known.is_some_and(|has_film| has_film != self.film.is_some()) {
+            return None;
+        }
         if let Some(film) = &self.film {
             let mut film_state = AdaptiveState::new(film.pixel_count());
             let found = self.on_lattice(&mut film_state, target, images);
@@ -169,7 +176,7 @@ impl<'a> AdaptiveSampler<'a> {
                 *state = film_state;
                 return found;
             }
-            if self.progress.stops() {
+            if self.progress.stops() || known.is_some() {
                 return None;
             }
         }
@@ -191,7 +198,13 @@ impl<'a> AdaptiveSampler<'a> {
     }
 
     fn unblurred_film(&self) -> Option<UnblurredFilm> {
-        self.is_plain().then(|| UnblurredFilm::new(self.exposer)).flatten()
+        match self.shared.known() {
+            _ if !self.is_plain() => None,
+            Some(known) => {
+                known.record.film.as_ref()?.with_parts(self.exposer, |pixel| known.is_picture_affected[pixel])
+            }
+            None => UnblurredFilm::new(self.exposer),
+        }
     }
 
     /// Whether each ray adds its radiance to one pixel, in the same way for all pixels.
@@ -212,7 +225,9 @@ impl<'a> AdaptiveSampler<'a> {
         mut sparse: Sparse,
     ) -> Option<(Estimate, Option<Stop>)> {
         let most = target.most_samples.min(MAX_SAMPLES);
-        self.mirrors_points.store(sparse.is_smooth && self.exposer.renderer.integrates_all_lights(), Ordering::Relaxed);
+        let mirrors_points = || sparse.is_smooth && self.exposer.renderer.integrates_all_lights();
+        let mirrors_points = self.shared.known().map_or_else(mirrors_points, |known| known.record.mirrors_points);
+        self.mirrors_points.store(mirrors_points, Ordering::Relaxed);
         self.is_on_lattice.store(true, Ordering::Relaxed);
         let blur = self.film.as_ref().map(|film| self.blur(film, &sparse));
         let (mut audits, mut film_error) = (0, FilmError::default());
@@ -260,6 +275,7 @@ impl<'a> AdaptiveSampler<'a> {
             if refined.is_empty() {
                 let left = all - known - estimate.squared_errors().iter().sum::<f64>();
                 let squared = estimate.pixel_count as f64 * left.max(0.5 * IMAGE_FRACTION * all);
+                self.keep(state, &sparse, &estimate);
                 let images = images.as_mut().map(|images| images.expose(self, squared, most));
                 return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(Stop::Rays)));
             }
@@ -267,6 +283,19 @@ impl<'a> AdaptiveSampler<'a> {
         }
         self.abandon(state);
         None
+    }
+
+    /// Records a finished lattice where others use it.
+    fn keep(&self, state: &AdaptiveState, sparse: &Sparse, estimate: &SparseEstimate) {
+        if let Some(mut record) = self.shared.record() {
+            let mut state = state.clone();
+            fill_interpolated(&mut state, sparse, estimate);
+            record.film.clone_from(&self.film);
+            record.edge_widths.clone_from(&sparse.edge_widths);
+            record.outlines.clone_from(&self.outlines);
+            record.mirrors_points = self.mirrors_points.load(Ordering::Relaxed);
+            record.pixels = state.pixels;
+        }
     }
 
     /// Refines cells; where there are none, doubles the samples of nodes.
@@ -328,7 +357,7 @@ impl<'a> AdaptiveSampler<'a> {
         }
         let [x, y, ..] = RaySampler::new(exposer.rays.seed(), RESERVED_NUMBER).take(DimensionSet::CAMERA);
         let images = (!self.images_apart).then_some(&self.images);
-        let film = SearchedFilm { exposer, images, unblurred: self.film.as_ref() };
+        let film = SearchedFilm { exposer, images, unblurred: self.film.as_ref(), known: self.shared.known() };
         let [columns, rows] = film.size().map(|count| count as u32);
         let lattice = Lattice::new(columns, rows, [x, y])?;
         let edges = Edges::find(film, &lattice);
@@ -337,8 +366,10 @@ impl<'a> AdaptiveSampler<'a> {
         let nodes = lattice.nodes(&levels);
         let ratio = |(cell, level): (usize, &u8)| residual_ratio(edges.blurs(&lattice, cell, *level));
         let ratios = levels.iter().enumerate().map(ratio).collect();
-        let sparse = Sparse { lattice, levels, nodes, is_smooth: edges.are_wider_than_pixels(), ratios };
-        if sparse.is_dense() { None } else { Some((sparse, edges.into_outlines())) }
+        let is_smooth = edges.are_wider_than_pixels();
+        let (edge_widths, outlines) = edges.into_widths_and_outlines();
+        let sparse = Sparse { lattice, levels, nodes, is_smooth, ratios, edge_widths };
+        if sparse.is_dense() { None } else { Some((sparse, outlines)) }
     }
 
     /// Traces the first samples of the nodes that have none.
@@ -350,7 +381,8 @@ impl<'a> AdaptiveSampler<'a> {
             || self.worker(),
             |worker, (index, pixel)| {
                 if !self.progress.stops() {
-                    *pixel = self.first(worker, index);
+                    let known = self.shared.known().and_then(|known| known.samples(index));
+                    *pixel = known.unwrap_or_else(|| self.first(worker, index));
                     self.report(pixel.samples);
                 }
             },
@@ -367,15 +399,38 @@ impl<'a> AdaptiveSampler<'a> {
             .map_init(
                 || self.exposer.workers(),
                 |worker, pixel| {
-                    self.report(1);
-                    self.discarded.fetch_add(1, Ordering::Relaxed);
-                    (pixel, self.light_of_picture(worker, pixel))
+                    let known =
+                        self.shared.known().filter(|_| round == 0).and_then(|known| self.known_audit(known, pixel));
+                    let light = known.unwrap_or_else(|| {
+                        self.report(1);
+                        self.discarded.fetch_add(1, Ordering::Relaxed);
+                        self.light_of_picture(worker, pixel)
+                    });
+                    (pixel, light)
                 },
             )
             .collect();
         let mut traced = vec![f64::NAN; values.len()];
         rays.into_iter().for_each(|(pixel, light)| traced[pixel] = light);
+        if let Some(mut record) = self.shared.record().filter(|_| round == 0) {
+            record.audited.clone_from(&traced);
+        }
         Audit::new(sparse, values, &traced).cells_to_refine(sparse)
+    }
+
+    /// The known light of the ray that audits a pixel of the picture, in the frame of the film.
+    fn known_audit(&self, known: &KnownFilm<'_>, pixel: usize) -> Option<f64> {
+        let seen = match &self.film {
+            Some(film) => film.pixel_seen(pixel, self.passage(film.in_picture(pixel)?))?,
+            None => pixel,
+        };
+        known.audited(pixel, seen)
+    }
+
+    /// Where the ray that audits a pixel of the picture passes.
+    fn passage(&self, own: usize) -> PixelPassage {
+        let index = ray_number(own as u64, 0);
+        PixelPassage::new(own, RaySampler::new(self.exposer.rays.seed(), index).take(DimensionSet::CAMERA))
     }
 
     /// The light of one ray of a pixel of the picture, in the frame of the film.
@@ -397,12 +452,19 @@ impl<'a> AdaptiveSampler<'a> {
         let nodes = lattice.nodes(&levels);
         let probed: Vec<usize> = (0..nodes.len()).filter(|pixel| nodes[*pixel] > 0).collect();
         let probe = |worker: &mut Workers<'a>, pixel: usize| {
+            if let Some(known) = self.shared.known().and_then(|known| known.probe(pixel)) {
+                return (pixel, known);
+            }
             self.report(4);
             self.discarded.fetch_add(4, Ordering::Relaxed);
             (pixel, PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, pixel, on_pinhole)))
         };
         let probes: Vec<_> =
             probed.into_par_iter().with_min_len(8).map_init(|| self.exposer.workers(), probe).collect();
+        if let Some(mut record) = self.shared.record() {
+            record.probes = vec![None; nodes.len()];
+            probes.iter().for_each(|(pixel, probe)| record.probes[*pixel] = Some(*probe));
+        }
         let derivatives = PinholeDerivatives::new(film, (lattice, &nodes), &probes, STRIDE as usize);
         PinholeBlur { film, derivatives }
     }

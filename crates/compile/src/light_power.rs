@@ -64,18 +64,38 @@ impl RenderPlan {
 
     /// Computes emission profiles of lights with a narrow distribution.
     pub fn find_profiles(&mut self) {
-        let profiles: Vec<(usize, EmissionProfile)> = self
-            .lights
-            .iter()
-            .enumerate()
+        let mut found: Vec<(EmissionSignature, Option<Arc<EmissionProfile>>)> = Vec::new();
+        let lights = self.lights.iter().enumerate();
+        let profiles: Vec<(usize, Option<Arc<EmissionProfile>>)> = lights
             .filter(|(_, light)| light.virtual_sources.is_empty() && light.cone.is_none())
             .filter(|(_, light)| !self.shader(light.surface).textures.steps.is_empty())
             .take(MOST_PROFILES)
-            .filter_map(|(index, light)| Some((index, self.profile(light)?)))
+            .map(|(index, light)| {
+                let signature = self.emission_signature(light);
+                let known = found.iter().find(|(other, _)| *other == signature).map(|(_, profile)| profile.clone());
+                let profile = known.unwrap_or_else(|| {
+                    let profile = self.profile(light).map(Arc::new);
+                    found.push((signature, profile.clone()));
+                    profile
+                });
+                (index, profile)
+            })
             .collect();
         for (index, profile) in profiles {
-            self.lights[index].profile = Some(Arc::new(profile));
+            self.lights[index].profile = profile;
         }
+    }
+
+    /// The lamps of a ring have the same emission, so its profile is computed once. A profile that
+    /// differs between these directions costs noise alone.
+    fn emission_signature(&self, light: &Light) -> EmissionSignature {
+        let (shader, mut scratch) = (self.shader(light.surface), Scratch::default());
+        let radiance = |index: u32| {
+            let unit = [(f64::from(index) + 0.5) / f64::from(DIRECTIONS), (f64::from(index) * GOLDEN).fract()];
+            self.strongest_emission(shader, &self.facing(light, unit), &mut scratch)
+        };
+        let normal = light.form.plane().map(|(normal, _)| normal);
+        EmissionSignature { normal, radiance: (0..DIRECTIONS).map(radiance).collect() }
     }
 
     fn profile(&self, light: &Light) -> Option<EmissionProfile> {
@@ -113,6 +133,13 @@ impl RenderPlan {
         let ray = Ray { origin: light.center + out * distance, direction: -out };
         SurfaceInteraction::new(&ray, light.center, normal, distance, distance)
     }
+}
+
+/// The emission of a light in a few directions, and the unit normal of a flat one.
+#[derive(PartialEq)]
+struct EmissionSignature {
+    normal: Option<DVec3>,
+    radiance: Vec<f64>,
 }
 
 /// Fraction of a circle whose multiples never repeat (the golden section).

@@ -2,7 +2,7 @@
 
 use crate::shader::{Kind, Shader};
 use glam::DVec3;
-use radsight_accel::{Bounds, Geometry, is_flat};
+use radsight_accel::{Bounds, Geometry, MemberId, Ray, RayFrame, is_flat};
 use radsight_bsdf::Scatterer;
 use radsight_ir::{Shape, SurfaceHandle, ValidScene};
 
@@ -13,16 +13,32 @@ const REACH: f64 = 0.1;
 /// Maximum number of mirrors; more become one group.
 const MOST: usize = 64;
 
-/// Bounding sphere of a mirror.
+/// Bounding sphere of a mirror, or of a group of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reflector {
     center: DVec3,
     radius: f64,
+    /// `None` for a group.
+    member: Option<MemberId>,
 }
 
 impl Reflector {
-    fn around(bounds: Bounds) -> Reflector {
-        Reflector { center: 0.5 * (bounds.min + bounds.max), radius: 0.5 * bounds.min.distance(bounds.max) }
+    fn around(bounds: Bounds, member: Option<MemberId>) -> Reflector {
+        Reflector { center: 0.5 * (bounds.min + bounds.max), radius: 0.5 * bounds.min.distance(bounds.max), member }
+    }
+
+    /// Around the bounds of one mirror.
+    #[must_use]
+    pub fn around_mirror(bounds: Bounds) -> Reflector {
+        Reflector::around(bounds, None)
+    }
+
+    /// Whether a ray hits it if nothing is in front of it. Always true for a group.
+    #[must_use]
+    pub fn is_hit(&self, geometry: &Geometry, scene: &ValidScene, ray: &Ray) -> bool {
+        let hits =
+            |member| geometry.any_of_member(scene, member, (ray, &RayFrame::new(ray)), None, f64::INFINITY, |_| true);
+        self.member.is_none_or(hits)
     }
 
     /// Unit direction towards it from a point outside, and the tangent of its half angle.
@@ -64,19 +80,25 @@ pub(crate) fn find_reflectors<'a>(
         Shape::Mesh(_) | Shape::Instance(_) => true,
         shape => mirrors(&shader(handle).kind, Some(shape)),
     };
-    let mirrors: Vec<SurfaceHandle> =
-        geometry.listed_members().map(|(_, handle)| handle).filter(|handle| is_mirror(*handle)).collect();
-    let bounds = |handle: &SurfaceHandle| geometry.bounds(scene, scene.surfaces[*handle].shape);
+    let mirrors: Vec<(MemberId, SurfaceHandle)> =
+        geometry.listed_members().filter(|(_, handle)| is_mirror(*handle)).collect();
+    let bounds = |(_, handle): &(MemberId, SurfaceHandle)| geometry.bounds(scene, scene.surfaces[*handle].shape);
     if mirrors.len() > MOST {
         let around = |a: Bounds, b: Bounds| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) };
-        return mirrors.iter().filter_map(bounds).reduce(around).map(Reflector::around).into_iter().collect();
+        return mirrors
+            .iter()
+            .filter_map(bounds)
+            .reduce(around)
+            .map(|bounds| Reflector::around(bounds, None))
+            .into_iter()
+            .collect();
     }
-    let reflector = |handle: &SurfaceHandle| match scene.surfaces[*handle].shape {
+    let reflector = |mirror: &(MemberId, SurfaceHandle)| match scene.surfaces[mirror.1].shape {
         Shape::Sphere(sphere) => {
             let sphere = &scene.spheres[sphere];
-            Some(Reflector { center: sphere.center, radius: sphere.radius })
+            Some(Reflector { center: sphere.center, radius: sphere.radius, member: Some(mirror.0) })
         }
-        _ => bounds(handle).map(Reflector::around),
+        _ => bounds(mirror).map(|bounds| Reflector::around(bounds, Some(mirror.0))),
     };
     mirrors.iter().filter_map(reflector).collect()
 }

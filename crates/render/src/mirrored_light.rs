@@ -12,7 +12,7 @@ use crate::specular_return::{TangentPlane, passing_point};
 use crate::trace::PathIntegrator;
 use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
-use radsight_compile::{Kind, RenderPlan};
+use radsight_compile::{Kind, Reflector, RenderPlan};
 use radsight_ir::{Ring, Shape, SurfaceHandle};
 use radsight_light::{Light, LightForm};
 
@@ -47,6 +47,9 @@ pub struct MirroredLight {
     direction: DVec3,
     /// Approximate half angle of the image, as a tangent.
     size: f64,
+    /// The cone around the plane mirror from the observer: its unit axis and the tangent of its half
+    /// angle.
+    mirror_cone: Option<(DVec3, f64)>,
 }
 
 impl MirroredLight {
@@ -54,6 +57,13 @@ impl MirroredLight {
     #[must_use]
     pub fn direction(&self) -> DVec3 {
         self.direction
+    }
+
+    /// A cone around all directions in which a virtual source may be seen: its unit axis and the
+    /// tangent of its half angle. `None` if it is not known.
+    #[must_use]
+    pub fn mirror_cone(&self) -> Option<(DVec3, f64)> {
+        self.mirror_cone
     }
 
     /// Whether a ray first hits the plane mirror of a virtual source.
@@ -98,17 +108,20 @@ impl MirroredLight {
                 _ => [(light.center - from).normalize_or_zero(); 2],
             };
             let size = light.radius / from.distance(light.center);
+            let shape = plan.scene.surfaces[nearest.surface].shape;
+            let around = plan.geometry.bounds(&plan.scene, shape).map(Reflector::around_mirror);
             (direction.dot(axis) > 0.0).then(|| MirroredLight {
                 light: index,
                 events: Vec::new(),
                 mirror: Some(nearest.surface),
-                outline: match plan.scene.surfaces[nearest.surface].shape {
+                outline: match shape {
                     Shape::Ring(ring) => Some(plan.scene.rings[ring]),
                     _ => None,
                 },
                 plane: TangentPlane::new(axis),
                 direction,
                 size,
+                mirror_cone: around.and_then(|around| around.cone(from)),
             })
         };
         plan.lights.iter().enumerate().filter_map(image).collect()
@@ -126,6 +139,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if plan.has_antimatter || plan.lights.len() > MAX_LIGHTS || plan.reflectors.is_empty() {
             return found;
         }
+        let in_plane_mirrors = MirroredLight::in_plane_mirrors(plan, from);
         let side = (MAX_RAYS / plan.reflectors.len() as f64).sqrt() as usize;
         let side = side.clamp(MIN_SIDE, MAX_SIDE);
         for reflector in &plan.reflectors {
@@ -133,14 +147,31 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 continue;
             };
             let frame = TangentPlane::new(axis);
+            let is_in_any = |ray: &Ray, light: usize| {
+                let is_of_light =
+                    |image: &&MirroredLight| plan.lights[image.light].surface == plan.lights[light].surface;
+                in_plane_mirrors.iter().filter(is_of_light).any(|image| image.is_in_plane_mirror(plan, ray))
+            };
             let at = |index: usize| {
                 let along = |index: usize| reach * (2.0 * (index as f64 + 0.5) / side as f64 - 1.0);
                 frame.direction(DVec2::new(along(index % side), along(index / side)))
             };
-            let grid: Vec<_> = (0..side * side).map(|index| self.mirrored_rays((from, None), at(index))).collect();
-            for light in 0..plan.lights.len() {
+            let mut rays_at = |index: usize| {
+                let direction = at(index);
+                let is_hit = reflector.is_hit(&plan.geometry, &plan.scene, &Ray { origin: from, direction });
+                if is_hit { self.mirrored_rays((from, None), direction) } else { Vec::new() }
+            };
+            let grid: Vec<_> = (0..side * side).map(&mut rays_at).collect();
+            if grid.iter().all(Vec::is_empty) {
+                continue;
+            }
+            for light in (0..plan.lights.len()).filter(|light| plan.lights[*light].virtual_sources.is_empty()) {
                 for (seed, mirrors) in nearest(&self.passings(light, &grid), side) {
                     let events = grid[seed][mirrors - 1].events.clone();
+                    // One reflection in a plane mirror is known.
+                    if events.len() == 1 && Ray::new(from, at(seed)).is_some_and(|ray| is_in_any(&ray, light)) {
+                        continue;
+                    }
                     found.extend(self.mirrored_light(from, at(seed), (light, events)));
                 }
             }
@@ -165,14 +196,19 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let passing = |rays: &Vec<MirroredRay>| {
             std::array::from_fn(|mirrors| {
                 let ray = &rays.get(mirrors)?.ray;
-                if !light.virtual_sources.is_empty() || light.misses(ray.origin) {
+                if light.misses(ray.origin) {
                     return None;
                 }
                 let (position, radius) = passing_point(light, &TangentPlane::new(ray.direction), ray)?;
                 Some(position / radius)
             })
         };
-        grid.iter().map(passing).collect()
+        // Most rays of most grids meet no mirror.
+        let mut passings = vec![Passing::default(); grid.len()];
+        for (index, rays) in grid.iter().enumerate().filter(|(_, rays)| !rays.is_empty()) {
+            passings[index] = passing(rays);
+        }
+        passings
     }
 
     /// Newton's method from a direction to the centre of a light.
@@ -201,6 +237,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                         plane,
                         direction,
                         size,
+                        mirror_cone: None,
                     },
                 ));
             }
@@ -232,6 +269,7 @@ fn nearest(passings: &[Passing], side: usize) -> Vec<(usize, usize)> {
             .all(|other| distance(other, mirrors).is_none_or(|other| own <= other))
     };
     (0..passings.len())
+        .filter(|index| passings[*index].iter().any(Option::is_some))
         .flat_map(|index| (0..MAX_MIRRORS).map(move |mirrors| (index, mirrors)))
         .filter(|&(index, mirrors)| distance(index, mirrors).is_some_and(|own| is_least(index, mirrors, own)))
         .map(|(index, mirrors)| (index, mirrors + 1))

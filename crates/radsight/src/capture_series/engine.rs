@@ -4,7 +4,9 @@ use crate::capture::Capture;
 use crate::error::Error;
 use crate::part_move::{PartMove, change_only_what_meets_them, move_parts, moved_surfaces, regions, without};
 use radsight_camera::CameraFile;
-use radsight_capture::{Background, Checkpoint, ErrorTarget, Exposer, Exposure, LitRegion, Progress, Region};
+use radsight_capture::{
+    Background, Checkpoint, ErrorTarget, Exposer, Exposure, LitRegion, PlacedParts, Progress, Region,
+};
 use radsight_diag::Diagnostic;
 use radsight_ir::{Scene, SurfaceHandle, ValidScene};
 use radsight_pinhole::{BandWeights, PinholeModel, Rays};
@@ -152,6 +154,17 @@ struct Series<'s, S> {
     progress: &'s dyn Progress,
 }
 
+/// Where an exposure starts.
+enum Start<'s> {
+    /// Without a sample.
+    Alone,
+    /// From another exposure of the same pose.
+    Checkpoint(Checkpoint),
+    /// From the scene without parts, which are in these regions, with the virtual sources in their
+    /// mirrors.
+    Background(&'s Background, &'s [Region], Vec<LitRegion>),
+}
+
 /// The static part of a scene with moving parts.
 struct Shared {
     background: Background,
@@ -184,32 +197,38 @@ impl<S: SeriesScenes> Series<'_, S> {
         let scene = self.placed(&self.pictures[pose[0]].moves)?;
         let parts = shared.and_then(|shared| regions(&scene, &shared.moved));
         let renderer = self.renderer(scene, self.settings.options().clone())?;
-        let mut start = shared.zip(parts).and_then(|(shared, parts)| {
-            let lit = regions_of_virtual_sources(renderer.plan(), &shared.moved, &parts)?;
-            Some(shared.background.with_parts(&parts, &lit))
-        });
+        let mut start = match shared.zip(parts.as_deref()) {
+            Some((shared, parts)) => regions_of_virtual_sources(renderer.plan(), &shared.moved, parts)
+                .map_or(Start::Alone, |lit| Start::Background(&shared.background, parts, lit)),
+            None => Start::Alone,
+        };
         for &picture in pose {
             let capture = &self.pictures[picture].capture;
-            let exposure = self.exposure(&renderer, capture, start.take())?;
+            let exposure = self.exposure(&renderer, capture, start)?;
             if exposure.is_partial {
                 return Ok(());
             }
             // The next picture has the same rays, so it continues from this one.
-            start = Some(exposure.checkpoint.clone()).filter(|_| self.settings.fixed_samples().is_none());
+            start = match self.settings.fixed_samples() {
+                None => Start::Checkpoint(exposure.checkpoint.clone()),
+                Some(_) => Start::Alone,
+            };
             visit(SeriesExposure { picture, exposure, renderer: &renderer })?;
         }
         self.scenes.check(renderer.plan())
     }
 
-    fn exposure(
-        &self,
-        renderer: &Renderer,
-        capture: &Capture,
-        start: Option<Checkpoint>,
-    ) -> Result<Exposure, S::Failure> {
+    fn exposure(&self, renderer: &Renderer, capture: &Capture, start: Start<'_>) -> Result<Exposure, S::Failure> {
         let (rays, weights) = self.rays(capture.camera_file(), renderer.plan())?;
         let exposer = Exposer { renderer, rays: &rays, weights: &weights, by_row: &[] };
-        let mut exposure = self.settings.sampled(&exposer, start, self.progress);
+        let mut exposure = match (start, self.settings.error_target()) {
+            (Start::Background(background, parts, lit), Some(target)) => {
+                let placed = PlacedParts { parts, virtual_sources: &lit };
+                background.expose_with_parts(&exposer, placed, target, self.progress)
+            }
+            (Start::Checkpoint(start), _) => self.settings.sampled(&exposer, Some(start), self.progress),
+            _ => self.settings.sampled(&exposer, None, self.progress),
+        };
         let brighter = brightness(capture.camera_file(), self.lead.camera_file());
         if brighter != 1.0 {
             let errors = exposure.pixels.iter_mut().flat_map(|pixels| &mut pixels.standard_errors);
