@@ -315,14 +315,6 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         matches!(self.highlight, Highlight::Retro(_))
     }
 
-    /// Whether [`Bsdf::peak`] is the exact shape of everything that is not diffuse, so that the
-    /// accuracy of cubature over a light is known beforehand.
-    pub fn is_smooth_lobe(&self) -> bool {
-        matches!(self.highlight, Highlight::None | Highlight::Retro(_))
-            && self.coat == FresnelCoat::None
-            && self.transmission.is_none()
-    }
-
     /// Whether the highlight may be about the retroreflection direction. A plugin's model may have
     /// such a lobe.
     pub fn may_retroreflect(&self) -> bool {

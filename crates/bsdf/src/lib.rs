@@ -24,6 +24,7 @@ mod scatterer;
 mod sheet;
 #[cfg(test)]
 mod sheet_tests;
+mod smooth_lobe;
 mod specular_threshold;
 mod transmission_lobe;
 mod ward_function;
@@ -40,6 +41,7 @@ pub use measured_lobe::{JitteredView, MeasuredLobe, PeakCells};
 pub use sample::{BsdfSample, BsdfValue, PdfRequest};
 pub use scatterer::Scatterer;
 pub use sheet::Sheet;
+pub use smooth_lobe::SmoothLobe;
 pub use specular_threshold::{BelowThreshold, LobeStrength};
 pub use transmission_lobe::{Transmission, TransmissionLobe};
 pub use ward_function::{Appearances, Component, WardFunctionKind};

@@ -326,13 +326,13 @@ impl LightCubature {
         let unit = self.radius.recip();
         self.rule.for_each_node(|x, y, area| {
             let offset = to_center + self.x * x + self.y * y;
-            let squared = offset.length_squared();
-            let distance = squared.sqrt();
-            let direction = offset / distance;
+            let distance = offset.length();
+            let inverse = distance.recip();
+            let direction = offset * inverse;
             let cosine = -direction.dot(self.normal);
             if cosine > 0.0 {
                 let at = [x * unit, y * unit];
-                visit(LightNode { direction, distance, solid_angle: area * cosine / squared, at });
+                visit(LightNode { direction, distance, solid_angle: area * cosine * inverse * inverse, at });
             }
         });
     }

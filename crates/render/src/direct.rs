@@ -120,9 +120,9 @@ impl DirectSampler<'_> {
         let mut sum = [0.0; BANDS];
         let mut add = |given: [f64; BANDS]| sum.iter_mut().zip(given).for_each(|(sum, given)| *sum += given);
         self.for_each_reaching_light(tracer, |tracer, lit, drawn| {
-            if let Some(allowed) = cubature {
+            if let Some((allowed, lobe)) = &cubature {
                 let u = |tracer: &mut PathIntegrator<'_, BANDS>| drawn.point(tracer, lit.index, first_set);
-                if let Some(given) = self.integrate(tracer, point, &lit, allowed, u) {
+                if let Some(given) = self.integrate(tracer, (*allowed, lobe), &lit, u) {
                     return add(given);
                 }
             }

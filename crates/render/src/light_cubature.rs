@@ -6,23 +6,24 @@
 use crate::cubature_error::CubatureError;
 use crate::direct::{DirectSampler, ReachingLight};
 use crate::trace::PathIntegrator;
-use radsight_bsdf::{Bsdf, PdfRequest};
+use radsight_bsdf::{Bsdf, SmoothLobe};
 use radsight_compile::{RenderPlan, VisibilityClass, given};
 use radsight_light::{Light, LightCubature};
 use radsight_texture::bands;
 
 impl DirectSampler<'_> {
-    /// The allowed error of rules at this point; `None` where lights are sampled.
+    /// The allowed error of rules at this point, and what it reflects; `None` where lights are
+    /// sampled.
     #[inline]
     pub(crate) fn light_cubature<const BANDS: usize>(
         &self,
         tracer: &PathIntegrator<'_, BANDS>,
         point: &Bsdf<'_, BANDS>,
-    ) -> Option<CubatureError> {
+    ) -> Option<(CubatureError, SmoothLobe<BANDS>)> {
         let allowed = tracer.light_cubature?;
         let is_alone = self.highlight_draws == 0 && !self.shares_diffuse && !self.drawn;
         let is_plain = tracer.tree.is_none() && tracer.contributions.is_none() && !tracer.plan.shadow_rays_interact;
-        (is_alone && is_plain && point.is_smooth_lobe()).then_some(allowed)
+        if is_alone && is_plain { Some((allowed, point.smooth_lobe()?)) } else { None }
     }
 
     /// The contribution of a light by cubature; `None` where it must be sampled. `u` gives the point
@@ -31,9 +32,8 @@ impl DirectSampler<'_> {
     pub(crate) fn integrate<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
-        point: &Bsdf<'_, BANDS>,
+        (allowed, lobe): (CubatureError, &SmoothLobe<BANDS>),
         lit: &ReachingLight<'_>,
-        allowed: CubatureError,
         u: impl FnOnce(&mut PathIntegrator<'_, BANDS>) -> [f64; 2],
     ) -> Option<[f64; BANDS]> {
         let light = lit.light;
@@ -47,45 +47,24 @@ impl DirectSampler<'_> {
             return None;
         }
         if let Some(radiance) = uniform {
-            return Some(self.scattered(tracer, point, (light, &cubature), |_| radiance));
+            return Some(scattered(lobe, (light, &cubature), |_| radiance));
         }
         let plane = self.radiance_plane(tracer, light, &cubature)?;
-        let mut sum = self.scattered(tracer, point, (light, &cubature), |at| plane.at(at));
+        let mut sum = scattered(lobe, (light, &cubature), |at| plane.at(at));
         // The difference is small, so few of the rays sample it.
         let [u, v] = u(tracer);
         if u >= SAMPLED_SHARE {
             return Some(sum);
         }
         let Some(sample) = self.light_sample(tracer, light, [u / SAMPLED_SHARE, v]) else { return Some(sum) };
-        let value = point.eval(sample.direction, sample.pdf, PdfRequest::Unused, &mut tracer.workspace.scratch);
+        let value = lobe.value(sample.direction);
         let fit = plane.at(cubature.coordinates(&sample));
         let radiance = self.radiance(tracer, light, &sample);
         let share = light.focal_factor(sample.distance) / (SAMPLED_SHARE * sample.pdf);
         for (band, sum) in sum.iter_mut().enumerate() {
-            *sum += share * (value.diffuse[band] + value.highlight[band]) * (radiance[band] - fit[band]);
+            *sum += share * value[band] * (radiance[band] - fit[band]);
         }
         Some(sum)
-    }
-
-    /// Light of the nodes that is scattered, with the radiance at a point of the light.
-    #[inline]
-    fn scattered<const BANDS: usize>(
-        &self,
-        tracer: &mut PathIntegrator<'_, BANDS>,
-        point: &Bsdf<'_, BANDS>,
-        (light, cubature): (&Light, &LightCubature),
-        radiance: impl Fn([f64; 2]) -> [f64; BANDS],
-    ) -> [f64; BANDS] {
-        let scratch = &mut tracer.workspace.scratch;
-        let mut scattered = [0.0; BANDS];
-        cubature.for_each_node(|node| {
-            let value = point.eval(node.direction, node.solid_angle.recip(), PdfRequest::Unused, scratch);
-            let (share, radiance) = (node.solid_angle * light.focal_factor(node.distance), radiance(node.at));
-            for (band, sum) in scattered.iter_mut().enumerate() {
-                *sum += share * (value.diffuse[band] + value.highlight[band]) * radiance[band];
-            }
-        });
-        scattered
     }
 
     /// The radiance of a light with a pattern, as a linear function; `None` if it varies much over
@@ -103,6 +82,22 @@ impl DirectSampler<'_> {
         let plane = RadiancePlane::new(corners);
         (0..BANDS).all(|band| plane.slope(band) <= STEEPEST * plane.mean[band]).then_some(plane)
     }
+}
+
+/// Light of the nodes that is scattered, with the radiance at a point of the light.
+#[inline]
+fn scattered<const BANDS: usize>(
+    lobe: &SmoothLobe<BANDS>,
+    (light, cubature): (&Light, &LightCubature),
+    radiance: impl Fn([f64; 2]) -> [f64; BANDS],
+) -> [f64; BANDS] {
+    let mut scattered = [0.0; BANDS];
+    cubature.for_each_node(|node| {
+        let (value, radiance) = (lobe.value(node.direction), radiance(node.at));
+        let share = node.solid_angle * light.focal_factor(node.distance);
+        scattered.iter_mut().enumerate().for_each(|(band, sum)| *sum += share * value[band] * radiance[band]);
+    });
+    scattered
 }
 
 /// Largest error for which lights with patterns are integrated: their radiance is evaluated several
