@@ -190,24 +190,21 @@ fn in_cone(light: &Light, point: DVec3, margin: f64) -> LightCoverage {
         return LightCoverage::Partial(f64::INFINITY);
     };
     let offset = point - light.center;
-    let distance = offset.length();
     let radius = light.radius + margin;
-    if distance <= radius {
+    let beyond = offset.length_squared() - radius * radius;
+    if beyond <= 0.0 {
         return LightCoverage::Partial(0.0);
     }
-    // cos(a ± b), with b the angular radius of the light.
-    let (sin, cos) = cone.sin_cos();
-    let sine = radius / distance;
-    let cosine_of_light = (1.0 - sine * sine).sqrt();
-    let (along, across) = (cos * cosine_of_light, sin * sine);
-    let cosine = offset.dot(cone.axis) / distance;
-    let is_wide = sin > sine;
-    if cosine < along - across && sin * cosine_of_light + cos * sine > 0.0 {
+    // The sines and cosines of a ± b, with b the angular radius of the light, times the distance.
+    let (to_rim, (sin, cos)) = (beyond.sqrt(), cone.sin_cos());
+    let (along, across) = (cos * to_rim, sin * radius);
+    let height = offset.dot(cone.axis);
+    if height < along - across && sin * to_rim + cos * radius > 0.0 {
         LightCoverage::Outside
-    } else if cosine > along + across && is_wide {
+    } else if height > along + across && sin * to_rim > cos * radius {
         LightCoverage::Inside
     } else {
-        LightCoverage::Partial(edge_width(light, cone, distance))
+        LightCoverage::Partial(edge_width(light, cone, offset.length()))
     }
 }
 
