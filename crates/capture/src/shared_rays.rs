@@ -157,10 +157,10 @@ impl UnblurredFilm {
 
     /// The pixels of the picture into which marked pixels of the film are blurred.
     pub(crate) fn blurred_marks(&self, marks: &[bool]) -> Vec<bool> {
-        let sums = WindowSums::new(marks.iter().map(|is_marked| f64::from(u8::from(*is_marked))), self.columns);
+        let sums = WindowSums::new(marks.iter().map(|is_marked| [f64::from(u8::from(*is_marked))]), self.columns);
         let reach = self.margin[0].max(self.margin[1]);
         let in_picture = (0..marks.len()).filter(|pixel| self.in_picture(*pixel).is_some());
-        in_picture.map(|pixel| marks[pixel] || sums.signed_around(pixel, reach) > 0.5).collect()
+        in_picture.map(|pixel| marks[pixel] || sums.signed_around(pixel, reach)[0] > 0.5).collect()
     }
 
     /// Columns and rows, with the margin.
@@ -332,8 +332,8 @@ impl PinholeDerivatives {
         let pooled = |of_probe: &dyn Fn(&PinholeProbe) -> f64| {
             let mut values = vec![0.0; film.pixel_count()];
             probes.iter().for_each(|(pixel, probe)| values[*pixel] = of_probe(probe));
-            let sums = WindowSums::new(values.into_iter(), film.columns);
-            move |pixel| POOLED_WEIGHT * sums.signed_around(pixel, reach)
+            let sums = WindowSums::new(values.into_iter().map(|value| [value]), film.columns);
+            move |pixel| POOLED_WEIGHT * sums.signed_around(pixel, reach)[0]
         };
         let sum = pooled(&|probe| probe.sum);
         PinholeDerivatives([0, 1].map(|axis| {

@@ -64,6 +64,16 @@ const OUTLIER_RATIO: f64 = 30.0;
 /// changes less from pixel to pixel than radiance.
 const FINEST_PROBED: u8 = 2;
 
+/// Number of samples of a point and its mirror image.
+const PAIR: u32 = 2;
+
+/// Fraction of the nodes that have enough samples to tell their noise, at the least.
+const NOISE_NODES: f64 = 0.25;
+
+/// Steps of the two-dimensional sequence of lowest discrepancy, M. Roberts' R2: the powers of the
+/// inverse of the plastic ratio.
+const R2: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
+
 /// Maximum number of audits of a picture.
 const MAX_AUDITS: u32 = 3;
 
@@ -382,11 +392,32 @@ impl<'a> AdaptiveSampler<'a> {
             |worker, (index, pixel)| {
                 if !self.progress.stops() {
                     let known = self.shared.known().and_then(|known| known.samples(index));
-                    *pixel = known.unwrap_or_else(|| self.first(worker, index));
+                    *pixel = known.unwrap_or_else(|| self.first_of_node(worker, index, nodes[index]));
                     self.report(pixel.samples);
                 }
             },
         );
+    }
+
+    /// The first samples of a node. Where points are mirrored, one pair is accurate: a second one is
+    /// traced at some of the nodes, for the noise of all.
+    fn first_of_node(&self, worker: &mut Workers<'a>, index: usize, level: u8) -> Pixel {
+        if !self.mirrors_points.load(Ordering::Relaxed) {
+            return self.first(worker, index);
+        }
+        let mut node = Pixel::of(self.sums(worker, index, 0..PAIR), PAIR);
+        if level == 1 || tells_noise(index, self.columns()) {
+            node.double(&self.sums(worker, index, PAIR..2 * PAIR));
+            // Two pairs are independent.
+            node.before = 2.0 * node.last;
+        }
+        node
+    }
+
+    /// Columns of the film or of the picture.
+    fn columns(&self) -> usize {
+        let of_picture = || self.exposer.rays.camera().columns() as usize;
+        self.film.as_ref().map_or_else(of_picture, |film| film.size()[0])
     }
 
     /// Compares interpolated pixels with their own rays. Returns the cells to refine, with their
@@ -503,6 +534,13 @@ impl<'a> AdaptiveSampler<'a> {
     }
 }
 
+/// Whether a node gets the samples that tell its noise: a fraction of [`NOISE_NODES`] of the nodes of
+/// any stride, evenly over the picture (the R2 sequence).
+fn tells_noise(pixel: usize, columns: usize) -> bool {
+    let (x, y) = ((pixel % columns) as f64, (pixel / columns) as f64);
+    (x * R2[0] + y * R2[1]).fract() < NOISE_NODES
+}
+
 /// The residuals of audited pixels, by cell.
 struct Audit {
     cells: Vec<Residuals>,
@@ -579,17 +617,20 @@ fn cells_to_refine(sparse: &Sparse, estimate: &SparseEstimate, allowed: f64) -> 
     if bias <= INTERPOLATION_FRACTION * allowed || noise > LOW_NOISE * allowed_noise(bias, allowed) {
         return Vec::new();
     }
-    let is_candidate = |cell: &usize| estimate.residuals[*cell].error() > 0.0;
-    let mut worst: Vec<usize> = (0..sparse.levels.len()).filter(is_candidate).collect();
-    worst.sort_by(|a, b| estimate.residuals[*b].error().total_cmp(&estimate.residuals[*a].error()));
+    let error = |cell: usize| estimate.residuals[cell].error();
+    let interpolated = |cell: usize| sparse.lattice.pixels(cell).filter(|(pixel, _)| sparse.nodes[*pixel] == 0).count();
+    let candidates = (0..sparse.levels.len()).filter(|cell| error(*cell) > 0.0);
+    let mut worst: Vec<(usize, usize)> = candidates.map(|cell| (cell, interpolated(cell))).collect();
+    worst.retain(|(_, pixels)| *pixels > 0);
+    worst.sort_by(|(a, _), (b, _)| error(*b).total_cmp(&error(*a)));
     let mut left = bias * estimate.values.len() as f64;
     let enough = 0.5 * INTERPOLATION_FRACTION * allowed * estimate.values.len() as f64;
     let mut refined = Vec::new();
-    for cell in worst {
+    for (cell, pixels) in worst {
         if left <= enough {
             break;
         }
-        left -= estimate.residuals[cell].error() * sparse.lattice.pixels(cell).count() as f64;
+        left -= error(cell) * pixels as f64;
         refined.push((cell, sparse.levels[cell] + 1));
     }
     refined
@@ -674,4 +715,21 @@ fn develop(state: &mut AdaptiveState, film: &UnblurredFilm, estimate: &SparseEst
         pending: Vec::new(),
     };
     Estimate { pixels: in_picture.iter().enumerate().map(error).collect(), mean }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_window_of_nodes_of_any_stride_has_some_that_tell_the_noise() {
+        let columns = 192;
+        for stride in [1, 2, 4] {
+            for (left, top) in (0..20).flat_map(|x| (0..20).map(move |y| (x, y))) {
+                let window = (0..7).flat_map(|x| (0..7).map(move |y| (left + stride * x, top + stride * y)));
+                let count = window.filter(|(x, y)| tells_noise(y * columns + x, columns)).count();
+                assert!((7..=18).contains(&count), "{count} of 49 nodes at {left}, {top} with stride {stride}");
+            }
+        }
+    }
 }

@@ -4,7 +4,7 @@ use crate::adaptive::{ERROR_WINDOW, GAIN_WINDOW, Pixel, gain, unit_error};
 use crate::edges::EdgeBlurs;
 use crate::lattice::Lattice;
 use crate::shared_rays::{PinholeBlur, UnblurredFilm};
-use radsight_adaptive::PixelError;
+use radsight_adaptive::{FIRST_SAMPLES, PixelError};
 
 /// Squared interpolation error of a level relative to the squared residual of the previous level,
 /// which has twice the stride: 1/16 for a function with a kink, as the profiles of lamps have them.
@@ -198,25 +198,28 @@ fn node_errors(lattice: &Lattice, nodes: &[u8], pixels: &[Pixel]) -> Vec<(usize,
 }
 
 /// The noise of some pixels, pooled with the others near them. `stride` gives the distance between
-/// them around a pixel, and 0 for all other pixels.
+/// them around a pixel, and 0 for all other pixels. Those without a second half of samples are not
+/// pooled.
 pub(crate) fn pooled_errors(
     pixels: &[Pixel],
     columns: usize,
     stride: impl Fn(usize) -> usize,
 ) -> Vec<(usize, PixelError)> {
-    let summed = |of_pixel: fn(&Pixel) -> f64| {
-        let counted = |(index, pixel): (usize, &Pixel)| if stride(index) > 0 { of_pixel(pixel) } else { 0.0 };
-        WindowSums::new(pixels.iter().enumerate().map(counted), columns)
+    let counted = |(index, pixel): (usize, &Pixel)| {
+        let samples = f64::from(pixel.samples);
+        let is_pooled = pixel.samples >= FIRST_SAMPLES && stride(index) > 0;
+        if is_pooled { [1.0, pixel.last * samples, pixel.before * samples] } else { [0.0; 3] }
     };
-    let count = summed(|_| 1.0);
-    let last = summed(|pixel| pixel.last * f64::from(pixel.samples));
-    let before = summed(|pixel| pixel.before * f64::from(pixel.samples));
+    let sums = WindowSums::new(pixels.iter().enumerate().map(counted), columns);
+    let everywhere = pixels.len().max(columns);
     let of_pixel = |index: usize| {
         let stride = stride(index);
-        let mean =
-            |sums: &WindowSums, reach: usize| sums.around(index, reach * stride) / count.around(index, reach * stride);
-        let gain = gain(mean(&last, GAIN_WINDOW), mean(&before, GAIN_WINDOW));
-        (index, unit_error(&pixels[index], mean(&last, ERROR_WINDOW), gain, 1.0))
+        let wide = sums.around(index, GAIN_WINDOW * stride);
+        let wide = if wide[0] < 0.5 { sums.around(index, everywhere) } else { wide };
+        let near = sums.around(index, ERROR_WINDOW * stride);
+        let near = if near[0] < 0.5 { wide } else { near };
+        let gain = gain(wide[1] / wide[0].max(1.0), wide[2] / wide[0].max(1.0));
+        (index, unit_error(&pixels[index], near[1] / near[0].max(1.0), gain, 1.0))
     };
     (0..pixels.len()).filter(|pixel| stride(*pixel) > 0).map(of_pixel).collect()
 }
@@ -237,42 +240,48 @@ fn residual(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise
     InterpolationResidual { squared: residual.squared / count, noise: residual.noise / count, ..residual }
 }
 
-/// Summed-area table of pixels.
-pub(crate) struct WindowSums {
-    /// Sum of all values left of and above each corner.
-    corners: Vec<f64>,
+/// Summed-area table of pixels with several values each.
+pub(crate) struct WindowSums<const N: usize> {
+    /// Sums of all values left of and above each corner.
+    corners: Vec<[f64; N]>,
     columns: usize,
 }
 
-impl WindowSums {
-    pub(crate) fn new(values: impl Iterator<Item = f64>, columns: usize) -> WindowSums {
-        let mut corners = vec![0.0; columns + 1];
-        let mut of_row = 0.0;
+impl<const N: usize> WindowSums<N> {
+    pub(crate) fn new(values: impl ExactSizeIterator<Item = [f64; N]>, columns: usize) -> WindowSums<N> {
+        let mut corners = vec![[0.0; N]; columns + 1];
+        corners.reserve(values.len() + values.len() / columns.max(1));
+        let mut of_row = [0.0; N];
+        let mut column = 0;
         for value in values {
-            if corners.len().is_multiple_of(columns + 1) {
-                of_row = 0.0;
-                corners.push(0.0);
+            if column == 0 {
+                of_row = [0.0; N];
+                corners.push(of_row);
             }
-            of_row += value;
-            corners.push(corners[corners.len() - columns - 1] + of_row);
+            let above = corners[corners.len() - columns - 1];
+            of_row.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
+            corners.push(std::array::from_fn(|index| above[index] + of_row[index]));
+            column = if column + 1 == columns { 0 } else { column + 1 };
         }
         WindowSums { corners, columns }
     }
 
-    /// Sum over the square of pixels within `reach` of a pixel, clipped to the picture, of values
+    /// Sums over the square of pixels within `reach` of a pixel, clipped to the picture, of values
     /// that are not negative.
-    fn around(&self, pixel: usize, reach: usize) -> f64 {
-        self.signed_around(pixel, reach).max(0.0)
+    fn around(&self, pixel: usize, reach: usize) -> [f64; N] {
+        self.signed_around(pixel, reach).map(|sum| sum.max(0.0))
     }
 
     /// The same of any values.
-    pub(crate) fn signed_around(&self, pixel: usize, reach: usize) -> f64 {
+    pub(crate) fn signed_around(&self, pixel: usize, reach: usize) -> [f64; N] {
         let rows = self.corners.len() / (self.columns + 1) - 1;
         let near = |at: usize, count: usize| [at.saturating_sub(reach), (at + reach + 1).min(count)];
         let [left, right] = near(pixel % self.columns, self.columns);
         let [top, bottom] = near(pixel / self.columns, rows);
         let corner = |x: usize, y: usize| self.corners[y * (self.columns + 1) + x];
-        corner(right, bottom) - corner(left, bottom) - corner(right, top) + corner(left, top)
+        let (first, last) = (corner(left, top), corner(right, bottom));
+        let (beside, below) = (corner(right, top), corner(left, bottom));
+        std::array::from_fn(|index| last[index] - below[index] - beside[index] + first[index])
     }
 }
 
@@ -282,9 +291,21 @@ mod tests {
 
     #[test]
     fn window_sums_are_clipped_to_the_picture() {
-        let sums = WindowSums::new((0..12).map(f64::from), 4);
-        assert_eq!(sums.around(0, 1), 0.0 + 1.0 + 4.0 + 5.0);
-        assert_eq!(sums.around(5, 1), [0, 1, 2, 4, 5, 6, 8, 9, 10].iter().sum::<i32>().into());
-        assert_eq!(sums.around(11, 9), 66.0);
+        let sums = WindowSums::new((0..12).map(|value| [1.0, f64::from(value)]), 4);
+        assert_eq!(sums.around(0, 1), [4.0, 0.0 + 1.0 + 4.0 + 5.0]);
+        assert_eq!(sums.around(5, 1), [9.0, [0, 1, 2, 4, 5, 6, 8, 9, 10].iter().sum::<i32>().into()]);
+        assert_eq!(sums.around(11, 9), [12.0, 66.0]);
+    }
+    #[test]
+    fn pixels_without_a_second_half_take_the_noise_of_the_others() {
+        let pair = Pixel { samples: 2, ..Pixel::default() };
+        let known = Pixel { samples: FIRST_SAMPLES, last: 0.5, before: 1.0, ..Pixel::default() };
+        let mut pixels = vec![pair; 30];
+        pixels[7] = known;
+        let errors = pooled_errors(&pixels, 10, |_| 1);
+        let squared = |pixel: usize| errors[pixel].1.squared;
+        assert_eq!(squared(7), 0.5);
+        // Half as many samples, beside it and far away.
+        assert_eq!([squared(6), squared(17), squared(20), squared(29)], [1.0; 4]);
     }
 }
