@@ -119,11 +119,12 @@ mod avx2 {
             let mut near = simd.avx._mm256_set1_ps(0.0);
             let mut far = simd.avx._mm256_set1_ps(farthest);
             for axis in 0..3 {
-                let (start, step, planes) = slabs.along(axis, node);
+                let (start, step, [first, last]) = slabs.along(axis, node);
                 let (start, step) = (simd.avx._mm256_set1_ps(start), simd.avx._mm256_set1_ps(step));
-                let [first, last] = planes.map(|places| simd.fma._mm256_fmadd_ps(self.lanes(places), step, start));
-                near = simd.avx._mm256_max_ps(first, near);
-                far = simd.avx._mm256_min_ps(last, far);
+                // No closure: it would not be compiled with these instructions, and each would be a
+                // call.
+                near = simd.avx._mm256_max_ps(simd.fma._mm256_fmadd_ps(self.lanes(first), step, start), near);
+                far = simd.avx._mm256_min_ps(simd.fma._mm256_fmadd_ps(self.lanes(last), step, start), far);
             }
             let lanes = simd.avx._mm256_movemask_ps(simd.avx._mm256_cmp_ps::<_CMP_LE_OQ>(near, far));
             Entered::new(lanes as u32, pulp::cast(near))
