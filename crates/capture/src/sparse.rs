@@ -22,7 +22,8 @@ use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::{Exposer, Workers};
 use glam::DVec2;
 use radsight_adaptive::{
-    ErrorTarget, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, ray_number, selection_threshold,
+    ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, ray_number,
+    selection_threshold,
 };
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
@@ -677,10 +678,13 @@ fn fill_interpolated(state: &mut AdaptiveState, sparse: &Sparse, estimate: &Spar
     for (index, pixel) in state.pixels.iter_mut().enumerate() {
         let squared = estimate.noise[index] + estimate.bias[index];
         errors.push(PixelError { squared: unit * squared, gain: 0.5, samples: pixel.samples });
-        if sparse.nodes[index] == 0 {
+        let is_node = sparse.nodes[index] > 0;
+        if !is_node {
             let sum = estimate.values[index].max(0.0) * f64::from(samples);
-            let sums = Sums { whole: sum, ..Sums::default() };
-            *pixel = Pixel { samples, sums, last: squared, before: 2.0 * squared };
+            (pixel.samples, pixel.sums) = (samples, Sums { whole: sum, ..Sums::default() });
+        }
+        if !is_node || pixel.samples < FIRST_SAMPLES {
+            (pixel.last, pixel.before) = (squared, 2.0 * squared);
         }
     }
     Estimate { pixels: errors, mean }
