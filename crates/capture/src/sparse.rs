@@ -34,7 +34,7 @@ use std::sync::atomic::Ordering;
 const MAX_NODE_FRACTION: f64 = 0.6;
 
 /// Fraction of the squared error that is allotted to interpolation.
-const INTERPOLATION_FRACTION: f64 = 0.25;
+const INTERPOLATION_FRACTION: f64 = 0.1;
 
 /// Maximum fraction of the squared error that is due to blurring an unblurred film.
 const MAX_FILM_FRACTION: f64 = 0.7;
