@@ -8,7 +8,9 @@
 //! the LEDs as glows, which rays hit by chance only (262,144 rays per pixel): no strategy for
 //! lights takes part. Their noise is 1.0 and 0.2 % of the mean exposure. `part-fine-ball.pfm` is the
 //! mean of 24 captures to 0.4 %, made pixel by pixel before pixels with images of LEDs shared rays;
-//! its noise is 0.06 %.
+//! its noise is 0.06 %. `point-washer.pfm` is the mean of two captures by `--samples 4096` with
+//! different seeds, one of them made before lights in plane mirrors were drawn by area; its noise is
+//! 0.29 %.
 
 use crate::pictures::{Difference, exposure_file, show};
 use crate::program::{Folder, gripps, radsight, root};
@@ -117,27 +119,8 @@ fn a_flat_washer_shows_leds() {
 }
 
 /// The image of an LED in the flat top was aimed at twice, as one in a plane mirror and as one in a
-/// curved mirror, and the picture had an error of more than 100 %.
+/// curved mirror, and the picture had an error of 200 %.
 #[test]
 fn a_flat_washer_shows_leds_through_a_point_pinhole() {
-    let folder = Folder::new();
-    let camera = std::fs::read_to_string(file("part-fine.toml")).expect("a camera file");
-    let camera = camera.replace("\"finite\"", "\"point\"").replace("../../", &format!("{}/", root().display()));
-    folder.file("point.toml", &camera);
-    let (camera, sheet, washer) = (folder.word("point.toml"), gripps("sheet-retro.rad"), file("axis-washer.rad"));
-    let capture = |error: &str, seed: &str| {
-        let out = folder.word("x.pfm");
-        let words = ["capture", &camera, &sheet, &washer, "--error", error, "--seed", seed, "--exposure", &out];
-        radsight(&words).done();
-        exposure_file(&folder.path("x.pfm"))
-    };
-    let truth = capture("0.005", "1");
-    for seed in ["2", "3"] {
-        let picture = capture("0.02", seed);
-        let difference = Difference::new(&picture, &truth);
-        if difference.rms > 0.022 || difference.mean.abs() > 0.003 {
-            let shown = show("point-washer", &picture, &truth);
-            panic!("{difference:?}; see {}", shown.display());
-        }
-    }
+    check_in("part-point.toml", "point-washer", &file("axis-washer.rad"), 0.01);
 }

@@ -112,54 +112,11 @@ impl Exposer<'_> {
         shared: SharedFilm<'a>,
         progress: &'a dyn Progress,
     ) -> (Exposure, FilmRecord) {
-        let (error, camera) = (target.error, self.rays.camera());
-        state.pixels.resize(camera.pixel_count() as usize, Pixel::default());
-        let is_known = shared.known().is_some();
-        let is_new = is_known || state.pixels.iter().all(|pixel| pixel.samples == 0);
-        let mut own = AdaptiveState::new(state.pixels.len());
-        let mut sampler = AdaptiveSampler::new(self, error, progress, if is_new { &own.pixels } else { &state.pixels });
-        sampler.shared = shared;
-        let sparse = if is_new { sampler.interpolated(&mut own, target) } else { None };
-        if sparse.is_some() || sampler.is_on_lattice.load(Ordering::Relaxed) {
-            state = own;
-        } else if is_known {
-            sampler.counter.add(state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum());
-        }
-        if sparse.is_none() && !sampler.is_on_lattice.load(Ordering::Relaxed) {
-            begin(&sampler, &mut state);
-        }
-        let pixels_done = state.pixels.iter().filter(|pixel| pixel.samples > 0).count();
-        let (estimate, stop) = match sparse {
-            Some((estimate, stop)) => (Some(estimate), stop),
-            None if pixels_done < state.pixels.len() => (None, Some(Stop::Time)),
-            None => {
-                let (estimate, stop) = sampler.refine(&mut state, target);
-                (Some(estimate), stop)
-            }
-        };
-        let scale = camera.exposure_per_radiance();
-        let values = match estimate {
-            None => state.pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
-            Some(_) => {
-                let mut light = sampler.means(&state.pixels);
-                light.extend(sampler.surround(&state.pixels));
-                light.iter_mut().for_each(|mean| *mean *= scale);
-                self.rays.picture(light, self.weights)
-            }
-        };
-        let estimated_error = estimate.as_ref().map(Estimate::relative_error);
-        let record = sampler.shared.record().map(|record| record.clone()).unwrap_or_default();
-        let exposure = Exposure {
-            values,
-            rays: sampler.counter.traced() - sampler.discarded.load(Ordering::Relaxed),
-            estimated_error,
-            pixels_done: pixels_done as u64,
-            is_partial: progress.stops() && estimated_error.is_none_or(|reached| reached > error),
-            stopped: stop.filter(|_| estimated_error.is_none_or(|reached| reached > error)),
-            pixels: estimate.map(|estimate| estimate.statistics(scale)),
-            checkpoint: sampler.checkpoint(state),
-        };
-        (exposure, record)
+        state.pixels.resize(self.rays.camera().pixel_count() as usize, Pixel::default());
+        let mut sampler = AdaptiveSampler::new(self, target.error, shared, progress);
+        let (estimate, stop) = sampler.expose(&mut state, target);
+        let record = sampler.shared.take_record();
+        (sampler.exposure(state, (estimate, stop), target.error), record)
     }
 }
 
@@ -191,23 +148,85 @@ pub(crate) struct AdaptiveSampler<'a> {
 }
 
 impl<'a> AdaptiveSampler<'a> {
-    fn new(exposer: &'a Exposer<'a>, error: f64, progress: &'a dyn Progress, pixels: &[Pixel]) -> AdaptiveSampler<'a> {
-        let traced = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
-        let first = pixels.iter().filter(|pixel| pixel.samples == 0).count() as u64 * u64::from(FIRST_SAMPLES);
+    fn new(
+        exposer: &'a Exposer<'a>,
+        error: f64,
+        shared: SharedFilm<'a>,
+        progress: &'a dyn Progress,
+    ) -> AdaptiveSampler<'a> {
         AdaptiveSampler {
             exposer,
             bands: bands_apart(exposer.rays, exposer.weights),
             images: images(exposer),
             images_apart: false,
             film: None,
-            shared: SharedFilm::Own,
+            shared,
             outlines: Vec::new(),
             progress,
             mirrors_points: AtomicBool::new(false),
             cubature_error: CubatureError(CUBATURE_FRACTION * error),
-            counter: SampleCounter::new(traced, traced + first),
+            counter: SampleCounter::new(0, 0),
             discarded: AtomicU64::new(0),
             is_on_lattice: AtomicBool::new(false),
+        }
+    }
+
+    /// Exposes all pixels: those of a new exposure by interpolation where that pays. The estimate is
+    /// `None` if the work was stopped before every pixel had samples.
+    fn expose(&mut self, state: &mut AdaptiveState, target: ErrorTarget) -> (Option<Estimate>, Option<Stop>) {
+        let traced = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        let unexposed = state.pixels.iter().filter(|pixel| pixel.samples == 0).count();
+        self.counter.plan(traced + unexposed as u64 * u64::from(FIRST_SAMPLES));
+        if unexposed == state.pixels.len() || self.shared.known().is_some() {
+            let mut on_lattice = AdaptiveState::new(state.pixels.len());
+            let found = self.interpolated(&mut on_lattice, target);
+            if found.is_some() || self.is_on_lattice.load(Ordering::Relaxed) {
+                *state = on_lattice;
+            }
+            if let Some((estimate, stop)) = found {
+                return (Some(estimate), stop);
+            }
+        }
+        if !self.is_on_lattice.load(Ordering::Relaxed) {
+            self.counter.add(traced);
+            begin(self, state);
+        }
+        if state.pixels.iter().any(|pixel| pixel.samples == 0) {
+            return (None, Some(Stop::Time));
+        }
+        let (estimate, stop) = self.refine(state, target);
+        (Some(estimate), stop)
+    }
+
+    /// The exposure of a state, with what is known of its error. `requested` is the relative error.
+    fn exposure(
+        &self,
+        state: AdaptiveState,
+        (estimate, stop): (Option<Estimate>, Option<Stop>),
+        requested: f64,
+    ) -> Exposure {
+        let Exposer { rays, weights, .. } = *self.exposer;
+        let scale = rays.camera().exposure_per_radiance();
+        let values = match estimate {
+            None => state.pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
+            Some(_) => {
+                let mut light = self.means(&state.pixels);
+                light.extend(self.surround(&state.pixels));
+                light.iter_mut().for_each(|mean| *mean *= scale);
+                rays.picture(light, weights)
+            }
+        };
+        let estimated_error = estimate.as_ref().map(Estimate::relative_error);
+        let is_reached = estimated_error.is_some_and(|reached| reached <= requested);
+        Exposure {
+            values,
+            rays: self.counter.traced() - self.discarded.load(Ordering::Relaxed),
+            estimated_error,
+            pixels_done: state.pixels.iter().filter(|pixel| pixel.samples > 0).count() as u64,
+            is_partial: self.progress.stops() && !is_reached,
+            stopped: stop.filter(|_| !is_reached),
+            pixels: estimate.map(|estimate| estimate.statistics(scale)),
+            checkpoint: self.checkpoint(state),
         }
     }
 

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod adaptive;
+mod audit;
 mod background;
 mod checkpoint;
 mod curved_image;

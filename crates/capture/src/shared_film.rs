@@ -59,6 +59,11 @@ impl<'a> SharedFilm<'a> {
             _ => None,
         }
     }
+
+    /// The finished record; empty if there is none.
+    pub(crate) fn take_record(&self) -> FilmRecord {
+        self.record().map(|mut record| std::mem::take(&mut *record)).unwrap_or_default()
+    }
 }
 
 impl KnownFilm<'_> {

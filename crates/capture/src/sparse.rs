@@ -10,12 +10,12 @@
 //! agree on average with the interpolation. The position of the lattice depends on the seed.
 
 use crate::adaptive::{AdaptiveSampler, Estimate, MAX_PASSES, Pixel, SELECTION_BIAS, Sums};
+use crate::audit::Audit;
 use crate::checkpoint::AdaptiveState;
 use crate::edges::{Edges, SearchedFilm};
 use crate::fixed::radiance;
 use crate::image_light::{ExposedImages, IMAGE_FRACTION, ImageLight};
 use crate::lattice::{Lattice, STRIDE};
-use crate::neighbourhood::around;
 use crate::shared_film::KnownFilm;
 use crate::shared_rays::{FilmRay, PinholeBlur, PinholeDerivatives, PinholeProbe, PixelPassage, UnblurredFilm};
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
@@ -51,15 +51,6 @@ const LOW_NOISE: f64 = 2.0;
 
 /// One pixel is audited in each square of this side.
 const AUDIT_SIDE: usize = 2;
-
-/// Minimum number of audited rays of a cell, and the number of standard errors from which a mean
-/// residual is significant.
-const MIN_AUDITED: f64 = 8.0;
-const SIGNIFICANT_ERRORS: f64 = 5.0;
-
-/// A ray this many times as bright as the brightest pixel of its cell has hit something that the
-/// lattice missed.
-const OUTLIER_RATIO: f64 = 30.0;
 
 /// The finest level of the lattice on which the dependence on the pinhole's point is measured: it
 /// changes less from pixel to pixel than radiance.
@@ -425,14 +416,14 @@ impl<'a> AdaptiveSampler<'a> {
     /// new levels.
     fn audit(&self, sparse: &Sparse, values: &[f64], round: u32) -> Vec<(usize, u8)> {
         let chosen = self.audited_pixels(sparse, round);
+        let known = self.shared.known().filter(|_| round == 0);
         let rays: Vec<(usize, f64)> = chosen
             .into_par_iter()
             .with_min_len(32)
             .map_init(
                 || self.exposer.workers(),
                 |worker, pixel| {
-                    let known =
-                        self.shared.known().filter(|_| round == 0).and_then(|known| self.known_audit(known, pixel));
+                    let known = known.and_then(|known| self.known_audit(known, pixel));
                     let light = known.unwrap_or_else(|| {
                         self.report(1);
                         self.discarded.fetch_add(1, Ordering::Relaxed);
@@ -447,22 +438,25 @@ impl<'a> AdaptiveSampler<'a> {
         if let Some(mut record) = self.shared.record().filter(|_| round == 0) {
             record.audited.clone_from(&traced);
         }
-        Audit::new(sparse, values, &traced).cells_to_refine(sparse)
+        Audit::new(&sparse.lattice, values, &traced).cells_to_refine(&sparse.lattice, &sparse.levels)
     }
 
     /// The known light of the ray that audits a pixel of the picture, in the frame of the film.
     fn known_audit(&self, known: &KnownFilm<'_>, pixel: usize) -> Option<f64> {
         let seen = match &self.film {
-            Some(film) => film.pixel_seen(pixel, self.passage(film.in_picture(pixel)?))?,
+            Some(film) => {
+                let own = film.in_picture(pixel)?;
+                film.pixel_seen(pixel, PixelPassage::new(own, self.audit_point(own).1))?
+            }
             None => pixel,
         };
         known.audited(pixel, seen)
     }
 
-    /// Where the ray that audits a pixel of the picture passes.
-    fn passage(&self, own: usize) -> PixelPassage {
+    /// The ray number and the point of the unit cube of the ray that audits a pixel of the picture.
+    fn audit_point(&self, own: usize) -> (u64, [f64; 4]) {
         let index = ray_number(own as u64, 0);
-        PixelPassage::new(own, RaySampler::new(self.exposer.rays.seed(), index).take(DimensionSet::CAMERA))
+        (index, RaySampler::new(self.exposer.rays.seed(), index).take(DimensionSet::CAMERA))
     }
 
     /// The light of one ray of a pixel of the picture, in the frame of the film.
@@ -470,11 +464,10 @@ impl<'a> AdaptiveSampler<'a> {
         let Some(film) = &self.film else { return self.plain_sums(worker, pixel, 0..1).whole };
         let Exposer { rays, weights, .. } = *self.exposer;
         let Some(own) = film.in_picture(pixel) else { return f64::NAN };
-        let (own, index) = (own as u64, ray_number(own as u64, 0));
-        let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
-        let ray = rays.ray(own, u);
-        worker.count(self.counted(Some(PixelPassage::new(own as usize, u))));
-        ray.cos4 * radiance(worker, index, (rays, own), &ray, weights)
+        let (index, u) = self.audit_point(own);
+        let ray = rays.ray(own as u64, u);
+        worker.count(self.counted(Some(PixelPassage::new(own, u))));
+        ray.cos4 * radiance(worker, index, (rays, own as u64), &ray, weights)
     }
 
     /// The blur of a film, with its dependence on the point of the pinhole from a coarse lattice.
@@ -540,75 +533,6 @@ impl<'a> AdaptiveSampler<'a> {
 fn tells_noise(pixel: usize, columns: usize) -> bool {
     let (x, y) = ((pixel % columns) as f64, (pixel / columns) as f64);
     (x * R2[0] + y * R2[1]).fract() < NOISE_NODES
-}
-
-/// The residuals of audited pixels, by cell.
-struct Audit {
-    cells: Vec<Residuals>,
-}
-
-/// Differences between rays and interpolation.
-#[derive(Clone, Copy, Debug, Default)]
-struct Residuals {
-    count: f64,
-    sum: f64,
-    squares: f64,
-    has_outlier: bool,
-}
-
-impl Residuals {
-    fn added(self, other: &Residuals) -> Residuals {
-        Residuals {
-            count: self.count + other.count,
-            sum: self.sum + other.sum,
-            squares: self.squares + other.squares,
-            has_outlier: self.has_outlier || other.has_outlier,
-        }
-    }
-
-    /// Whether the mean differs significantly from zero.
-    fn are_wrong(&self) -> bool {
-        let mean = self.sum / self.count;
-        let variance = (self.squares / self.count - mean * mean).max(0.0) / (self.count - 1.0);
-        self.count >= MIN_AUDITED && mean * mean > SIGNIFICANT_ERRORS * SIGNIFICANT_ERRORS * variance
-    }
-}
-
-impl Audit {
-    /// `traced` is NaN where no ray was traced.
-    fn new(sparse: &Sparse, values: &[f64], traced: &[f64]) -> Audit {
-        let of_cell = |cell: usize| {
-            let pixels = || sparse.lattice.pixels(cell).map(|(pixel, _)| pixel);
-            let brightest = pixels().map(|pixel| values[pixel]).fold(0.0, f64::max);
-            let mut residuals = Residuals::default();
-            for pixel in pixels().filter(|pixel| !traced[*pixel].is_nan()) {
-                let residual = traced[pixel] - values[pixel];
-                residuals.count += 1.0;
-                residuals.sum += residual;
-                residuals.squares += residual * residual;
-                residuals.has_outlier |= traced[pixel] > OUTLIER_RATIO * brightest;
-            }
-            residuals
-        };
-        let [across, down] = sparse.lattice.cells();
-        Audit { cells: (0..across * down).map(of_cell).collect() }
-    }
-
-    /// The cells with significant residuals, alone or together with their neighbours, and their new
-    /// levels.
-    fn cells_to_refine(&self, sparse: &Sparse) -> Vec<(usize, u8)> {
-        let size = sparse.lattice.cells();
-        let judge = |cell: usize| {
-            let alone = &self.cells[cell];
-            if alone.has_outlier {
-                return Some((cell, sparse.lattice.finest()));
-            }
-            let together = around(cell, size).fold(Residuals::default(), |sum, near| sum.added(&self.cells[near]));
-            let is_wrong = alone.are_wrong() || together.are_wrong();
-            (alone.count > 0.0 && is_wrong).then_some((cell, sparse.levels[cell] + 1))
-        };
-        (0..self.cells.len()).filter_map(judge).collect()
-    }
 }
 
 /// The cells with too much interpolation error, each with the next level: the worst first, as many

@@ -18,22 +18,18 @@ const MOST: usize = 64;
 pub struct Reflector {
     center: DVec3,
     radius: f64,
-    /// `None` for a group.
+    /// `None` for a group, or if it is not known.
     member: Option<MemberId>,
 }
 
 impl Reflector {
-    fn around(bounds: Bounds, member: Option<MemberId>) -> Reflector {
+    /// Around the bounds of one mirror, or of a group without a member.
+    #[must_use]
+    pub fn around(bounds: Bounds, member: Option<MemberId>) -> Reflector {
         Reflector { center: 0.5 * (bounds.min + bounds.max), radius: 0.5 * bounds.min.distance(bounds.max), member }
     }
 
-    /// Around the bounds of one mirror.
-    #[must_use]
-    pub fn around_mirror(bounds: Bounds) -> Reflector {
-        Reflector::around(bounds, None)
-    }
-
-    /// Whether a ray hits it if nothing is in front of it. Always true for a group.
+    /// Whether a ray hits it if nothing is in front of it. Always true without a member.
     #[must_use]
     pub fn is_hit(&self, geometry: &Geometry, scene: &ValidScene, ray: &Ray) -> bool {
         let hits =
@@ -85,13 +81,8 @@ pub(crate) fn find_reflectors<'a>(
     let bounds = |(_, handle): &(MemberId, SurfaceHandle)| geometry.bounds(scene, scene.surfaces[*handle].shape);
     if mirrors.len() > MOST {
         let around = |a: Bounds, b: Bounds| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) };
-        return mirrors
-            .iter()
-            .filter_map(bounds)
-            .reduce(around)
-            .map(|bounds| Reflector::around(bounds, None))
-            .into_iter()
-            .collect();
+        let group = mirrors.iter().filter_map(bounds).reduce(around);
+        return group.map(|bounds| Reflector::around(bounds, None)).into_iter().collect();
     }
     let reflector = |mirror: &(MemberId, SurfaceHandle)| match scene.surfaces[mirror.1].shape {
         Shape::Sphere(sphere) => {

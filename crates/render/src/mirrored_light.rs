@@ -109,7 +109,7 @@ impl MirroredLight {
             };
             let size = light.radius / from.distance(light.center);
             let shape = plan.scene.surfaces[nearest.surface].shape;
-            let around = plan.geometry.bounds(&plan.scene, shape).map(Reflector::around_mirror);
+            let around = plan.geometry.bounds(&plan.scene, shape).map(|bounds| Reflector::around(bounds, None));
             (direction.dot(axis) > 0.0).then(|| MirroredLight {
                 light: index,
                 events: Vec::new(),
@@ -128,6 +128,40 @@ impl MirroredLight {
     }
 }
 
+/// A square grid of directions around the cone of a reflector.
+struct DirectionGrid {
+    /// Around the axis of the cone.
+    frame: TangentPlane,
+    /// Tangent of the cone's half angle.
+    reach: f64,
+    /// Number of directions along each side.
+    side: usize,
+}
+
+impl DirectionGrid {
+    /// Unit.
+    fn direction(&self, index: usize) -> DVec3 {
+        let along = |index: usize| self.reach * (2.0 * (index as f64 + 0.5) / self.side as f64 - 1.0);
+        self.frame.direction(DVec2::new(along(index % self.side), along(index / self.side)))
+    }
+}
+
+/// Each image once.
+fn distinct(found: Vec<MirroredLight>) -> Vec<MirroredLight> {
+    let mut distinct: Vec<MirroredLight> = Vec::new();
+    for image in found {
+        let is_same = |other: &MirroredLight| {
+            other.light == image.light
+                && other.events.len() == image.events.len()
+                && other.direction.distance(image.direction) < SAME_IMAGE * image.size.max(other.size)
+        };
+        if !distinct.iter().any(is_same) {
+            distinct.push(image);
+        }
+    }
+    distinct
+}
+
 /// Where one ray of the grid passes the light, by the number of mirrors before.
 type Passing = [Option<DVec2>; MAX_MIRRORS];
 
@@ -140,54 +174,51 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             return found;
         }
         let in_plane_mirrors = MirroredLight::in_plane_mirrors(plan, from);
-        let side = (MAX_RAYS / plan.reflectors.len() as f64).sqrt() as usize;
-        let side = side.clamp(MIN_SIDE, MAX_SIDE);
+        let side = ((MAX_RAYS / plan.reflectors.len() as f64).sqrt() as usize).clamp(MIN_SIDE, MAX_SIDE);
         for reflector in &plan.reflectors {
-            let Some((axis, reach)) = reflector.cone(from).filter(|(axis, reach)| is_seen(*axis, *reach)) else {
-                continue;
-            };
-            let frame = TangentPlane::new(axis);
-            let is_in_any = |ray: &Ray, light: usize| {
+            if let Some((axis, reach)) = reflector.cone(from).filter(|(axis, reach)| is_seen(*axis, *reach)) {
+                let grid = DirectionGrid { frame: TangentPlane::new(axis), reach, side };
+                found.extend(self.lights_in_reflector(from, reflector, &grid, &in_plane_mirrors));
+            }
+        }
+        distinct(found)
+    }
+
+    /// The images of lights that directions towards a reflector lead to, except those with one
+    /// reflection that are known to be in plane mirrors. An image may be found several times.
+    fn lights_in_reflector(
+        &mut self,
+        from: DVec3,
+        reflector: &Reflector,
+        grid: &DirectionGrid,
+        in_plane_mirrors: &[MirroredLight],
+    ) -> Vec<MirroredLight> {
+        let (plan, mut found) = (self.plan, Vec::new());
+        let mut rays_at = |index: usize| {
+            let direction = grid.direction(index);
+            let is_hit = reflector.is_hit(&plan.geometry, &plan.scene, &Ray { origin: from, direction });
+            if is_hit { self.mirrored_rays((from, None), direction) } else { Vec::new() }
+        };
+        let rays: Vec<_> = (0..grid.side * grid.side).map(&mut rays_at).collect();
+        if rays.iter().all(Vec::is_empty) {
+            return found;
+        }
+        for light in (0..plan.lights.len()).filter(|light| plan.lights[*light].virtual_sources.is_empty()) {
+            let is_known = |direction: DVec3| {
                 let is_of_light =
                     |image: &&MirroredLight| plan.lights[image.light].surface == plan.lights[light].surface;
-                in_plane_mirrors.iter().filter(is_of_light).any(|image| image.is_in_plane_mirror(plan, ray))
+                let mut images = in_plane_mirrors.iter().filter(is_of_light);
+                let ray = Ray::new(from, direction);
+                ray.is_some_and(|ray| images.any(|image| image.is_in_plane_mirror(plan, &ray)))
             };
-            let at = |index: usize| {
-                let along = |index: usize| reach * (2.0 * (index as f64 + 0.5) / side as f64 - 1.0);
-                frame.direction(DVec2::new(along(index % side), along(index / side)))
-            };
-            let mut rays_at = |index: usize| {
-                let direction = at(index);
-                let is_hit = reflector.is_hit(&plan.geometry, &plan.scene, &Ray { origin: from, direction });
-                if is_hit { self.mirrored_rays((from, None), direction) } else { Vec::new() }
-            };
-            let grid: Vec<_> = (0..side * side).map(&mut rays_at).collect();
-            if grid.iter().all(Vec::is_empty) {
-                continue;
-            }
-            for light in (0..plan.lights.len()).filter(|light| plan.lights[*light].virtual_sources.is_empty()) {
-                for (seed, mirrors) in nearest(&self.passings(light, &grid), side) {
-                    let events = grid[seed][mirrors - 1].events.clone();
-                    // One reflection in a plane mirror is known.
-                    if events.len() == 1 && Ray::new(from, at(seed)).is_some_and(|ray| is_in_any(&ray, light)) {
-                        continue;
-                    }
-                    found.extend(self.mirrored_light(from, at(seed), (light, events)));
+            for (seed, mirrors) in nearest(&self.passings(light, &rays), grid.side) {
+                let (direction, events) = (grid.direction(seed), rays[seed][mirrors - 1].events.clone());
+                if !(events.len() == 1 && is_known(direction)) {
+                    found.extend(self.mirrored_light(from, direction, (light, events)));
                 }
             }
         }
-        let mut distinct: Vec<MirroredLight> = Vec::new();
-        for image in found {
-            let is_same = |other: &MirroredLight| {
-                other.light == image.light
-                    && other.events.len() == image.events.len()
-                    && other.direction.distance(image.direction) < SAME_IMAGE * image.size.max(other.size)
-            };
-            if !distinct.iter().any(is_same) {
-                distinct.push(image);
-            }
-        }
-        distinct
+        found
     }
 
     /// The distances of the rays of the grid from a light's centre, in its radii.

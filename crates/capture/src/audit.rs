@@ -1,0 +1,82 @@
+//! Comparison of interpolated pixels with their own rays.
+
+use crate::lattice::Lattice;
+use crate::neighbourhood::around;
+
+/// Minimum number of audited rays of a cell, and the number of standard errors from which a mean
+/// residual is significant.
+const MIN_AUDITED: f64 = 8.0;
+const SIGNIFICANT_ERRORS: f64 = 5.0;
+
+/// A ray this many times as bright as the brightest pixel of its cell has hit something that the
+/// lattice missed.
+const OUTLIER_RATIO: f64 = 30.0;
+
+/// The residuals of audited pixels, by cell.
+pub(crate) struct Audit {
+    cells: Vec<Residuals>,
+}
+
+/// Differences between rays and interpolation.
+#[derive(Clone, Copy, Debug, Default)]
+struct Residuals {
+    count: f64,
+    sum: f64,
+    squares: f64,
+    has_outlier: bool,
+}
+
+impl Residuals {
+    fn added(self, other: &Residuals) -> Residuals {
+        Residuals {
+            count: self.count + other.count,
+            sum: self.sum + other.sum,
+            squares: self.squares + other.squares,
+            has_outlier: self.has_outlier || other.has_outlier,
+        }
+    }
+
+    /// Whether the mean differs significantly from zero.
+    fn are_wrong(&self) -> bool {
+        let mean = self.sum / self.count;
+        let variance = (self.squares / self.count - mean * mean).max(0.0) / (self.count - 1.0);
+        self.count >= MIN_AUDITED && mean * mean > SIGNIFICANT_ERRORS * SIGNIFICANT_ERRORS * variance
+    }
+}
+
+impl Audit {
+    /// `traced` is NaN where no ray was traced.
+    pub(crate) fn new(lattice: &Lattice, values: &[f64], traced: &[f64]) -> Audit {
+        let of_cell = |cell: usize| {
+            let pixels = || lattice.pixels(cell).map(|(pixel, _)| pixel);
+            let brightest = pixels().map(|pixel| values[pixel]).fold(0.0, f64::max);
+            let mut residuals = Residuals::default();
+            for pixel in pixels().filter(|pixel| !traced[*pixel].is_nan()) {
+                let residual = traced[pixel] - values[pixel];
+                residuals.count += 1.0;
+                residuals.sum += residual;
+                residuals.squares += residual * residual;
+                residuals.has_outlier |= traced[pixel] > OUTLIER_RATIO * brightest;
+            }
+            residuals
+        };
+        let [across, down] = lattice.cells();
+        Audit { cells: (0..across * down).map(of_cell).collect() }
+    }
+
+    /// The cells with significant residuals, alone or together with their neighbours, and their new
+    /// levels.
+    pub(crate) fn cells_to_refine(&self, lattice: &Lattice, levels: &[u8]) -> Vec<(usize, u8)> {
+        let size = lattice.cells();
+        let judge = |cell: usize| {
+            let alone = &self.cells[cell];
+            if alone.has_outlier {
+                return Some((cell, lattice.finest()));
+            }
+            let together = around(cell, size).fold(Residuals::default(), |sum, near| sum.added(&self.cells[near]));
+            let is_wrong = alone.are_wrong() || together.are_wrong();
+            (alone.count > 0.0 && is_wrong).then_some((cell, levels[cell] + 1))
+        };
+        (0..self.cells.len()).filter_map(judge).collect()
+    }
+}
