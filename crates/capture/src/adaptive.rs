@@ -25,6 +25,7 @@ use radsight_render::{CountedLight, CubatureError, Ray};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Limits of the estimated factor q by which `⟨d²⟩` falls.
@@ -103,8 +104,7 @@ impl Exposer<'_> {
         self.shared_to_error(target, state, SharedFilm::Own, progress).0
     }
 
-    /// The same, with what it records for others. If it has a known film, the state is where it starts
-    /// if the film cannot be interpolated.
+    /// The same from a state, with what it records for others.
     pub(crate) fn shared_to_error<'a>(
         &'a self,
         target: ErrorTarget,
@@ -129,7 +129,7 @@ pub(crate) struct AdaptiveSampler<'a> {
     /// ([`ImageLight`](crate::image_light::ImageLight)).
     pub(crate) images_apart: bool,
     /// What is exposed instead of the picture.
-    pub(crate) film: Option<UnblurredFilm>,
+    pub(crate) film: Option<Arc<UnblurredFilm>>,
     pub(crate) shared: SharedFilm<'a>,
     /// Whether each pixel of the lattice sees the outline of a surface; empty without a lattice.
     pub(crate) outlines: Vec<bool>,
@@ -174,28 +174,34 @@ impl<'a> AdaptiveSampler<'a> {
     /// Exposes all pixels: those of a new exposure by interpolation where that pays. The estimate is
     /// `None` if the work was stopped before every pixel had samples.
     fn expose(&mut self, state: &mut AdaptiveState, target: ErrorTarget) -> (Option<Estimate>, Option<Stop>) {
-        let traced = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
         let unexposed = state.pixels.iter().filter(|pixel| pixel.samples == 0).count();
-        self.counter.plan(traced + unexposed as u64 * u64::from(FIRST_SAMPLES));
-        if unexposed == state.pixels.len() || self.shared.known().is_some() {
-            let mut on_lattice = AdaptiveState::new(state.pixels.len());
-            let found = self.interpolated(&mut on_lattice, target);
-            if found.is_some() || self.is_on_lattice.load(Ordering::Relaxed) {
-                *state = on_lattice;
-            }
-            if let Some((estimate, stop)) = found {
+        self.counter.plan(unexposed as u64 * u64::from(FIRST_SAMPLES));
+        if unexposed == state.pixels.len() {
+            if let Some((estimate, stop)) = self.interpolated(state, target) {
                 return (Some(estimate), stop);
             }
+            if self.is_on_lattice.load(Ordering::Relaxed) {
+                return (None, Some(Stop::Time));
+            }
+            self.start_from_known(state);
         }
-        if !self.is_on_lattice.load(Ordering::Relaxed) {
-            self.counter.add(traced);
-            begin(self, state);
-        }
+        let traced = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        self.counter.plan(traced);
+        self.counter.add(traced);
+        begin(self, state);
         if state.pixels.iter().any(|pixel| pixel.samples == 0) {
             return (None, Some(Stop::Time));
         }
         let (estimate, stop) = self.refine(state, target);
         (Some(estimate), stop)
+    }
+
+    /// Takes the samples of a known picture where parts do not affect it.
+    fn start_from_known(&self, state: &mut AdaptiveState) {
+        if let Some(known) = self.shared.known() {
+            let pixels = state.pixels.iter_mut().enumerate();
+            pixels.for_each(|(index, pixel)| *pixel = known.picture_samples(index).unwrap_or_default());
+        }
     }
 
     /// The exposure of a state, with what is known of its error. `requested` is the relative error.

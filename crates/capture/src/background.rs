@@ -26,8 +26,9 @@ const PATHS_PER_PIXEL: u32 = 2;
 /// The exposed scene without its moving parts.
 #[derive(Clone, Debug)]
 pub struct Background {
-    state: AdaptiveState,
-    /// Of an interpolated picture.
+    /// The samples of the picture.
+    pixels: Vec<Pixel>,
+    /// Of its film; empty if it was not interpolated.
     record: FilmRecord,
     /// For each pixel of the recorded film, or else of the picture, in scanline order.
     path_bounds: Vec<PathBounds>,
@@ -80,10 +81,10 @@ impl Background {
         if exposure.is_partial || progress.stops() {
             return None;
         }
-        let film = record.film.as_ref();
+        let film = record.film.as_deref();
         let columns = film.map_or(exposer.rays.camera().columns() as usize, |film| film.size()[0]);
         let path_bounds = with_neighbours(&path_bounds((exposer.rays, film), ray_tree, within), columns);
-        Some(Background { state, record, path_bounds })
+        Some(Background { pixels: state.pixels, record, path_bounds })
     }
 
     /// Exposes the scene with its parts to a relative error, as [`Exposer::to_error`] does. Pixels
@@ -99,17 +100,9 @@ impl Background {
         let is_affected: Vec<bool> = self.path_bounds.iter().map(|bounds| placed.affect(bounds)).collect();
         let film = self.record.film.as_ref();
         let is_picture_affected = film.map_or_else(|| is_affected.clone(), |film| film.blurred_marks(&is_affected));
-        let mut state = AdaptiveState { passes: 0, pending: Vec::new(), ..self.state.clone() };
-        for (pixel, is_affected) in state.pixels.iter_mut().zip(&is_picture_affected) {
-            if *is_affected {
-                *pixel = Pixel::default();
-            }
-        }
-        let shared = match self.record.pixels.is_empty() {
-            true => SharedFilm::Own,
-            false => SharedFilm::Known(KnownFilm { record: &self.record, is_affected, is_picture_affected }),
-        };
-        exposer.shared_to_error(target, state, shared, progress).0
+        let (record, picture) = (&self.record, &self.pixels[..]);
+        let known = KnownFilm { record, picture, is_affected, is_picture_affected };
+        exposer.shared_to_error(target, AdaptiveState::default(), SharedFilm::Known(known), progress).0
     }
 }
 
@@ -117,7 +110,8 @@ impl PlacedParts<'_> {
     /// Whether light along these paths may meet the parts.
     fn affect(&self, bounds: &PathBounds) -> bool {
         let is_met = self.parts.iter().any(|part| part.meets(&bounds.crossed));
-        is_met || self.virtual_sources.iter().any(|source| source.reaches(&bounds.lit))
+        let is_lit = |sphere| self.virtual_sources.iter().any(|source| source.reaches(sphere));
+        is_met || bounds.lit.sphere().is_some_and(is_lit)
     }
 }
 

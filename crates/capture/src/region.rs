@@ -65,18 +65,17 @@ impl Region {
         }
     }
 
-    fn sphere(&self) -> (DVec3, f64) {
-        (0.5 * (self.low + self.high), 0.5 * self.low.distance(self.high))
+    /// Centre and radius of the bounding sphere; `None` if the region is empty.
+    pub(crate) fn sphere(&self) -> Option<(DVec3, f64)> {
+        let is_empty = !self.low.cmple(self.high).all();
+        (!is_empty).then(|| (0.5 * (self.low + self.high), 0.5 * self.low.distance(self.high)))
     }
 }
 
 impl LitRegion {
-    /// Whether a point of the region may see the virtual source, by bounding spheres of all three.
-    pub(crate) fn reaches(&self, region: &Region) -> bool {
-        if !region.low.cmple(region.high).all() {
-            return false;
-        }
-        let ((mirror, mirror_radius), (from, from_radius)) = (self.mirror.sphere(), region.sphere());
+    /// Whether a point of a sphere may see the virtual source, by bounding spheres of it and the mirror.
+    pub(crate) fn reaches(&self, (from, from_radius): (DVec3, f64)) -> bool {
+        let Some((mirror, mirror_radius)) = self.mirror.sphere() else { return false };
         let way = self.image - from;
         let share = ((mirror - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
         let miss = (from + way * share).distance(mirror);
@@ -119,9 +118,10 @@ mod tests {
         let mirror = Region { low: DVec3::new(-1.0, -1.0, 0.0), high: DVec3::new(1.0, 1.0, 0.0) };
         let light = LitRegion { mirror, image: DVec3::new(0.0, 0.0, -10.0), radius: 0.1 };
         let at = |x: f64, z: f64| Region { low: DVec3::new(x, 0.0, z), high: DVec3::new(x + 0.1, 0.1, z) };
-        assert!(light.reaches(&at(1.0, 10.0)));
-        assert!(!light.reaches(&at(9.0, 10.0)));
-        assert!(!light.reaches(&at(0.0, -3.0)), "between the mirror and the image nothing is lit");
-        assert!(!light.reaches(&Region::EMPTY));
+        let is_lit = |region: Region| region.sphere().is_some_and(|sphere| light.reaches(sphere));
+        assert!(is_lit(at(1.0, 10.0)));
+        assert!(!is_lit(at(9.0, 10.0)));
+        assert!(!is_lit(at(0.0, -3.0)), "between the mirror and the image nothing is lit");
+        assert!(!is_lit(Region::EMPTY));
     }
 }

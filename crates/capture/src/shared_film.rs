@@ -5,7 +5,7 @@
 
 use crate::adaptive::Pixel;
 use crate::shared_rays::{PinholeProbe, UnblurredFilm};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Whether an exposure shares its film.
 #[derive(Debug)]
@@ -22,7 +22,7 @@ pub(crate) enum SharedFilm<'a> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FilmRecord {
     /// `None` if the picture itself was exposed.
-    pub(crate) film: Option<UnblurredFilm>,
+    pub(crate) film: Option<Arc<UnblurredFilm>>,
     /// By pixel: the width of the sharpest edge.
     pub(crate) edge_widths: Vec<f64>,
     /// By pixel: whether it sees the outline of a surface.
@@ -41,10 +41,18 @@ pub(crate) struct FilmRecord {
 #[derive(Debug)]
 pub(crate) struct KnownFilm<'a> {
     pub(crate) record: &'a FilmRecord,
+    /// The samples of the finished picture.
+    pub(crate) picture: &'a [Pixel],
     /// By pixel of the film: whether parts affect it.
     pub(crate) is_affected: Vec<bool>,
     /// By pixel of the picture: whether parts affect a film pixel that is blurred into it.
     pub(crate) is_picture_affected: Vec<bool>,
+}
+
+impl FilmRecord {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.pixels.is_empty()
+    }
 }
 
 impl<'a> SharedFilm<'a> {
@@ -67,6 +75,11 @@ impl<'a> SharedFilm<'a> {
 }
 
 impl KnownFilm<'_> {
+    /// The samples of a pixel of the picture.
+    pub(crate) fn picture_samples(&self, pixel: usize) -> Option<Pixel> {
+        if self.is_picture_affected[pixel] { None } else { self.picture.get(pixel).copied() }
+    }
+
     /// The edge width of a pixel of the film, if parts affect neither the pixel nor the two to which
     /// it is compared.
     pub(crate) fn edge_width(&self, pixel: usize, columns: usize) -> Option<f64> {
@@ -118,13 +131,16 @@ mod tests {
         };
         let mut is_affected = vec![false; 12];
         is_affected[6] = true;
-        let known = KnownFilm { record: &record, is_picture_affected: is_affected.clone(), is_affected };
+        let picture = vec![exposed; 12];
+        let is_picture_affected = is_affected.clone();
+        let known = KnownFilm { record: &record, picture: &picture, is_affected, is_picture_affected };
         // Three rows of four pixels: the pixel, the one to the left and the one above.
         let unknown: Vec<usize> = (0..12).filter(|pixel| known.edge_width(*pixel, 4).is_none()).collect();
         assert_eq!(unknown, [2, 5, 6]);
         assert_eq!(known.samples(0).map(|pixel| pixel.mean()), Some(0.75));
         assert_eq!([5, 6].map(|pixel| known.sees_outline(pixel)), [Some(true), None]);
         assert!(known.samples(2).is_none() && known.samples(6).is_none());
+        assert_eq!([5, 6].map(|pixel| known.picture_samples(pixel).is_some()), [true, false]);
         assert_eq!([known.audited(0, 0), known.audited(1, 0), known.audited(3, 6)], [Some(1.0), None, None]);
     }
 }

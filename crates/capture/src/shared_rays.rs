@@ -48,7 +48,7 @@ const KERNEL_POINTS: u32 = 1 << 14;
 const INTERPOLATED: usize = 4;
 
 /// The film of a point pinhole at the centre of a finite one.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct UnblurredFilm {
     columns: usize,
     rows: usize,
@@ -106,7 +106,7 @@ pub(crate) struct BlurredPicture {
 }
 
 /// The weights of the film around a pixel of the picture.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct Kernels {
     /// Of radiance.
     blur: Vec<f64>,
@@ -145,14 +145,10 @@ impl UnblurredFilm {
         Some(film)
     }
 
-    /// The same film for a scene that differs in some pixels of the picture; `None` where its pixels
-    /// cannot share rays.
-    pub(crate) fn with_parts(&self, exposer: &Exposer<'_>, differs: impl Fn(usize) -> bool + Sync) -> Option<Self> {
-        if !exposer.renderer.plan().images_lights_by_mirrors_alone() {
-            return None;
-        }
-        let extent = union(self.focal_ratios, focal_ratios(exposer, differs));
-        shared_focal_ratio(extent).map(|_| self.clone())
+    /// Whether it suits a scene that differs in some pixels of the picture: they can share rays.
+    pub(crate) fn suits(&self, exposer: &Exposer<'_>, differs: impl Fn(usize) -> bool + Sync) -> bool {
+        let extent = || union(self.focal_ratios, focal_ratios(exposer, differs));
+        exposer.renderer.plan().images_lights_by_mirrors_alone() && shared_focal_ratio(extent()).is_some()
     }
 
     /// The pixels of the picture into which marked pixels of the film are blurred.

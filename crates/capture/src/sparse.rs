@@ -27,6 +27,7 @@ use radsight_adaptive::{
 };
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// If the lattice and its refinement would expose more than this fraction of the pixels, all pixels
@@ -142,12 +143,16 @@ impl FilmError {
 
 impl<'a> AdaptiveSampler<'a> {
     /// Exposes some pixels and interpolates the others: where it pays, those of the film behind a
-    /// point pinhole, which is then blurred. Otherwise as [`AdaptiveSampler::sparse`].
+    /// point pinhole, which is then blurred. Otherwise as [`AdaptiveSampler::sparse`]. `None` also if
+    /// the film that is known was not interpolated.
     pub(crate) fn interpolated(
         &mut self,
         state: &mut AdaptiveState,
         target: ErrorTarget,
     ) -> Option<(Estimate, Option<Stop>)> {
+        if self.shared.known().is_some_and(|known| known.record.is_empty()) {
+            return None;
+        }
         self.images_apart = self.is_plain() && !self.images.is_empty();
         let mut images = ImageLight::begin(self);
         let found = self.interpolated_rest(state, target, &mut images);
@@ -199,13 +204,14 @@ impl<'a> AdaptiveSampler<'a> {
         found
     }
 
-    fn unblurred_film(&self) -> Option<UnblurredFilm> {
+    fn unblurred_film(&self) -> Option<Arc<UnblurredFilm>> {
         match self.shared.known() {
             _ if !self.is_plain() => None,
             Some(known) => {
-                known.record.film.as_ref()?.with_parts(self.exposer, |pixel| known.is_picture_affected[pixel])
+                let film = known.record.film.clone()?;
+                film.suits(self.exposer, |pixel| known.is_picture_affected[pixel]).then_some(film)
             }
-            None => UnblurredFilm::new(self.exposer),
+            None => UnblurredFilm::new(self.exposer).map(Arc::new),
         }
     }
 
@@ -238,7 +244,7 @@ impl<'a> AdaptiveSampler<'a> {
             if self.progress.stops() {
                 return None;
             }
-            let estimate = sparse.estimate(state, self.film.as_ref());
+            let estimate = sparse.estimate(state, self.film.as_deref());
             let of_images = images.as_ref().map_or(0.0, ImageLight::sum) / estimate.pixel_count as f64;
             let mean = estimate.mean() + of_images;
             if mean <= 0.0 {
@@ -359,7 +365,7 @@ impl<'a> AdaptiveSampler<'a> {
         }
         let [x, y, ..] = RaySampler::new(exposer.rays.seed(), RESERVED_NUMBER).take(DimensionSet::CAMERA);
         let images = (!self.images_apart).then_some(&self.images);
-        let film = SearchedFilm { exposer, images, unblurred: self.film.as_ref(), known: self.shared.known() };
+        let film = SearchedFilm { exposer, images, unblurred: self.film.as_deref(), known: self.shared.known() };
         let [columns, rows] = film.size().map(|count| count as u32);
         let lattice = Lattice::new(columns, rows, [x, y])?;
         let edges = Edges::find(film, &lattice);
