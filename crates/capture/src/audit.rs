@@ -80,3 +80,38 @@ impl Audit {
         (0..self.cells.len()).filter_map(judge).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The cells to refine for a residual of each pixel; all pixels are audited and have a value of 1.
+    fn refined(residual: impl Fn(usize) -> f64) -> Vec<(usize, u8)> {
+        let lattice = Lattice::new(64, 64, [0.5; 2]).expect("the picture is large enough");
+        let count = lattice.pixel_count();
+        let traced: Vec<f64> = (0..count).map(|pixel| 1.0 + residual(pixel)).collect();
+        let levels = vec![1; lattice.cells().iter().product()];
+        Audit::new(&lattice, &vec![1.0; count], &traced).cells_to_refine(&lattice, &levels)
+    }
+
+    fn noise(pixel: usize) -> f64 {
+        if (pixel + pixel / 64).is_multiple_of(2) { 0.5 } else { -0.5 }
+    }
+
+    #[test]
+    fn noise_is_no_error() {
+        assert_eq!(refined(noise), []);
+    }
+
+    #[test]
+    fn a_wrong_mean_refines_cells_by_one_level() {
+        let found = refined(|pixel| noise(pixel) + 0.5);
+        assert!(!found.is_empty() && found.iter().all(|(_, level)| *level == 2), "{found:?}");
+    }
+
+    #[test]
+    fn a_bright_ray_refines_its_cell_alone() {
+        let found = refined(|pixel| if pixel == 64 * 30 + 30 { 40.0 } else { noise(pixel) });
+        assert!(matches!(found[..], [(_, level)] if level > 2), "{found:?}");
+    }
+}

@@ -9,10 +9,9 @@ use radsight_sampling::unit_disk;
 use std::f64::consts::PI;
 
 /// The domain whose points are chosen so that rays hit lights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Domain {
     /// The pinhole, in its radii.
-    #[default]
     Disk,
     /// The pixel in front of a point pinhole.
     Square,

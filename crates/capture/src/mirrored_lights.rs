@@ -128,17 +128,16 @@ impl PixelImages {
         };
         let blocks = PixelBlocks::new(rays, may_see_any);
         let of_pixel = |worker: &mut RayWorker<'_>, pixel: usize| {
-            let none = (Vec::new(), PlaneStrata::default());
             if !blocks.may_see_any(pixel) {
-                return none;
+                return (Vec::new(), None);
             }
             let pixel = pixel as u64;
-            let Some(cone) = PixelCone::new(rays, pixel) else { return none };
+            let Some(cone) = PixelCone::new(rays, pixel) else { return (Vec::new(), None) };
             let search = &mut Search { worker, rays, pixel, domain };
             let images = search.curved_images(&cone, &curved);
             let seen = in_plane_mirrors.iter().enumerate().filter(|(_, image)| cone.meets_plane(image));
             let plane = seen.filter_map(|image| search.plane_image(renderer.plan(), image));
-            (images, PlaneStrata::new(plane.collect(), domain))
+            (images, PlaneStrata::new(plane, domain).map(Box::new))
         };
         let (images, plane): (Vec<_>, Vec<_>) = (0..camera.pixel_count() as usize)
             .into_par_iter()

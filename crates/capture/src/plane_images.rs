@@ -73,11 +73,11 @@ impl Domain {
 #[derive(Debug, Default)]
 pub(crate) struct PlaneImages {
     /// By pixel; empty if no pixel sees any.
-    strata: Vec<PlaneStrata>,
+    strata: Vec<Option<Box<PlaneStrata>>>,
 }
 
 /// The images that one pixel sees, with the density of rays aimed at them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct PlaneStrata {
     images: Vec<PlaneImage>,
     domain: Domain,
@@ -92,8 +92,9 @@ pub(crate) struct PlaneStrata {
 struct AreaGrid([[f64; GRID_SIDE]; GRID_SIDE]);
 
 impl PlaneImages {
-    pub(crate) fn new(strata: Vec<PlaneStrata>) -> PlaneImages {
-        PlaneImages { strata: if strata.iter().all(PlaneStrata::is_empty) { Vec::new() } else { strata } }
+    /// By pixel.
+    pub(crate) fn new(strata: Vec<Option<Box<PlaneStrata>>>) -> PlaneImages {
+        PlaneImages { strata: if strata.iter().all(Option::is_none) { Vec::new() } else { strata } }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -102,7 +103,7 @@ impl PlaneImages {
 
     /// `None` where a pixel sees no image.
     pub(crate) fn of_pixel(&self, pixel: usize) -> Option<&PlaneStrata> {
-        self.strata.get(pixel).filter(|strata| !strata.is_empty())
+        self.strata.get(pixel)?.as_deref()
     }
 
     pub(crate) fn sees_any(&self, pixel: usize) -> bool {
@@ -119,16 +120,12 @@ pub(crate) struct WeightedPoint {
 }
 
 impl PlaneStrata {
-    /// Of the images that overlap the domain.
-    pub(crate) fn new(images: Vec<PlaneImage>, domain: Domain) -> PlaneStrata {
+    /// Of the images that overlap the domain; `None` without any.
+    pub(crate) fn new(images: impl Iterator<Item = PlaneImage>, domain: Domain) -> Option<PlaneStrata> {
         let of_image = |image: PlaneImage| Some((image, AreaGrid::new(&image, domain)?));
-        let (images, areas): (Vec<PlaneImage>, Vec<AreaGrid>) = images.into_iter().filter_map(of_image).unzip();
+        let (images, areas): (Vec<PlaneImage>, Vec<AreaGrid>) = images.filter_map(of_image).unzip();
         let total = AreaGrid::total(&areas);
-        PlaneStrata { images, domain, areas, total }
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.images.is_empty()
+        (!images.is_empty()).then_some(PlaneStrata { images, domain, areas, total })
     }
 
     /// A point of the domain and a fixed point for two points of unit squares: aimed at an image, or
@@ -485,12 +482,12 @@ mod tests {
             vec![image([-0.8, 0.1], oblique), image([0.3, 0.2], round)],
             vec![image([0.1, 0.1], oblique), image([0.3, 0.2], round), image([5.0, 0.0], round)],
             vec![ringed([0.1, 0.1], oblique, [0.5, 0.1]), ringed([0.3, 0.2], round, [0.4, 0.3])],
-            vec![ringed([0.1, 0.1], oblique, [0.9, -0.7])],
+            vec![ringed([0.1, 0.1], oblique, [0.7, -0.5])],
             vec![moving([1.3, 0.2], round), moving([0.1, -0.9], oblique)],
         ];
-        for images in cases {
+        for images in &cases {
             for domain in [Domain::Disk, Domain::Square] {
-                let strata = PlaneStrata::new(images.clone(), domain);
+                let strata = PlaneStrata::new(images.iter().copied(), domain).expect("an overlap");
                 let smooth = |at: DVec2| 1.0 + at.x + 0.3 * at.y * at.y;
                 let seen = |fixed: DVec2, at: DVec2| {
                     let is_seen = strata.images.iter().any(|image| image.contains(fixed, at));
@@ -506,7 +503,7 @@ mod tests {
     fn the_light_of_an_image_hardly_varies() {
         let round = [0.35, 0.0, 0.0, 0.35];
         for (image, largest) in [(image([0.6, 0.5], round), 0.05), (moving([0.9, 0.6], round), 0.1)] {
-            let strata = PlaneStrata::new(vec![image], Domain::Disk);
+            let strata = PlaneStrata::new([image].into_iter(), Domain::Disk).expect("an overlap");
             let light = |u| strata.sample(u, |_, _, _| true, |_| None).map_or(0.0, |point| point.weight);
             let aimed = points().filter(|(_, drawn)| drawn[0] >= REST).map(light);
             let sums =
