@@ -13,11 +13,12 @@
 use crate::drawn_lights::DrawnLights;
 use crate::pixel_sample::{RayValue, SEVERAL, Sample, Surface, Tally, mean};
 use crate::view_camera::{CameraRay, ViewCamera};
-use radsight_render::{Ray, RayWorker, Renderer};
+use radsight_render::{DirectRecord, Ray, RayWorker, Renderer};
 use radsight_sampling::RaySampler;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// How a picture is interpolated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,6 +120,18 @@ struct Block<'b> {
     samples: Vec<Option<Sample>>,
     /// The spacing of the grid on which each pixel was sampled; 0 for none.
     spacing: Vec<u8>,
+    /// Direct light of the sampled pixels of the grids that may be divided; empty if it is not
+    /// recorded.
+    records: Vec<Option<Arc<DirectRecord>>>,
+}
+
+/// A pixel to be sampled.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    pixel: (usize, usize),
+    noise: Noise,
+    /// The divided cell that it belongs to; `None` on the coarsest grid.
+    cell: Option<Cell>,
 }
 
 /// The pixels of a block of rows.
@@ -144,7 +157,11 @@ pub(crate) fn block(
         wanted: rows.start - first_row..rows.end - first_row,
         samples: vec![None; count * camera.columns()],
         spacing: vec![0; count * camera.columns()],
+        records: Vec::new(),
     };
+    if spacing > 1 && renderer.records_direct_light() {
+        block.records = vec![None; count * camera.columns()];
+    }
     let smooth = block.sample(spacing);
     let pixels = block.interpolated(&smooth);
     let columns = camera.columns();
@@ -174,7 +191,7 @@ impl Interpolation {
 }
 
 /// The noise of the light at the corners of a cell; high noise precedes.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Noise {
     High,
     Low,
@@ -210,7 +227,8 @@ impl Block<'_> {
         let (columns, rows) = (steps(self.camera.columns()), steps(self.rows));
         let first: Vec<(usize, usize)> =
             rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row))).collect();
-        self.trace(first.into_iter().map(|pixel| (pixel, Noise::Low)).collect(), spacing);
+        let first = first.into_iter().map(|pixel| Wanted { pixel, noise: Noise::Low, cell: None });
+        self.trace(first.collect(), spacing);
         self.darkness = DARK_FRACTION * self.interpolation.contrast * self.typical();
         let pairs = |steps: &[usize]| -> Vec<(usize, usize)> {
             if steps.len() < 2 { vec![(0, 0)] } else { steps.windows(2).map(|pair| (pair[0], pair[1])).collect() }
@@ -237,16 +255,16 @@ impl Block<'_> {
                 } else if cell.is_divisible() {
                     let (columns, rows) = cell.parts();
                     let noise = if self.is_noisy(&cell) { Noise::High } else { Noise::Low };
-                    wanted
-                        .extend(rows.iter().flat_map(|row| columns.iter().map(move |column| ((*column, *row), noise))));
+                    let pixels = rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row)));
+                    wanted.extend(pixels.map(|pixel| Wanted { pixel, noise, cell: Some(cell) }));
                     divided.extend(cell.divided());
                 }
             }
             finer = (finer / 2).max(1);
-            wanted.retain(|(pixel, _)| self.samples[self.at(*pixel)].is_none());
+            wanted.retain(|wanted| self.samples[self.at(wanted.pixel)].is_none());
             // A pixel between cells counts as noisy if one of them is.
-            wanted.sort_unstable_by_key(|((column, row), noise)| (*row, *column, *noise));
-            wanted.dedup_by_key(|(pixel, _)| *pixel);
+            wanted.sort_by_key(|Wanted { pixel: (column, row), noise, .. }| (*row, *column, *noise));
+            wanted.dedup_by_key(|wanted| wanted.pixel);
             self.trace(wanted, finer);
             cells = divided.into_iter().filter(Cell::is_divisible).collect();
         }
@@ -298,20 +316,21 @@ impl Block<'_> {
         NOISE_REDUCTION * self.interpolation.contrast * mean(&sample.value)
     }
 
-    fn trace(&mut self, pixels: Vec<((usize, usize), Noise)>, spacing: usize) {
+    fn trace(&mut self, pixels: Vec<Wanted>, spacing: usize) {
         let (renderer, block) = (self.renderer, &*self);
-        let samples: Vec<Sample> = pixels
+        let samples: Vec<(Sample, Option<DirectRecord>)> = pixels
             .par_iter()
             .with_min_len(16)
-            .map_init(
-                || renderer.worker(),
-                |worker, (pixel, noise)| block.sample_of(worker, *pixel, spacing, rays_of(spacing, *noise)),
-            )
+            .map_init(|| renderer.worker(), |worker, wanted| block.sample_of(worker, wanted, spacing))
             .collect();
-        for ((pixel, _), sample) in pixels.into_iter().zip(samples) {
+        let is_divisible = spacing > 1;
+        for (Wanted { pixel, .. }, (sample, record)) in pixels.into_iter().zip(samples) {
             let at = self.at(pixel);
             self.samples[at] = Some(sample);
             self.spacing[at] = spacing as u8;
+            if let (Some(record), true) = (record, is_divisible) {
+                self.records[at] = Some(Arc::new(record));
+            }
         }
     }
 
@@ -320,11 +339,13 @@ impl Block<'_> {
     fn sample_of(
         &self,
         worker: &mut RayWorker<'_>,
-        (column, row): (usize, usize),
+        wanted: &Wanted,
         spacing: usize,
-        (first, most): (u32, u32),
-    ) -> Sample {
-        let row = row + self.first_row;
+    ) -> (Sample, Option<DirectRecord>) {
+        let (column, row) = (wanted.pixel.0, wanted.pixel.1 + self.first_row);
+        let (first, most) = rays_of(spacing, wanted.noise);
+        let near = self.records_around(wanted.cell.as_ref());
+        let mut record = None;
         let mut tally = Tally::default();
         let mut wanted = first;
         loop {
@@ -332,15 +353,28 @@ impl Block<'_> {
                 let index = numbered([column, row], spacing, COARSE_RAYS.1, number);
                 let sampler = RaySampler::new(self.renderer.plan().seed(), index);
                 let ray = self.lights.ray_beside(self.camera, column, row, &sampler);
-                tally.add(ray.map_or(RayValue::OUTSIDE, |ray| RayValue::trace(worker, index, &ray)));
+                let mut of_ray = None;
+                tally.add(ray.map_or(RayValue::OUTSIDE, |ray| match &near {
+                    None => RayValue::trace(worker, index, &ray),
+                    Some(near) => RayValue::trace_near(worker, index, &ray, (near, &mut of_ray)),
+                }));
+                record = record.or(of_ray);
             }
             let sample = tally.sample();
             let is_exact = sample.variance.sqrt() <= self.allowed_noise(&sample) + self.darkness;
             if wanted >= most || sample.surface.key == SEVERAL || is_exact {
-                return sample;
+                return (sample, record);
             }
             wanted = (2 * wanted).min(most);
         }
+    }
+
+    /// Direct light at the corners of a cell, whose rays have numbers independent of those inside of
+    /// it; `None` if it is not recorded.
+    fn records_around(&self, cell: Option<&Cell>) -> Option<Vec<Arc<DirectRecord>>> {
+        let record = |corner| self.records[self.at(corner)].clone();
+        let records = |cell: &Cell| cell.corners().into_iter().filter_map(record).collect();
+        (!self.records.is_empty()).then(|| cell.map_or_else(Vec::new, records))
     }
 
     /// Whether all pixels of a cell can be interpolated from its corners.

@@ -1,8 +1,9 @@
 //! Samples of the pixels of an interpolated picture, and the surfaces that they see.
 
-use crate::view_camera::{CameraRay, traced};
+use crate::view_camera::{CameraRay, traced, traced_by};
 use glam::DVec3;
-use radsight_render::{FirstHit, RayWorker};
+use radsight_render::{DirectRecord, FirstHit, Ray, RayWorker, Traced};
+use std::sync::Arc;
 
 /// Minimum cosine between the normals of corners of an interpolated cell.
 const MIN_COSINE: f64 = 0.9;
@@ -132,11 +133,30 @@ impl RayValue {
 
     /// The radiance of a ray, and the surfaces that it hits.
     pub(crate) fn trace(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> RayValue {
-        traced(worker, index, ray).map_or(RayValue::OUTSIDE, |traced| RayValue {
+        traced(worker, index, ray).map_or(RayValue::OUTSIDE, |traced| RayValue::of(&traced, ray))
+    }
+
+    /// The same from what rays beside it recorded, and its own record.
+    pub(crate) fn trace_near(
+        worker: &mut RayWorker<'_>,
+        index: u64,
+        ray: &CameraRay,
+        (near, record): (&[Arc<DirectRecord>], &mut Option<DirectRecord>),
+    ) -> RayValue {
+        let trace = |ray: &Ray| {
+            let (traced, own) = worker.trace_near(index, ray, near);
+            *record = Some(own);
+            traced
+        };
+        traced_by(ray, trace).map_or(RayValue::OUTSIDE, |traced| RayValue::of(&traced, ray))
+    }
+
+    fn of(traced: &Traced, ray: &CameraRay) -> RayValue {
+        RayValue {
             value: traced.value,
             surface: Surface::new(traced.surface_key, traced.first_hit, ray.direction),
             is_glossy: traced.samples_highlight,
-        })
+        }
     }
 }
 

@@ -58,12 +58,17 @@ pub(crate) struct ReachingLight<'p> {
 }
 
 /// The numbers of a set of four dimensions.
-struct DrawnSet {
+pub(crate) struct DrawnSet {
     set: u32,
     numbers: [f64; 4],
 }
 
 impl DrawnSet {
+    /// No set yet.
+    pub(crate) fn none() -> DrawnSet {
+        DrawnSet { set: u32::MAX, numbers: [0.0; 4] }
+    }
+
     /// The set of a light, and its first dimension in it: two lights share a set.
     fn of(light: usize, first_set: u32) -> (u32, usize) {
         (first_set + (light / 2) as u32, 2 * (light % 2))
@@ -105,7 +110,14 @@ impl DirectSampler<'_> {
         tracer.next_set += plan.lights.len().div_ceil(2) as u32;
         match point.highlight {
             Highlight::Model(model) => self.sample_all_of_model(tracer, point, model, first_set),
-            _ if self.selects_shadow_rays(tracer) => self.sample_strong(tracer, point, first_set),
+            _ if self.selects_shadow_rays(tracer) => match tracer.recorder.take() {
+                Some(mut recorder) => {
+                    let sum = self.sample_and_record(tracer, point, first_set, &mut recorder);
+                    tracer.recorder = Some(recorder);
+                    sum
+                }
+                None => self.sample_strong(tracer, point, first_set),
+            },
             _ => self.sample_all(tracer, point, first_set),
         }
     }
@@ -156,7 +168,7 @@ impl DirectSampler<'_> {
     ) {
         let plan = tracer.plan;
         let receiver = self.primitive.and_then(|primitive| plan.receiver(primitive));
-        let mut drawn = DrawnSet { set: u32::MAX, numbers: [0.0; 4] };
+        let mut drawn = DrawnSet::none();
         for (index, light) in plan.lights.iter().enumerate() {
             let between = receiver.map_or(&VisibilityClass::Anything, |receiver| &receiver.between[index]);
             if *between == VisibilityClass::Dark || light.misses(self.point) || self.faces_away(light) {
@@ -168,7 +180,7 @@ impl DirectSampler<'_> {
 
     /// Calls `visit` for each point to be sampled on a light.
     #[inline]
-    fn for_each_point<'p, const BANDS: usize>(
+    pub(crate) fn for_each_point<'p, const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'p, BANDS>,
         &ReachingLight { index, light, between }: &ReachingLight<'p>,
@@ -218,7 +230,7 @@ impl DirectSampler<'_> {
 
     /// Whether a light is entirely behind an opaque point. Skies consist of hundreds of suns, half of
     /// them behind each wall.
-    fn faces_away(&self, light: &Light) -> bool {
+    pub(crate) fn faces_away(&self, light: &Light) -> bool {
         match (self.facing, &light.form) {
             (Some(normal), LightForm::Distant { direction, half_angle_sin_squared_half, .. }) => {
                 let (half, above) = (*half_angle_sin_squared_half, normal.dot(*direction));

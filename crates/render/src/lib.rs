@@ -18,6 +18,8 @@ mod checksum;
 mod contribution;
 mod cubature_error;
 mod direct;
+mod direct_record;
+mod direct_residual;
 mod gather;
 mod guide_prepass;
 mod guiding;
@@ -49,6 +51,7 @@ mod unshadowed_sample;
 
 pub use contribution::Contribution;
 pub use cubature_error::CubatureError;
+pub use direct_record::DirectRecord;
 pub use light_image::{LightImage, Viewpoint};
 pub use mirrored_light::MirroredLight;
 pub use radsight_accel::Ray;

@@ -4,6 +4,7 @@ use crate::cache_prepass::{GatheredIrradiance, gather};
 use crate::caching::caches_irradiance;
 use crate::contribution::Contribution;
 use crate::cubature_error::CubatureError;
+use crate::direct_record::{DirectRecord, DirectRecorder, records_direct_light};
 use crate::light_cubature::integrates_all_lights;
 use crate::mirrored_light::MirroredLight;
 use crate::path_guide::PathGuide;
@@ -15,6 +16,7 @@ use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
 use radsight_compile::RenderPlan;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Renders a plan.
 #[derive(Debug)]
@@ -159,6 +161,13 @@ impl Renderer {
         integrates_all_lights(&self.plan)
     }
 
+    /// Whether [`RayWorker::trace_near`] can record direct light: in interpolated pictures with many
+    /// lights, but not too many to sample each.
+    #[must_use]
+    pub fn records_direct_light(&self) -> bool {
+        records_direct_light(&self.plan)
+    }
+
     /// A worker for the calling thread.
     #[must_use]
     pub fn worker(&self) -> RayWorker<'_> {
@@ -263,6 +272,17 @@ impl RayWorker<'_> {
     #[must_use]
     pub fn trace(&mut self, index: u64, ray: &Ray) -> Traced {
         in_bands!(&mut self.0, Bands(tracer) => tracer.trace(index, ray))
+    }
+
+    /// Traces ray number `index` of its stream, and records the direct light that it meets. What
+    /// rays beside it recorded reduces the noise and the number of sampled lights, without bias if
+    /// their numbers are independent of this one's.
+    pub fn trace_near(&mut self, index: u64, ray: &Ray, near: &[Arc<DirectRecord>]) -> (Traced, DirectRecord) {
+        in_bands!(&mut self.0, Bands(tracer) => {
+            tracer.recorder = Some(Box::new(DirectRecorder::near(near)));
+            let traced = tracer.trace(index, ray);
+            (traced, tracer.recorder.take().map_or_else(DirectRecord::default, |recorder| recorder.finish()))
+        })
     }
 
     /// Traces ray number `index` of its stream as an independent path, without cached irradiance:

@@ -21,6 +21,7 @@ use path_state::{MediumId, PathState};
 use crate::cache_query::{CacheQuery, Caches};
 use crate::contribution::Contributions;
 use crate::cubature_error::CubatureError;
+use crate::direct_record::DirectRecorder;
 use crate::model_batch::ModelBatch;
 use crate::path_guide::PathGuide;
 use crate::ray_tree::{BounceType, NodeId, RayTree};
@@ -104,6 +105,8 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) cuts: Vec<Subtraction>,
     /// Light samples of a point, before their shadow rays.
     pub(crate) unshadowed: Vec<UnshadowedSample<'p, BANDS>>,
+    /// Records the direct light of the current ray; `None` if not requested.
+    pub(crate) recorder: Option<Box<DirectRecorder>>,
     pub(crate) radiance: [f64; BANDS],
     pub(crate) first_hit: Option<FirstHit>,
     /// Whether the ray passed the first surface without interaction.
@@ -145,6 +148,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             media: vec![plan.global_medium()],
             cuts: vec![Subtraction::default()],
             unshadowed: Vec::new(),
+            recorder: None,
             radiance: [0.0; BANDS],
             first_hit: None,
             first_is_passed: false,

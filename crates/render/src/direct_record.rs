@@ -1,0 +1,176 @@
+//! Direct light that neighbouring camera rays received, by light.
+
+use glam::DVec3;
+use radsight_compile::{LightDivision, RenderPlan};
+use std::sync::Arc;
+
+/// Numbers of lights for which records pay: fewer are sampled faster, and more take too much memory.
+const FEWEST_LIGHTS: usize = 8;
+const MOST_LIGHTS: usize = 192;
+
+/// Minimum cosine between the normals of a point and of a recorded one beside it.
+const MIN_COSINE: f64 = 0.9;
+
+/// Maximum distance of a recorded point from the tangent plane, relative to its distance.
+const MAX_SLOPE: f64 = 0.3;
+
+/// Maximum relative difference between their diffuse reflectances.
+const MAX_DIFFERENCE: f64 = 0.02;
+
+/// Number of recorded points around a point that are needed to expect its light.
+const LEAST_RECORDS: usize = 2;
+
+/// The direct light at the points that a camera ray sees, directly and through specular surfaces,
+/// by light.
+#[derive(Clone, Debug, Default)]
+pub struct DirectRecord {
+    points: Vec<RecordedPoint>,
+    /// Those of the first point, then those of the second, and so on.
+    lights: Vec<RecordedLight>,
+}
+
+/// A point with recorded light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RecordedPoint {
+    pub(crate) position: DVec3,
+    /// Unit.
+    pub(crate) normal: DVec3,
+    /// Diffuse reflectance of the strongest band.
+    pub(crate) diffuse: f64,
+}
+
+/// The radiance that a point scatters to the viewer from one light.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct RecordedLight {
+    /// W/(sr·m²).
+    pub(crate) given: [f32; 3],
+    /// What it would be without shadows, summed over the bands.
+    pub(crate) unshadowed: f32,
+}
+
+/// The radiance from one light that records around a point suggest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct ExpectedLight {
+    /// The mean of the records.
+    pub(crate) mean: RecordedLight,
+    /// The largest value without shadows, summed over the bands.
+    pub(crate) strongest: f32,
+    /// The smallest and the largest radiance, summed over the bands.
+    range: [f32; 2],
+}
+
+/// Records the direct light of a ray, and finds what neighbouring rays recorded.
+#[derive(Debug, Default)]
+pub(crate) struct DirectRecorder {
+    near: Vec<Arc<DirectRecord>>,
+    record: DirectRecord,
+    /// One for each light; of the last point.
+    pub(crate) expected: Vec<ExpectedLight>,
+}
+
+/// Whether rays record direct light: interpolated pictures in which each ray samples many lights.
+pub(crate) fn records_direct_light(plan: &RenderPlan) -> bool {
+    let options = &plan.options;
+    let is_divided = matches!(options.light_division, LightDivision::BySize(_));
+    is_divided
+        && plan.bands <= 3
+        && plan.light_draws[0] == 0
+        && (FEWEST_LIGHTS..=MOST_LIGHTS).contains(&plan.lights.len())
+        && options.ray_tree.is_none()
+        && options.tracked_modifiers.is_empty()
+}
+
+impl RecordedPoint {
+    /// Whether light changes smoothly to another point.
+    fn continues(&self, other: &RecordedPoint) -> bool {
+        let way = other.position - self.position;
+        self.normal.dot(other.normal) >= MIN_COSINE
+            && (self.diffuse - other.diffuse).abs() <= MAX_DIFFERENCE * self.diffuse
+            && self.normal.dot(way).abs() <= MAX_SLOPE * way.length() + f64::EPSILON
+    }
+}
+
+impl DirectRecorder {
+    /// For a ray beside those of some records.
+    pub(crate) fn near(records: &[Arc<DirectRecord>]) -> DirectRecorder {
+        DirectRecorder { near: records.to_vec(), ..DirectRecorder::default() }
+    }
+
+    /// The record of the ray.
+    pub(crate) fn finish(self) -> DirectRecord {
+        self.record
+    }
+
+    /// Finds what the records suggest for the next point of the ray, and returns whether they are
+    /// enough.
+    pub(crate) fn expect(&mut self, point: &RecordedPoint, lights: usize) -> bool {
+        let order = self.record.points.len();
+        let mut records = 0;
+        for record in &self.near {
+            if !record.points.get(order).is_some_and(|recorded| point.continues(recorded)) {
+                continue;
+            }
+            let recorded = &record.lights[order * lights..][..lights];
+            if records == 0 {
+                self.expected.clear();
+                self.expected.extend(recorded.iter().map(ExpectedLight::of));
+            } else {
+                self.expected.iter_mut().zip(recorded).for_each(|(expected, recorded)| expected.add(recorded));
+            }
+            records += 1;
+        }
+        let is_known = records >= LEAST_RECORDS;
+        if is_known {
+            self.expected.iter_mut().for_each(|expected| expected.divide(records as f32));
+        } else {
+            self.expected.clear();
+            self.expected.resize(lights, ExpectedLight::default());
+        }
+        is_known
+    }
+
+    /// Begins to record a point; its lights follow in their order.
+    pub(crate) fn begin_point(&mut self, point: RecordedPoint) {
+        self.record.points.push(point);
+    }
+
+    /// Records the next light of the point.
+    pub(crate) fn add(&mut self, light: RecordedLight) {
+        self.record.lights.push(light);
+    }
+}
+
+impl RecordedLight {
+    /// The sum over the bands.
+    fn sum(&self) -> f32 {
+        self.given[0] + self.given[1] + self.given[2]
+    }
+}
+
+impl ExpectedLight {
+    /// What a single record suggests.
+    fn of(recorded: &RecordedLight) -> ExpectedLight {
+        let sum = recorded.sum();
+        ExpectedLight { mean: *recorded, strongest: recorded.unshadowed, range: [sum, sum] }
+    }
+
+    /// Adds a record; `mean` holds the sum until [`ExpectedLight::divide`].
+    fn add(&mut self, recorded: &RecordedLight) {
+        let sum = recorded.sum();
+        self.mean.given = std::array::from_fn(|band| self.mean.given[band] + recorded.given[band]);
+        self.mean.unshadowed += recorded.unshadowed;
+        self.strongest = self.strongest.max(recorded.unshadowed);
+        self.range = [self.range[0].min(sum), self.range[1].max(sum)];
+    }
+
+    fn divide(&mut self, records: f32) {
+        let share = records.recip();
+        self.mean.given = self.mean.given.map(|band| share * band);
+        self.mean.unshadowed *= share;
+    }
+
+    /// Difference between the largest and the smallest radiance, summed over the bands.
+    pub(crate) fn spread(&self) -> f32 {
+        self.range[1] - self.range[0]
+    }
+}
