@@ -66,6 +66,14 @@ const CHANCE_ERRORS: f64 = 2.0;
 const TILE_LOG2: u32 = 6;
 const INDEX_LOG2: u32 = 16;
 
+/// Where direct light is recorded, the first grid is sampled in grids of up to twice so many times
+/// its spacing, as a power of two: each profits from what the rays of the one before recorded.
+const DOUBLINGS: usize = 2;
+
+/// Rays of different streams have independent numbers. A grid's stream is its spacing; those of the
+/// first grids with a larger spacing end here.
+const STREAMS: usize = 32;
+
 /// A square of pixels with a sampled pixel at each corner.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
@@ -130,7 +138,7 @@ struct Block<'b> {
 struct Wanted {
     pixel: (usize, usize),
     noise: Noise,
-    /// The divided cell that it belongs to; `None` on the coarsest grid.
+    /// A cell around it whose corners are sampled; `None` on the coarsest grid.
     cell: Option<Cell>,
 }
 
@@ -225,10 +233,12 @@ impl Block<'_> {
             steps
         };
         let (columns, rows) = (steps(self.camera.columns()), steps(self.rows));
-        let first: Vec<(usize, usize)> =
-            rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row))).collect();
-        let first = first.into_iter().map(|pixel| Wanted { pixel, noise: Noise::Low, cell: None });
-        self.trace(first.collect(), spacing);
+        let doublings = if self.records.is_empty() { 0 } else { DOUBLINGS };
+        for doubling in (0..=doublings).rev() {
+            let stream = if doubling == 0 { spacing } else { STREAMS - doubling };
+            let wanted = first_pixels([&columns, &rows], 1 << doubling, 1 << doublings);
+            self.trace(wanted, (spacing, stream));
+        }
         self.darkness = DARK_FRACTION * self.interpolation.contrast * self.typical();
         let pairs = |steps: &[usize]| -> Vec<(usize, usize)> {
             if steps.len() < 2 { vec![(0, 0)] } else { steps.windows(2).map(|pair| (pair[0], pair[1])).collect() }
@@ -265,7 +275,7 @@ impl Block<'_> {
             // A pixel between cells counts as noisy if one of them is.
             wanted.sort_by_key(|Wanted { pixel: (column, row), noise, .. }| (*row, *column, *noise));
             wanted.dedup_by_key(|wanted| wanted.pixel);
-            self.trace(wanted, finer);
+            self.trace(wanted, (finer, finer));
             cells = divided.into_iter().filter(Cell::is_divisible).collect();
         }
         smooth
@@ -316,31 +326,32 @@ impl Block<'_> {
         NOISE_REDUCTION * self.interpolation.contrast * mean(&sample.value)
     }
 
-    fn trace(&mut self, pixels: Vec<Wanted>, spacing: usize) {
+    /// Traces the rays of pixels of a grid; `stream` numbers them.
+    fn trace(&mut self, pixels: Vec<Wanted>, (spacing, stream): (usize, usize)) {
         let (renderer, block) = (self.renderer, &*self);
         let samples: Vec<(Sample, Option<DirectRecord>)> = pixels
             .par_iter()
             .with_min_len(16)
-            .map_init(|| renderer.worker(), |worker, wanted| block.sample_of(worker, wanted, spacing))
+            .map_init(|| renderer.worker(), |worker, wanted| block.sample_of(worker, wanted, (spacing, stream)))
             .collect();
-        let is_divisible = spacing > 1;
         for (Wanted { pixel, .. }, (sample, record)) in pixels.into_iter().zip(samples) {
             let at = self.at(pixel);
             self.samples[at] = Some(sample);
             self.spacing[at] = spacing as u8;
-            if let (Some(record), true) = (record, is_divisible) {
+            if let Some(record) = record {
                 self.records[at] = Some(Arc::new(record));
             }
         }
     }
 
     /// Traces rays through a pixel until their mean is as accurate as the allowed contrast, unless
-    /// they differ because they hit several surfaces.
+    /// they differ because they hit several surfaces. Also returns the direct light of the first
+    /// one, if it is recorded.
     fn sample_of(
         &self,
         worker: &mut RayWorker<'_>,
         wanted: &Wanted,
-        spacing: usize,
+        (spacing, stream): (usize, usize),
     ) -> (Sample, Option<DirectRecord>) {
         let (column, row) = (wanted.pixel.0, wanted.pixel.1 + self.first_row);
         let (first, most) = rays_of(spacing, wanted.noise);
@@ -350,15 +361,16 @@ impl Block<'_> {
         let mut wanted = first;
         loop {
             for number in tally.rays..wanted {
-                let index = numbered([column, row], spacing, COARSE_RAYS.1, number);
+                let index = numbered([column, row], (spacing, stream), COARSE_RAYS.1, number);
                 let sampler = RaySampler::new(self.renderer.plan().seed(), index);
                 let ray = self.lights.ray_beside(self.camera, column, row, &sampler);
-                let mut of_ray = None;
+                // Pixels of the finest grid are never corners of cells that are divided.
+                let mut of_ray = (number == 0 && spacing > 1).then(DirectRecord::default);
                 tally.add(ray.map_or(RayValue::OUTSIDE, |ray| match &near {
                     None => RayValue::trace(worker, index, &ray),
                     Some(near) => RayValue::trace_near(worker, index, &ray, (near, &mut of_ray)),
                 }));
-                record = record.or(of_ray);
+                record = record.or(of_ray.filter(|_| near.is_some()));
             }
             let sample = tally.sample();
             let is_exact = sample.variance.sqrt() <= self.allowed_noise(&sample) + self.darkness;
@@ -475,7 +487,7 @@ impl Block<'_> {
         let near: Vec<(&Surface, [f64; 3])> = near.collect();
         let mut sum = own;
         for probe in 0..SILHOUETTE_PROBES {
-            let index = numbered([column, row + self.first_row], 1, SILHOUETTE_PROBES, probe) | PROBES;
+            let index = numbered([column, row + self.first_row], (1, 1), SILHOUETTE_PROBES, probe) | PROBES;
             let value = self.silhouette_probe((column, row), index, &sample.surface, &near).unwrap_or(own);
             sum = std::array::from_fn(|band| sum[band] + value[band]);
         }
@@ -604,14 +616,38 @@ struct Patch {
 }
 
 /// The number of a ray along a Z-order curve through the samples of a grid.
-fn numbered([column, row]: [usize; 2], spacing: usize, rays: u32, ray: u32) -> u64 {
+fn numbered([column, row]: [usize; 2], (spacing, stream): (usize, usize), rays: u32, ray: u32) -> u64 {
     let [x, y] = [column / spacing, row / spacing].map(|at| at as u64);
-    let tile = (spacing as u64) << 40 | (y >> TILE_LOG2) << 20 | (x >> TILE_LOG2);
+    let tile = (stream as u64) << 40 | (y >> TILE_LOG2) << 20 | (x >> TILE_LOG2);
     let within = 1 << TILE_LOG2;
     let along = morton(x % within) | morton(y % within) << 1;
     // Pixels between the lines of the grid, at the border of the picture, follow after all others.
     let off = u64::from(column % spacing != 0 || row % spacing != 0);
     ((tile | off << 45) << INDEX_LOG2) | (along * u64::from(rays) + u64::from(ray))
+}
+
+/// The pixels of the coarsest grid that a stride adds, by the columns and rows of the grid.
+fn first_pixels([columns, rows]: [&[usize]; 2], stride: usize, coarser: usize) -> Vec<Wanted> {
+    let on_grid = |at: usize, count: usize, stride: usize| at % stride == 0 || at + 1 == count;
+    // The places of the grid of twice the stride around a place.
+    let around = |at: usize, steps: &[usize]| {
+        let first = at - at % (2 * stride);
+        [steps[first], steps[(first + 2 * stride).min(steps.len() - 1)]]
+    };
+    let mut wanted = Vec::new();
+    for (down, row) in rows.iter().enumerate().filter(|(down, _)| on_grid(*down, rows.len(), stride)) {
+        for (right, column) in columns.iter().enumerate().filter(|(right, _)| on_grid(*right, columns.len(), stride)) {
+            let is_sampled =
+                stride < coarser && on_grid(down, rows.len(), 2 * stride) && on_grid(right, columns.len(), 2 * stride);
+            if is_sampled {
+                continue;
+            }
+            let ([left, right], [top, bottom]) = (around(right, columns), around(down, rows));
+            let cell = (stride < coarser).then_some(Cell { left, top, right, bottom });
+            wanted.push(Wanted { pixel: (*column, *row), noise: Noise::Low, cell });
+        }
+    }
+    wanted
 }
 
 /// The bits of a number below 2⁸, interleaved with zeros.

@@ -2,7 +2,7 @@
 
 use crate::view_camera::{CameraRay, traced, traced_by};
 use glam::DVec3;
-use radsight_render::{DirectRecord, FirstHit, Ray, RayWorker, Traced};
+use radsight_render::{DirectRecord, FirstHit, RayWorker, Traced};
 use std::sync::Arc;
 
 /// Minimum cosine between the normals of corners of an interpolated cell.
@@ -103,16 +103,13 @@ impl Surface {
         if !self.distance.is_finite() {
             return true;
         }
-        let (way, normals) = (other.point - self.point, [self.normal, other.normal]);
-        if normals[0].dot(normals[1]) < MIN_COSINE {
+        if self.normal.dot(other.normal) < MIN_COSINE {
             return false;
         }
-        let apart = normals.map(|normal| normal.dot(way).abs());
+        let way = other.point - self.point;
+        let apart = self.normal.dot(way).abs().max(other.normal.dot(way).abs());
         // Most neighbours lie in one plane, which needs no square root.
-        apart.iter().all(|apart| *apart <= IN_PLANE) || {
-            let most = MAX_SLOPE * way.length() + IN_PLANE;
-            apart.iter().all(|apart| *apart <= most)
-        }
+        apart <= IN_PLANE || apart <= MAX_SLOPE * way.length() + IN_PLANE
     }
 }
 
@@ -136,19 +133,15 @@ impl RayValue {
         traced(worker, index, ray).map_or(RayValue::OUTSIDE, |traced| RayValue::of(&traced, ray))
     }
 
-    /// The same from what rays beside it recorded, and its own record.
+    /// The same, where rays beside it recorded direct light; its own is added to `record`.
     pub(crate) fn trace_near(
         worker: &mut RayWorker<'_>,
         index: u64,
         ray: &CameraRay,
         (near, record): (&[Arc<DirectRecord>], &mut Option<DirectRecord>),
     ) -> RayValue {
-        let trace = |ray: &Ray| {
-            let (traced, own) = worker.trace_near(index, ray, near);
-            *record = Some(own);
-            traced
-        };
-        traced_by(ray, trace).map_or(RayValue::OUTSIDE, |traced| RayValue::of(&traced, ray))
+        let traced = traced_by(ray, |ray| worker.trace_near(index, ray, near, record));
+        traced.map_or(RayValue::OUTSIDE, |traced| RayValue::of(&traced, ray))
     }
 
     fn of(traced: &Traced, ray: &CameraRay) -> RayValue {

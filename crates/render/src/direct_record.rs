@@ -63,7 +63,10 @@ pub(crate) struct ExpectedLight {
 #[derive(Debug, Default)]
 pub(crate) struct DirectRecorder {
     near: Vec<Arc<DirectRecord>>,
-    record: DirectRecord,
+    /// Number of points of the current ray.
+    points: usize,
+    /// `None` if nobody wants the record of the ray.
+    record: Option<DirectRecord>,
     /// One for each light; of the last point.
     pub(crate) expected: Vec<ExpectedLight>,
 }
@@ -91,20 +94,23 @@ impl RecordedPoint {
 }
 
 impl DirectRecorder {
-    /// For a ray beside those of some records.
-    pub(crate) fn near(records: &[Arc<DirectRecord>]) -> DirectRecorder {
-        DirectRecorder { near: records.to_vec(), ..DirectRecorder::default() }
+    /// Begins a ray beside those of some records; its own record is added to `record`.
+    pub(crate) fn begin(&mut self, near: &[Arc<DirectRecord>], record: Option<DirectRecord>) {
+        self.near.clear();
+        self.near.extend_from_slice(near);
+        self.points = 0;
+        self.record = record;
     }
 
     /// The record of the ray.
-    pub(crate) fn finish(self) -> DirectRecord {
-        self.record
+    pub(crate) fn finish(&mut self) -> Option<DirectRecord> {
+        self.record.take()
     }
 
     /// Finds what the records suggest for the next point of the ray, and returns whether they are
     /// enough.
     pub(crate) fn expect(&mut self, point: &RecordedPoint, lights: usize) -> bool {
-        let order = self.record.points.len();
+        let order = self.points;
         let mut records = 0;
         for record in &self.near {
             if !record.points.get(order).is_some_and(|recorded| point.continues(recorded)) {
@@ -130,13 +136,20 @@ impl DirectRecorder {
     }
 
     /// Begins to record a point; its lights follow in their order.
-    pub(crate) fn begin_point(&mut self, point: RecordedPoint) {
-        self.record.points.push(point);
+    pub(crate) fn begin_point(&mut self, point: RecordedPoint, lights: usize) {
+        self.points += 1;
+        if let Some(record) = &mut self.record {
+            record.points.push(point);
+            record.lights.reserve(lights);
+        }
     }
 
     /// Records the next light of the point.
+    #[inline]
     pub(crate) fn add(&mut self, light: RecordedLight) {
-        self.record.lights.push(light);
+        if let Some(record) = &mut self.record {
+            record.lights.push(light);
+        }
     }
 }
 

@@ -22,11 +22,11 @@ use std::f64::consts::FRAC_1_PI;
 
 /// Share of a point's unshadowed light up to which a light on which the records agree is sampled
 /// seldom.
-const AGREED_SHARE: f64 = 0.15;
+const AGREED_SHARE: f64 = 0.25;
 
 /// Difference between the records of a light, relative to the unshadowed light of all, above which
 /// the light is sampled always.
-const MOST_SPREAD: f64 = 0.015;
+const MOST_SPREAD: f64 = 0.025;
 
 /// Minimum probability of sampling a light.
 const LEAST_CHANCE: f64 = 1.0 / 16.0;
@@ -76,7 +76,7 @@ impl DirectSampler<'_> {
         let mut cumulative = tracer.sampler.take(set)[0];
         let mut drawn = DrawnSet::none();
         let mut sum = [0.0; BANDS];
-        recorder.begin_point(here);
+        recorder.begin_point(here, plan.lights.len());
         for (index, light) in plan.lights.iter().enumerate() {
             let (chance, mean) = if is_known && total > 0.0 {
                 let expected = &recorder.expected[index];

@@ -39,7 +39,7 @@ enum CachedIrradiance {
 
 /// The working memory of one thread.
 #[derive(Debug)]
-pub struct RayWorker<'r>(Bands<'r>);
+pub struct RayWorker<'r>(Bands<'r>, Option<Box<DirectRecorder>>);
 
 #[derive(Debug)]
 enum Bands<'r> {
@@ -172,7 +172,7 @@ impl Renderer {
     #[must_use]
     pub fn worker(&self) -> RayWorker<'_> {
         let (plan, guide) = (&self.plan, self.guide.as_ref());
-        RayWorker(match &self.shared {
+        let bands = match &self.shared {
             CachedIrradiance::Grey(gathered) => Bands::Grey(tracer((plan, guide), gathered)),
             CachedIrradiance::Color(gathered) => Bands::Color(tracer((plan, guide), gathered)),
             CachedIrradiance::NarrowSpectrum(gathered) => {
@@ -180,7 +180,8 @@ impl Renderer {
             }
             CachedIrradiance::Spectrum(gathered) => Bands::Spectrum(Box::new(tracer((plan, guide), gathered))),
             CachedIrradiance::WideSpectrum(gathered) => Bands::WideSpectrum(Box::new(tracer((plan, guide), gathered))),
-        })
+        };
+        RayWorker(bands, None)
     }
 
     /// Traces a batch of rays on all threads; the first has number `first_index`. A gap has a
@@ -274,14 +275,24 @@ impl RayWorker<'_> {
         in_bands!(&mut self.0, Bands(tracer) => tracer.trace(index, ray))
     }
 
-    /// Traces ray number `index` of its stream, and records the direct light that it meets. What
-    /// rays beside it recorded reduces the noise and the number of sampled lights, without bias if
-    /// their numbers are independent of this one's.
-    pub fn trace_near(&mut self, index: u64, ray: &Ray, near: &[Arc<DirectRecord>]) -> (Traced, DirectRecord) {
+    /// Traces ray number `index` of its stream. Lights are not all sampled where rays beside it
+    /// recorded their direct light; this adds noise, but no bias if the numbers of those rays are
+    /// independent of this one's. Its own direct light is added to `record`, if that is not `None`.
+    pub fn trace_near(
+        &mut self,
+        index: u64,
+        ray: &Ray,
+        near: &[Arc<DirectRecord>],
+        record: &mut Option<DirectRecord>,
+    ) -> Traced {
+        let mut recorder = self.1.take().unwrap_or_default();
+        recorder.begin(near, record.take());
         in_bands!(&mut self.0, Bands(tracer) => {
-            tracer.recorder = Some(Box::new(DirectRecorder::near(near)));
+            tracer.recorder = Some(recorder);
             let traced = tracer.trace(index, ray);
-            (traced, tracer.recorder.take().map_or_else(DirectRecord::default, |recorder| recorder.finish()))
+            self.1 = tracer.recorder.take();
+            *record = self.1.as_mut().and_then(|recorder| recorder.finish());
+            traced
         })
     }
 
