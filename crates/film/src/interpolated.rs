@@ -13,7 +13,7 @@
 use crate::drawn_lights::DrawnLights;
 use crate::pixel_sample::{RayValue, SEVERAL, Sample, Surface, Tally, mean};
 use crate::view_camera::{CameraRay, ViewCamera};
-use radsight_render::{DirectRecord, Ray, RayWorker, Renderer};
+use radsight_render::{DirectRecord, NearRecord, Ray, RayWorker, Renderer};
 use radsight_sampling::RaySampler;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -74,6 +74,9 @@ const DOUBLINGS: usize = 2;
 /// first grids with a larger spacing end here.
 const STREAMS: usize = 32;
 
+/// Minimum weight of the records at a corner of a cell: others may lie on another surface.
+const LEAST_SHARE: f64 = 0.01;
+
 /// A square of pixels with a sampled pixel at each corner.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
@@ -86,6 +89,14 @@ struct Cell {
 impl Cell {
     fn corners(&self) -> [(usize, usize); 4] {
         [(self.left, self.top), (self.right, self.top), (self.left, self.bottom), (self.right, self.bottom)]
+    }
+
+    /// The weights of the corners in bilinear interpolation at a pixel.
+    fn shares(&self, (column, row): (usize, usize)) -> [f64; 4] {
+        let [width, height] = [self.right - self.left, self.bottom - self.top].map(|size| size.max(1) as f64);
+        let right = (column - self.left) as f64 / width;
+        let down = (row - self.top) as f64 / height;
+        [(1.0 - right) * (1.0 - down), right * (1.0 - down), (1.0 - right) * down, right * down]
     }
 
     fn is_divisible(&self) -> bool {
@@ -355,7 +366,7 @@ impl Block<'_> {
     ) -> (Sample, Option<DirectRecord>) {
         let (column, row) = (wanted.pixel.0, wanted.pixel.1 + self.first_row);
         let (first, most) = rays_of(spacing, wanted.noise);
-        let near = self.records_around(wanted.cell.as_ref());
+        let near = self.records_around(wanted);
         let mut record = None;
         let mut tally = Tally::default();
         let mut wanted = first;
@@ -381,12 +392,18 @@ impl Block<'_> {
         }
     }
 
-    /// Direct light at the corners of a cell, whose rays have numbers independent of those inside of
-    /// it; `None` if it is not recorded.
-    fn records_around(&self, cell: Option<&Cell>) -> Option<Vec<Arc<DirectRecord>>> {
-        let record = |corner| self.records[self.at(corner)].clone();
-        let records = |cell: &Cell| cell.corners().into_iter().filter_map(record).collect();
-        (!self.records.is_empty()).then(|| cell.map_or_else(Vec::new, records))
+    /// Direct light at the corners of the cell around a pixel, whose rays have numbers independent of
+    /// those of the pixel; `None` if it is not recorded.
+    fn records_around(&self, wanted: &Wanted) -> Option<Vec<NearRecord>> {
+        if self.records.is_empty() {
+            return None;
+        }
+        let Some(cell) = &wanted.cell else { return Some(Vec::new()) };
+        let near = cell.corners().into_iter().zip(cell.shares(wanted.pixel)).filter_map(|(corner, share)| {
+            let record = self.records[self.at(corner)].clone()?;
+            Some(NearRecord { record, weight: share.max(LEAST_SHARE) as f32 })
+        });
+        Some(near.collect())
     }
 
     /// Whether all pixels of a cell can be interpolated from its corners.
@@ -451,17 +468,13 @@ impl Block<'_> {
             all().map(|at| self.antialiased(&averaged, (at % columns, at / columns))).collect();
         for cell in smooth {
             let corners = cell.corners().map(|corner| averaged[self.at(corner)]);
-            let [width, height] = [cell.right - cell.left, cell.bottom - cell.top].map(|size| size.max(1) as f64);
             for row in cell.top..=cell.bottom {
                 for column in cell.left..=cell.right {
                     let at = self.at((column, row));
                     if self.samples[at].is_some() {
                         continue;
                     }
-                    let right = (column - cell.left) as f64 / width;
-                    let down = (row - cell.top) as f64 / height;
-                    let shares =
-                        [(1.0 - right) * (1.0 - down), right * (1.0 - down), (1.0 - right) * down, right * down];
+                    let shares = cell.shares((column, row));
                     pixels[at] = std::array::from_fn(|band| {
                         shares.iter().zip(&corners).map(|(share, corner)| share * corner[band]).sum()
                     });

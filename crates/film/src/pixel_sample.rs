@@ -2,8 +2,7 @@
 
 use crate::view_camera::{CameraRay, traced, traced_by};
 use glam::DVec3;
-use radsight_render::{DirectRecord, FirstHit, RayWorker, Traced};
-use std::sync::Arc;
+use radsight_render::{DirectRecord, FirstHit, NearRecord, RayWorker, Traced};
 
 /// Minimum cosine between the normals of corners of an interpolated cell.
 const MIN_COSINE: f64 = 0.9;
@@ -138,7 +137,7 @@ impl RayValue {
         worker: &mut RayWorker<'_>,
         index: u64,
         ray: &CameraRay,
-        (near, record): (&[Arc<DirectRecord>], &mut Option<DirectRecord>),
+        (near, record): (&[NearRecord], &mut Option<DirectRecord>),
     ) -> RayValue {
         let traced = traced_by(ray, |ray| worker.trace_near(index, ray, near, record));
         traced.map_or(RayValue::OUTSIDE, |traced| RayValue::of(&traced, ray))

@@ -29,6 +29,15 @@ pub struct DirectRecord {
     lights: Vec<RecordedLight>,
 }
 
+/// A record of a ray beside another one.
+#[derive(Clone, Debug)]
+pub struct NearRecord {
+    /// The record.
+    pub record: Arc<DirectRecord>,
+    /// Its weight in interpolation between the records; above zero.
+    pub weight: f32,
+}
+
 /// A point with recorded light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RecordedPoint {
@@ -51,7 +60,7 @@ pub(crate) struct RecordedLight {
 /// The radiance from one light that records around a point suggest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ExpectedLight {
-    /// The mean of the records.
+    /// Interpolated between the records.
     pub(crate) mean: RecordedLight,
     /// The largest value without shadows, summed over the bands.
     pub(crate) strongest: f32,
@@ -62,7 +71,7 @@ pub(crate) struct ExpectedLight {
 /// Records the direct light of a ray, and finds what neighbouring rays recorded.
 #[derive(Debug, Default)]
 pub(crate) struct DirectRecorder {
-    near: Vec<Arc<DirectRecord>>,
+    near: Vec<NearRecord>,
     /// Number of points of the current ray.
     points: usize,
     /// `None` if nobody wants the record of the ray.
@@ -95,7 +104,7 @@ impl RecordedPoint {
 
 impl DirectRecorder {
     /// Begins a ray beside those of some records; its own record is added to `record`.
-    pub(crate) fn begin(&mut self, near: &[Arc<DirectRecord>], record: Option<DirectRecord>) {
+    pub(crate) fn begin(&mut self, near: &[NearRecord], record: Option<DirectRecord>) {
         self.near.clear();
         self.near.extend_from_slice(near);
         self.points = 0;
@@ -111,23 +120,24 @@ impl DirectRecorder {
     /// enough.
     pub(crate) fn expect(&mut self, point: &RecordedPoint, lights: usize) -> bool {
         let order = self.points;
-        let mut records = 0;
-        for record in &self.near {
+        let (mut records, mut weights) = (0, 0.0);
+        for NearRecord { record, weight } in &self.near {
             if !record.points.get(order).is_some_and(|recorded| point.continues(recorded)) {
                 continue;
             }
             let recorded = &record.lights[order * lights..][..lights];
             if records == 0 {
                 self.expected.clear();
-                self.expected.extend(recorded.iter().map(ExpectedLight::of));
+                self.expected.extend(recorded.iter().map(|recorded| ExpectedLight::of(recorded, *weight)));
             } else {
-                self.expected.iter_mut().zip(recorded).for_each(|(expected, recorded)| expected.add(recorded));
+                let pairs = self.expected.iter_mut().zip(recorded);
+                pairs.for_each(|(expected, recorded)| expected.add(recorded, *weight));
             }
-            records += 1;
+            (records, weights) = (records + 1, weights + weight);
         }
         let is_known = records >= LEAST_RECORDS;
         if is_known {
-            self.expected.iter_mut().for_each(|expected| expected.divide(records as f32));
+            self.expected.iter_mut().for_each(|expected| expected.divide(weights));
         } else {
             self.expected.clear();
             self.expected.resize(lights, ExpectedLight::default());
@@ -161,23 +171,28 @@ impl RecordedLight {
 }
 
 impl ExpectedLight {
-    /// What a single record suggests.
-    fn of(recorded: &RecordedLight) -> ExpectedLight {
+    /// What a single record suggests. `mean` holds the weighted sum until
+    /// [`ExpectedLight::divide`].
+    fn of(recorded: &RecordedLight, weight: f32) -> ExpectedLight {
         let sum = recorded.sum();
-        ExpectedLight { mean: *recorded, strongest: recorded.unshadowed, range: [sum, sum] }
+        let mean =
+            RecordedLight { given: recorded.given.map(|band| weight * band), unshadowed: weight * recorded.unshadowed };
+        ExpectedLight { mean, strongest: recorded.unshadowed, range: [sum, sum] }
     }
 
-    /// Adds a record; `mean` holds the sum until [`ExpectedLight::divide`].
-    fn add(&mut self, recorded: &RecordedLight) {
+    #[inline]
+    fn add(&mut self, recorded: &RecordedLight, weight: f32) {
         let sum = recorded.sum();
-        self.mean.given = std::array::from_fn(|band| self.mean.given[band] + recorded.given[band]);
-        self.mean.unshadowed += recorded.unshadowed;
+        for (mean, band) in self.mean.given.iter_mut().zip(recorded.given) {
+            *mean += weight * band;
+        }
+        self.mean.unshadowed += weight * recorded.unshadowed;
         self.strongest = self.strongest.max(recorded.unshadowed);
         self.range = [self.range[0].min(sum), self.range[1].max(sum)];
     }
 
-    fn divide(&mut self, records: f32) {
-        let share = records.recip();
+    fn divide(&mut self, weights: f32) {
+        let share = weights.recip();
         self.mean.given = self.mean.given.map(|band| share * band);
         self.mean.unshadowed *= share;
     }

@@ -1,11 +1,12 @@
 //! Direct light of many lights as the difference from what neighbouring rays received.
 //!
-//! Most lights shine on neighbouring points alike. So the mean of the records around a point is a
-//! control variate: the light of the point is that mean, plus the differences of some lights from
-//! their means, each divided by the probability with which it is sampled. Lights whose records
-//! differ are sampled always or often, the others in proportion to their strength. Any mean and any
-//! probability above zero give an unbiased sum (control variates and importance sampling: Owen and
-//! Zhou, JASA 2000); the closer the mean, the less noise.
+//! Most lights shine on neighbouring points alike. So what the records around a point
+//! suggest is a control variate: the light of the point is their interpolated light, plus the
+//! differences of some lights from theirs, each divided by the probability with which it is sampled. Lights whose records
+//! differ are sampled always or often, the others in proportion to their strength. Any
+//! interpolation and any probability above zero give an unbiased sum (control variates and importance sampling: Owen and
+//! Zhou, JASA 2000); the better the
+//! interpolation, the less noise.
 //!
 //! Radiance instead stops to test shadows where the rest is weak (`-dt`), and assumes how much of
 //! it is visible (`-dc`).
@@ -22,11 +23,11 @@ use std::f64::consts::FRAC_1_PI;
 
 /// Share of a point's unshadowed light up to which a light on which the records agree is sampled
 /// seldom.
-const AGREED_SHARE: f64 = 0.25;
+const AGREED_SHARE: f64 = 0.15;
 
 /// Difference between the records of a light, relative to the unshadowed light of all, above which
 /// the light is sampled always.
-const MOST_SPREAD: f64 = 0.025;
+const MOST_SPREAD: f64 = 0.02;
 
 /// Minimum probability of sampling a light.
 const LEAST_CHANCE: f64 = 1.0 / 16.0;

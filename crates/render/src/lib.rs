@@ -51,7 +51,7 @@ mod unshadowed_sample;
 
 pub use contribution::Contribution;
 pub use cubature_error::CubatureError;
-pub use direct_record::DirectRecord;
+pub use direct_record::{DirectRecord, NearRecord};
 pub use light_image::{LightImage, Viewpoint};
 pub use mirrored_light::MirroredLight;
 pub use radsight_accel::Ray;

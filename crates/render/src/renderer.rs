@@ -4,7 +4,7 @@ use crate::cache_prepass::{GatheredIrradiance, gather};
 use crate::caching::caches_irradiance;
 use crate::contribution::Contribution;
 use crate::cubature_error::CubatureError;
-use crate::direct_record::{DirectRecord, DirectRecorder, records_direct_light};
+use crate::direct_record::{DirectRecord, DirectRecorder, NearRecord, records_direct_light};
 use crate::light_cubature::integrates_all_lights;
 use crate::mirrored_light::MirroredLight;
 use crate::path_guide::PathGuide;
@@ -16,7 +16,6 @@ use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
 use radsight_compile::RenderPlan;
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Renders a plan.
 #[derive(Debug)]
@@ -282,7 +281,7 @@ impl RayWorker<'_> {
         &mut self,
         index: u64,
         ray: &Ray,
-        near: &[Arc<DirectRecord>],
+        near: &[NearRecord],
         record: &mut Option<DirectRecord>,
     ) -> Traced {
         let mut recorder = self.1.take().unwrap_or_default();
