@@ -17,6 +17,9 @@ const MAX_SLOPE: f64 = 0.3;
 /// Maximum relative difference between their diffuse reflectances.
 const MAX_DIFFERENCE: f64 = 0.02;
 
+/// Light that a point probably receives, at least, relative to that without shadows.
+const LEAST_LEVEL: f64 = 0.3;
+
 /// Number of recorded points around a point that are needed to expect its light.
 const LEAST_RECORDS: usize = 2;
 
@@ -68,6 +71,26 @@ pub(crate) struct ExpectedLight {
     range: [f32; 2],
 }
 
+/// A light that is not sampled at every point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SeldomSampled {
+    pub(crate) index: usize,
+    /// Probability of selecting it.
+    pub(crate) chance: f64,
+    /// Sum of the probabilities of the lights before it, without the whole part.
+    pub(crate) start: f64,
+    pub(crate) is_selected: bool,
+    /// What it gives beyond what was expected; zero until it is sampled.
+    pub(crate) difference: [f64; 3],
+}
+
+impl SeldomSampled {
+    /// Whether the difference exceeds a limit, summed over the bands.
+    pub(crate) fn exceeds(&self, limit: f64) -> bool {
+        self.difference.iter().map(|band| band.abs()).sum::<f64>() > limit
+    }
+}
+
 /// Records the direct light of a ray, and finds what neighbouring rays recorded.
 #[derive(Debug, Default)]
 pub(crate) struct DirectRecorder {
@@ -76,8 +99,10 @@ pub(crate) struct DirectRecorder {
     points: usize,
     /// `None` if nobody wants the record of the ray.
     record: Option<DirectRecord>,
-    /// One for each light; of the last point.
+    /// One for each light; of the current point.
     pub(crate) expected: Vec<ExpectedLight>,
+    /// Memory for the lights of a point that are not always sampled.
+    pub(crate) seldom: Vec<SeldomSampled>,
 }
 
 /// Whether rays record direct light: interpolated pictures in which each ray samples many lights.
@@ -145,20 +170,22 @@ impl DirectRecorder {
         is_known
     }
 
-    /// Begins to record a point; its lights follow in their order.
-    pub(crate) fn begin_point(&mut self, point: RecordedPoint, lights: usize) {
+    /// The light that the current point probably receives, summed over lights and bands; at least a
+    /// fraction of what it would receive without shadows.
+    pub(crate) fn level(&self) -> f64 {
+        let sum = |of: fn(&RecordedLight) -> f32| -> f64 {
+            self.expected.iter().map(|expected| f64::from(of(&expected.mean))).sum()
+        };
+        sum(RecordedLight::sum).max(LEAST_LEVEL * sum(|light| light.unshadowed))
+    }
+
+    /// Records the current point, for whose lights [`DirectRecorder::expected`] holds what is now
+    /// known of them.
+    pub(crate) fn finish_point(&mut self, point: RecordedPoint) {
         self.points += 1;
         if let Some(record) = &mut self.record {
             record.points.push(point);
-            record.lights.reserve(lights);
-        }
-    }
-
-    /// Records the next light of the point.
-    #[inline]
-    pub(crate) fn add(&mut self, light: RecordedLight) {
-        if let Some(record) = &mut self.record {
-            record.lights.push(light);
+            record.lights.extend(self.expected.iter().map(|expected| expected.mean));
         }
     }
 }

@@ -12,7 +12,7 @@
 //! it is visible (`-dc`).
 
 use crate::direct::{DirectSampler, DrawnSet, ReachingLight};
-use crate::direct_record::{DirectRecorder, ExpectedLight, RecordedLight, RecordedPoint};
+use crate::direct_record::{DirectRecorder, ExpectedLight, RecordedLight, RecordedPoint, SeldomSampled};
 use crate::trace::PathIntegrator;
 use radsight_bsdf::{Bsdf, Highlight, PdfRequest};
 use radsight_compile::VisibilityClass;
@@ -21,16 +21,19 @@ use radsight_sampling::DimensionSet;
 use radsight_texture::product;
 use std::f64::consts::FRAC_1_PI;
 
-/// Share of a point's unshadowed light up to which a light on which the records agree is sampled
-/// seldom.
-const AGREED_SHARE: f64 = 0.15;
+/// Share of a point's light up to which a light on which the records agree is sampled seldom.
+const AGREED_SHARE: f64 = 0.1;
 
-/// Difference between the records of a light, relative to the unshadowed light of all, above which
-/// the light is sampled always.
+/// Difference between the records of a light, relative to the light of all, above which the light is
+/// sampled always.
 const MOST_SPREAD: f64 = 0.02;
 
 /// Minimum probability of sampling a light.
 const LEAST_CHANCE: f64 = 1.0 / 16.0;
+
+/// A difference from the records is large above this fraction of what a light must give to be
+/// sampled always.
+const SURPRISE: f64 = 0.2;
 
 /// Lights are sampled always where a highlight exceeds this fraction of the diffuse component.
 const NOTABLE_HIGHLIGHT: f64 = 0.1;
@@ -70,43 +73,48 @@ impl DirectSampler<'_> {
         let diffuse = point.diffuse.iter().copied().fold(0.0, f64::max);
         let here = RecordedPoint { position: self.point, normal: self.normal, diffuse };
         let is_known = recorder.expect(&here, plan.lights.len()) && is_predictable(point);
+        let level = if is_known { recorder.level() } else { 0.0 };
         let cone = HighlightCone::new(&self.reception.peak, diffuse);
-        let total: f64 = recorder.expected.iter().map(|expected| f64::from(expected.mean.unshadowed)).sum();
         let set = DimensionSet::render(tracer.next_set);
         tracer.next_set += 1;
-        let mut cumulative = tracer.sampler.take(set)[0];
+        let mut selection = Selection::new(tracer.sampler.take(set)[0]);
+        let mut seldom = std::mem::take(&mut recorder.seldom);
+        seldom.clear();
         let mut drawn = DrawnSet::none();
         let mut sum = [0.0; BANDS];
-        recorder.begin_point(here, plan.lights.len());
         for (index, light) in plan.lights.iter().enumerate() {
-            let (chance, mean) = if is_known && total > 0.0 {
-                let expected = &recorder.expected[index];
-                (self.chance(light, expected, total, &cone), expected.mean)
-            } else {
-                (1.0, RecordedLight::default())
-            };
-            let given: [f64; BANDS] = std::array::from_fn(|band| f64::from(mean.given[band]));
-            sum = std::array::from_fn(|band| sum[band] + given[band]);
+            let expected = &mut recorder.expected[index];
+            let chance = if level > 0.0 { self.chance(light, expected, level, &cone) } else { 1.0 };
             if chance < 1.0 {
-                cumulative += chance;
-                if cumulative < 1.0 {
-                    recorder.add(mean);
-                    continue;
-                }
-                cumulative -= 1.0;
+                add(&mut sum, expected.mean.given.map(f64::from));
+                seldom.push(selection.next(index, chance));
+            } else {
+                expected.mean = self.light_of(tracer, point, (index, light), (first_set, &mut drawn));
+                add(&mut sum, expected.mean.given.map(f64::from));
             }
-            let (sampled, unshadowed) = self.light_of(tracer, point, (index, light), (first_set, &mut drawn));
-            sum = std::array::from_fn(|band| sum[band] + (sampled[band] - given[band]) / chance);
-            let bands = std::array::from_fn(|band| sampled[band.min(BANDS - 1)] as f32);
-            recorder.add(RecordedLight { given: bands, unshadowed: unshadowed as f32 });
         }
+        let mut sample = |seldom: &mut SeldomSampled| {
+            let sampled =
+                self.light_of(tracer, point, (seldom.index, &plan.lights[seldom.index]), (first_set, &mut drawn));
+            let expected = std::mem::replace(&mut recorder.expected[seldom.index].mean, sampled);
+            let [sampled, expected] = [sampled, expected].map(|light| light.given.map(f64::from));
+            seldom.difference = std::array::from_fn(|band| sampled[band] - expected[band]);
+        };
+        let surprise = SURPRISE * AGREED_SHARE * level;
+        seldom.iter_mut().filter(|seldom| seldom.is_selected).for_each(&mut sample);
+        if seldom.iter().any(|seldom| seldom.exceeds(surprise)) {
+            seldom.iter_mut().filter(|seldom| !seldom.is_selected).for_each(sample);
+        }
+        add(&mut sum, differences(&seldom, surprise));
+        recorder.seldom = seldom;
+        recorder.finish_point(here);
         sum
     }
 
     /// Probability of sampling a light.
-    fn chance(&self, light: &Light, expected: &ExpectedLight, total: f64, cone: &HighlightCone) -> f64 {
-        let strength = f64::from(expected.strongest) / (AGREED_SHARE * total);
-        let spread = f64::from(expected.spread()) / (MOST_SPREAD * total);
+    fn chance(&self, light: &Light, expected: &ExpectedLight, level: f64, cone: &HighlightCone) -> f64 {
+        let strength = f64::from(expected.strongest) / (AGREED_SHARE * level);
+        let spread = f64::from(expected.spread()) / (MOST_SPREAD * level);
         let chance = strength.max(spread).max(LEAST_CHANCE);
         if chance >= 1.0 || self.is_uncertain(light, expected, cone) { 1.0 } else { chance }
     }
@@ -135,19 +143,18 @@ impl DirectSampler<'_> {
         light.radius.is_finite() && self.normal.dot(offset) < -BELOW * offset.length() - light.radius
     }
 
-    /// Radiance that the point scatters from one light, and what it would be without shadows, summed
-    /// over the bands.
+    /// Samples one light.
     fn light_of<'p, const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'p, BANDS>,
         point: &Bsdf<'_, BANDS>,
         (index, light): (usize, &'p Light),
         drawn: (u32, &mut DrawnSet),
-    ) -> ([f64; BANDS], f64) {
+    ) -> RecordedLight {
         let (mut sum, mut unshadowed) = ([0.0; BANDS], 0.0);
         let between = self.between(tracer.plan, index);
         if *between == VisibilityClass::Dark || light.misses(self.point) || self.faces_away(light) {
-            return (sum, unshadowed);
+            return RecordedLight::default();
         }
         let pdfs =
             if self.highlight_draws > 0 || self.shares_diffuse { PdfRequest::Wanted } else { PdfRequest::Unused };
@@ -160,8 +167,76 @@ impl DirectSampler<'_> {
             let given = product(weight, self.arriving(tracer, light, &sample, between, radiance));
             sum = std::array::from_fn(|band| sum[band] + given[band]);
         });
-        (sum, unshadowed)
+        let given = std::array::from_fn(|band| if band < BANDS { sum[band] as f32 } else { 0.0 });
+        RecordedLight { given, unshadowed: unshadowed as f32 }
     }
+}
+
+/// Adds the bands that are traced.
+fn add<const BANDS: usize>(sum: &mut [f64; BANDS], given: [f64; 3]) {
+    sum.iter_mut().zip(given).for_each(|(sum, given)| *sum += given);
+}
+
+/// Systematic selection of lights: of lights whose probabilities add up to n, n are selected, or one
+/// more or less.
+struct Selection {
+    /// Sum of the probabilities so far, and a random number, both without whole parts.
+    cumulative: f64,
+    offset: f64,
+}
+
+impl Selection {
+    /// `u` is uniform from 0 to 1.
+    fn new(u: f64) -> Selection {
+        Selection { cumulative: 0.0, offset: u }
+    }
+
+    fn next(&mut self, index: usize, chance: f64) -> SeldomSampled {
+        let start = self.cumulative;
+        self.cumulative = (start + chance).fract();
+        let before = (start + self.offset).fract();
+        SeldomSampled { index, chance, start, is_selected: before + chance >= 1.0, difference: [0.0; 3] }
+    }
+}
+
+/// The sum of the differences of lights from what was expected, estimated from the selected ones.
+///
+/// Lights with a large difference often occur together, as where all are hidden. Their sum counts
+/// if one of them is selected, divided by the probability of that; others count one by one.
+fn differences(lights: &[SeldomSampled], surprise: f64) -> [f64; 3] {
+    let is_surprised = lights.iter().any(|light| light.is_selected && light.exceeds(surprise));
+    let together = if is_surprised { chance_of_any(lights, surprise) } else { 1.0 };
+    let mut sum = [0.0; 3];
+    for light in lights {
+        let chance = match (light.exceeds(surprise), light.is_selected) {
+            (true, _) => together,
+            (false, true) => light.chance,
+            (false, false) => continue,
+        };
+        sum = std::array::from_fn(|band| sum[band] + light.difference[band] / chance);
+    }
+    sum
+}
+
+/// Probability that any light with a large difference is selected: the length of the union of the
+/// offsets that select them.
+fn chance_of_any(lights: &[SeldomSampled], surprise: f64) -> f64 {
+    let mut offsets: Vec<[f64; 2]> = Vec::new();
+    for light in lights.iter().filter(|light| light.exceeds(surprise)) {
+        let end = 1.0 - light.start;
+        let start = end - light.chance;
+        offsets.push([start.max(0.0), end]);
+        if start < 0.0 {
+            offsets.push([1.0 + start, 1.0]);
+        }
+    }
+    offsets.sort_unstable_by(|one, other| one[0].total_cmp(&other[0]));
+    let (mut covered, mut reached) = (0.0, 0.0_f64);
+    for [start, end] in offsets {
+        covered += (end - start.max(reached)).max(0.0);
+        reached = reached.max(end);
+    }
+    covered
 }
 
 /// A light is far below a point if the sine of its angle below the tangent plane exceeds this.
