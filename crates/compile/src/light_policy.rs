@@ -24,6 +24,9 @@ const SPLIT_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 128, d
 /// mirrors are visible. Of more lights, sampling each one takes longer than the tree.
 const DIVIDED_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 64, draws: 32 };
 
+/// The same where few rays sample all lights, since others share what those found.
+const SHARED_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 192, draws: 32 };
+
 /// Number of virtual images that count as one light: most images are invisible from most points.
 const IMAGES_FOR_ONE: usize = 3;
 
@@ -40,6 +43,7 @@ pub(crate) fn light_draws(lights: &[Light], tree: Option<&LightTree>, options: &
     let first = match options.light_division {
         _ if splits_first(options) => SPLIT_SELECTION,
         LightDivision::BySize(_) => DIVIDED_SELECTION,
+        LightDivision::Shared(_) => SHARED_SELECTION,
         LightDivision::Whole => SELECTION[0],
     };
     [first, SELECTION[1]]

@@ -234,6 +234,8 @@ pub enum LightDivision {
     /// So many points in each square whose side is the requested fraction of the distance (`-ds`),
     /// on all lights unless they are very many: pixels have few rays.
     BySize(f64),
+    /// The same, where rays beside each other share what they know of the light.
+    Shared(f64),
 }
 
 /// Whether view rays see light sources.

@@ -230,7 +230,11 @@ impl ErrorBudget {
                 gathering.accuracy = gathering.accuracy.min(INTERPOLATION_NOISES * gathering.noise);
                 gathering.record_share = RECORD_SHARE * thoroughness.powi(2);
                 gathering.most_residual = f64::INFINITY;
-                options.light_division = LightDivision::BySize(points_per_square(interpolation.spacing));
+                let density = points_per_square(interpolation.spacing);
+                options.light_division = match interpolation.spacing {
+                    ..2.0 => LightDivision::BySize(density),
+                    _ => LightDivision::Shared(density),
+                };
                 SamplingBudget::Interpolated(interpolation)
             }
         }
@@ -258,7 +262,7 @@ mod tests {
     #[test]
     fn single_rays_take_as_many_points_on_lights_as_several_rays() {
         let [single, several] = [1.0, 4.0].map(|spacing| preview(spacing, 0.1, 64).light_division);
-        assert_eq!([single, several], [LightDivision::BySize(2.0), LightDivision::BySize(0.5)]);
+        assert_eq!([single, several], [LightDivision::BySize(2.0), LightDivision::Shared(0.5)]);
     }
 
     #[test]

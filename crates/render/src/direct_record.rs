@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 /// Numbers of lights for which records pay: fewer are sampled faster, and more take too much memory.
 const FEWEST_LIGHTS: usize = 8;
-const MOST_LIGHTS: usize = 192;
+const MOST_LIGHTS: usize = 256;
 
 /// Minimum cosine between the normals of a point and of a recorded one beside it.
 const MIN_COSINE: f64 = 0.9;
@@ -108,8 +108,8 @@ pub(crate) struct DirectRecorder {
 /// Whether rays record direct light: interpolated pictures in which each ray samples many lights.
 pub(crate) fn records_direct_light(plan: &RenderPlan) -> bool {
     let options = &plan.options;
-    let is_divided = matches!(options.light_division, LightDivision::BySize(_));
-    is_divided
+    let is_shared = matches!(options.light_division, LightDivision::Shared(_));
+    is_shared
         && plan.bands <= 3
         && plan.light_draws[0] == 0
         && (FEWEST_LIGHTS..=MOST_LIGHTS).contains(&plan.lights.len())

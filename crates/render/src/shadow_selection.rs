@@ -23,7 +23,7 @@ impl DirectSampler<'_> {
     /// Whether shadow rays may be selected: neighbouring pixels average the noise, and nobody asks
     /// for each ray.
     pub(crate) fn selects_shadow_rays<const BANDS: usize>(&self, tracer: &PathIntegrator<'_, BANDS>) -> bool {
-        let is_divided = matches!(tracer.plan.options.light_division, LightDivision::BySize(_));
+        let is_divided = tracer.plan.options.light_division != LightDivision::Whole;
         is_divided && !self.drawn && tracer.tree.is_none() && tracer.contributions.is_none()
     }
 

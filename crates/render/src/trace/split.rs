@@ -156,7 +156,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     ) -> LightSampleCount {
         let options = &self.plan.options;
         let is_sensor = options.quantity != Quantity::Radiance && path.mis.is_none();
-        if let (LightDivision::BySize(density), None) = (options.light_division, &path.mis) {
+        if let (LightDivision::BySize(density) | LightDivision::Shared(density), None) =
+            (options.light_division, &path.mis)
+        {
             let side = options.source_sampling;
             let squares = if side > 0.0 { self.weight(path) / (side * side) } else { 0.0 };
             let per_lobe = if point.has_highlight() { 0.0 } else { SAMPLES_PER_LOBE };
