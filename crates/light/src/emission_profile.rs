@@ -19,6 +19,9 @@ const GRAZING: f64 = 0.05;
 /// factor.
 const NARROW: f64 = 4.0;
 
+/// A distribution is wide if a coarse table gives a smaller factor.
+const SURELY_WIDE: f64 = 2.0;
+
 /// A light is near if the sine of its bounding sphere's half angle exceeds this.
 const NEAR: f64 = 0.1;
 
@@ -47,14 +50,15 @@ impl EmissionProfile {
             let cosine = (1.0 - a * a - b * b).max(0.0).sqrt();
             if cosine > 0.0 { [radiance(x * a + y * b + normal * cosine).max(0.0), cosine] } else { [0.0; 2] }
         };
-        let corners: Vec<[f64; 2]> = (0..(CELLS + 1) * (CELLS + 1)).map(&mut at_corner).collect();
-        let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
-        for [radiance, _] in corners.iter().filter(|[_, cosine]| *cosine > 0.0) {
-            sum += radiance;
-            squares += radiance * radiance;
-            count += 1.0;
+        let corners = (0..(CELLS + 1) * (CELLS + 1)).collect::<Vec<usize>>();
+        // Most distributions are wide, and a coarse table shows that of them.
+        let is_coarse = |corner: &usize| [corner % (CELLS + 1), corner / (CELLS + 1)].iter().all(|step| step % 2 == 0);
+        let coarse: Vec<[f64; 2]> = corners.iter().copied().filter(is_coarse).map(&mut at_corner).collect();
+        if narrowness(&coarse).is_some_and(|narrowness| narrowness < SURELY_WIDE) {
+            return None;
         }
-        let is_narrow = sum > 0.0 && squares.is_finite() && squares * count > NARROW * sum * sum;
+        let corners: Vec<[f64; 2]> = corners.into_iter().map(&mut at_corner).collect();
+        let is_narrow = narrowness(&corners).is_some_and(|narrowness| narrowness > NARROW);
         is_narrow.then(|| EmissionProfile::of_corners([x, y, normal], &corners))
     }
 
@@ -110,6 +114,18 @@ impl EmissionProfile {
     }
 }
 
+/// The mean of the square of the radiance relative to the square of its mean, over directions out of
+/// the light; `None` if it is dark.
+fn narrowness(corners: &[[f64; 2]]) -> Option<f64> {
+    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+    for [radiance, _] in corners.iter().filter(|[_, cosine]| *cosine > 0.0) {
+        sum += radiance;
+        squares += radiance * radiance;
+        count += 1.0;
+    }
+    (sum > 0.0 && squares.is_finite()).then(|| squares * count / (sum * sum))
+}
+
 /// Index of the sampled cell of a cumulative distribution, and the position within it.
 fn sampled_cell(cumulative: &[f64], u: f64) -> (usize, f64) {
     let index = cumulative.partition_point(|sum| *sum <= u).min(cumulative.len() - 1);
@@ -141,6 +157,16 @@ mod tests {
     fn a_wide_distribution_has_no_profile() {
         assert!(EmissionProfile::new(&square(), |direction| direction.z).is_none());
         assert!(EmissionProfile::new(&square(), |_| 0.0).is_none());
+    }
+
+    #[test]
+    fn a_beam_of_five_degrees_has_a_profile() {
+        let beam = |axis: DVec3| move |out: DVec3| f64::from(u8::from(out.dot(axis) > 2.5_f64.to_radians().cos()));
+        for turn in 0..16 {
+            let (sine, cosine) = (0.1 * f64::from(turn)).sin_cos();
+            let axis = DVec3::new(0.6 * cosine, 0.6 * sine, 0.8);
+            assert!(EmissionProfile::new(&square(), beam(axis)).is_some(), "{axis}");
+        }
     }
 
     #[test]

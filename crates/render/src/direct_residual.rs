@@ -251,3 +251,57 @@ fn is_predictable<const BANDS: usize>(point: &Bsdf<'_, BANDS>) -> bool {
     };
     is_known && point.transmission.is_none_or(|transmission| transmission.lobe.is_none())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What lights give beyond what was expected: nothing, alike, or far more than others.
+    const DIFFERENCES: [&[f64]; 4] = [
+        &[0.0, 0.0, 0.3, 0.0, -0.2],
+        &[-1.0, -1.0, -1.0, -1.0, -1.0, -1.0],
+        &[0.1, 5.0, -0.1, 0.2, 0.0, -3.0, 0.05, 4.0],
+        &[0.01, -0.02, 0.03, 0.01],
+    ];
+    const SURPRISE: f64 = 0.5;
+    const OFFSETS: usize = 20_000;
+
+    /// What the lights give if they are sampled like those of a point.
+    fn estimate(all: &[f64], u: f64) -> f64 {
+        let mut selection = Selection::new(u);
+        let chance = |index: usize| [0.0625, 0.4, 0.17, 0.9][index % 4];
+        let mut lights: Vec<SeldomSampled> = (0..all.len()).map(|index| selection.next(index, chance(index))).collect();
+        let sample = |light: &mut SeldomSampled| light.difference = [all[light.index]; 3];
+        lights.iter_mut().filter(|light| light.is_selected).for_each(sample);
+        if lights.iter().any(|light| light.exceeds(SURPRISE)) {
+            lights.iter_mut().for_each(sample);
+        }
+        differences(&lights, SURPRISE)[1]
+    }
+
+    #[test]
+    fn the_mean_of_differences_over_all_offsets_is_their_sum() {
+        for all in DIFFERENCES {
+            let offsets = (0..OFFSETS).map(|offset| (offset as f64 + 0.5) / OFFSETS as f64);
+            let mean = offsets.map(|u| estimate(all, u)).sum::<f64>() / OFFSETS as f64;
+            let sum: f64 = all.iter().sum();
+            assert!((mean - sum).abs() < 2e-3 * all.iter().map(|one| one.abs()).sum::<f64>(), "{mean}, not {sum}");
+        }
+    }
+
+    #[test]
+    fn a_shadow_of_many_lights_is_certain() {
+        let values: Vec<f64> = (0..100).map(|offset| estimate(DIFFERENCES[1], f64::from(offset) / 100.0)).collect();
+        assert!(values.iter().all(|value| (value + 6.0).abs() < 1e-9), "{values:?}");
+    }
+
+    #[test]
+    fn highlights_reach_as_far_as_they_are_notable() {
+        let peak = LobePeak { axis: glam::DVec3::Z, width: 50.0, height: 2.0, floor: 0.0 };
+        let cone = HighlightCone::new(&peak, 0.5);
+        let at_edge = peak.height * (-peak.width * cone.radius * cone.radius).exp();
+        assert!((at_edge / (NOTABLE_HIGHLIGHT * 0.5 * FRAC_1_PI) - 1.0).abs() < 1e-9);
+        assert_eq!(HighlightCone::new(&LobePeak::NONE, 0.5).radius, 0.0);
+        assert!(HighlightCone::new(&peak, 0.0).radius.is_infinite());
+    }
+}

@@ -1,0 +1,112 @@
+//! Direct light from what neighbouring rays recorded, compared with all lights.
+
+mod build;
+
+use build::{Builder, mean, plan};
+use glam::DVec3;
+use radsight_ir::{Facing, Sphere};
+use radsight_render::{DirectRecord, LightDivision, NearRecord, Ray, RenderOptions, Renderer};
+use std::sync::Arc;
+
+const RAYS: u64 = 1 << 11;
+
+/// Distance of the recorded points from the point between them, scene units.
+const APART: f64 = 0.1;
+
+/// Lamps of different strength above a floor.
+fn lamps(count: u32) -> Builder {
+    let mut scene = Builder::default();
+    let floor = scene.plastic([0.5, 0.4, 0.3], 0.04, 0.15);
+    scene.polygon(floor, &[[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0]].map(|[x, y]| DVec3::new(x, y, 0.0)));
+    for index in 0..count {
+        let light = scene.light([5.0, 4.0, 3.0].map(|band| band * f64::from(1 + index % 5)));
+        let (sine, cosine) = (2.4 * f64::from(index)).sin_cos();
+        let center = DVec3::new(cosine, sine, 0.0) * (0.3 + 0.05 * f64::from(index)) + DVec3::Z * 1.5;
+        scene.sphere(light, Sphere { center, radius: 0.03, facing: Facing::Outward });
+    }
+    scene
+}
+
+/// A ball on the way from the floor to the lamps; its centre is so many radii above the floor.
+fn block(scene: &mut Builder, above: DVec3, radius: f64, height: f64) {
+    let black = scene.plastic([0.0; 3], 0.0, 0.0);
+    scene.sphere(black, Sphere { center: above + DVec3::Z * (height * radius), radius, facing: Facing::Outward });
+}
+
+/// A ray from above to a point of the floor.
+fn ray(to: DVec3) -> Ray {
+    let eye = DVec3::new(0.0, -1.5, 0.4);
+    Ray::new(eye, to - eye).unwrap()
+}
+
+/// Mean and standard deviation of the radiance of the middle, from records of the corners around it.
+fn near_records(scene: &Builder) -> [f64; 2] {
+    let options = RenderOptions { light_division: LightDivision::Shared(0.5), ..RenderOptions::default() };
+    let renderer = Renderer::new(plan(scene, options));
+    assert!(renderer.records_direct_light());
+    let mut worker = renderer.worker();
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0) * APART);
+    let values: Vec<f64> = (0..RAYS)
+        .map(|index| {
+            let near = corners.iter().zip(1_u64..).map(|(corner, stream)| {
+                let mut record = Some(DirectRecord::default());
+                worker.trace_near(stream << 40 | index, &ray(*corner), &[], &mut record);
+                NearRecord { record: Arc::new(record.unwrap()), weight: 0.25 }
+            });
+            let near: Vec<NearRecord> = near.collect();
+            worker.trace_near(index, &ray(DVec3::ZERO), &near, &mut None).value[0]
+        })
+        .collect();
+    let mean = values.iter().sum::<f64>() / RAYS as f64;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (RAYS - 1) as f64;
+    [mean, variance.sqrt()]
+}
+
+/// The radiance of the middle from all lamps.
+fn all_lamps(scene: &Builder) -> f64 {
+    let Ray { origin, direction, .. } = ray(DVec3::ZERO);
+    mean(scene, RenderOptions::default(), origin, direction, 1 << 13)
+}
+
+/// The noise is relative to the light of twenty lamps without shadows.
+#[track_caller]
+fn assert_same_mean(scene: &Builder, most_noise: f64) {
+    let ([found, deviation], expected, bright) = (near_records(scene), all_lamps(scene), all_lamps(&lamps(20)));
+    let error = 4.0 * deviation / (RAYS as f64).sqrt() + 1e-3 * bright;
+    assert!((found - expected).abs() < error, "{found} ± {deviation}, not {expected}");
+    assert!(deviation < most_noise * bright, "{deviation} of {bright}");
+}
+
+#[test]
+fn light_that_neighbours_receive_alike_has_little_noise() {
+    assert_same_mean(&lamps(20), 0.03);
+    assert_same_mean(&lamps(120), 0.04);
+}
+
+#[test]
+fn shadows_that_no_neighbour_sees_are_as_dark_as_with_all_lamps() {
+    // The ball hides all lamps, or a quarter of them.
+    for (height, noise) in [(1.5, 0.05), (3.0, 0.1)] {
+        let mut scene = lamps(20);
+        block(&mut scene, DVec3::ZERO, 0.03, height);
+        assert_same_mean(&scene, noise);
+    }
+}
+
+#[test]
+fn light_between_shadows_is_as_bright_as_with_all_lamps() {
+    let mut scene = lamps(20);
+    for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+        block(&mut scene, DVec3::new(x, y, 0.0) * APART, 0.03, 1.5);
+    }
+    assert_same_mean(&scene, 0.1);
+}
+
+#[test]
+fn lamps_in_a_mirror_and_a_highlight_count_once() {
+    let mut scene = lamps(12);
+    let mirror = scene.mirror([0.9, 0.8, 0.7]);
+    scene.polygon(mirror, &[[-2.0, 0.1], [2.0, 0.1], [2.0, 1.8], [-2.0, 1.8]].map(|[x, z]| DVec3::new(x, 1.0, z)));
+    block(&mut scene, DVec3::ZERO, 0.03, 3.0);
+    assert_same_mean(&scene, 0.1);
+}
