@@ -11,6 +11,7 @@
 //! edge-aware reconstruction (Bala, Walter and Greenberg 2003; Rousselle, Manzi and Zwicker 2013).
 
 use crate::drawn_lights::DrawnLights;
+use crate::grid::{Cell, INDEX_LOG2, Pixel, first_pixels, numbered};
 use crate::pixel_sample::{RayValue, SEVERAL, Sample, Surface, Tally, mean};
 use crate::view_camera::{CameraRay, ViewCamera};
 use radsight_render::{DirectRecord, NearRecord, Ray, RayWorker, Renderer};
@@ -61,11 +62,6 @@ const NOISE_REDUCTION: f64 = 3.0;
 /// Number of standard errors by which two samples may differ by chance.
 const CHANCE_ERRORS: f64 = 2.0;
 
-/// Every grid has its own random numbers along a Z-order curve, so that those of neighbouring
-/// samples are stratified together.
-const TILE_LOG2: u32 = 6;
-const INDEX_LOG2: u32 = 16;
-
 /// Where direct light is recorded, the first grid is sampled in grids of up to twice so many times
 /// its spacing, as a power of two: each profits from what the rays of the one before recorded.
 const DOUBLINGS: usize = 2;
@@ -76,52 +72,6 @@ const STREAMS: usize = 32;
 
 /// Minimum weight of the records at a corner of a cell: others may lie on another surface.
 const LEAST_SHARE: f64 = 0.01;
-
-/// A square of pixels with a sampled pixel at each corner.
-#[derive(Clone, Copy, Debug)]
-struct Cell {
-    left: usize,
-    top: usize,
-    right: usize,
-    bottom: usize,
-}
-
-impl Cell {
-    fn corners(&self) -> [(usize, usize); 4] {
-        [(self.left, self.top), (self.right, self.top), (self.left, self.bottom), (self.right, self.bottom)]
-    }
-
-    /// The weights of the corners in bilinear interpolation at a pixel.
-    fn shares(&self, (column, row): (usize, usize)) -> [f64; 4] {
-        let [width, height] = [self.right - self.left, self.bottom - self.top].map(|size| size.max(1) as f64);
-        let right = (column - self.left) as f64 / width;
-        let down = (row - self.top) as f64 / height;
-        [(1.0 - right) * (1.0 - down), right * (1.0 - down), (1.0 - right) * down, right * down]
-    }
-
-    fn is_divisible(&self) -> bool {
-        self.right - self.left > 1 || self.bottom - self.top > 1
-    }
-
-    /// The columns and rows of its subdivision.
-    fn parts(&self) -> (Vec<usize>, Vec<usize>) {
-        let halves = |first: usize, last: usize| {
-            let center = first + (last - first) / 2;
-            if center > first { vec![first, center, last] } else { vec![first, last] }
-        };
-        (halves(self.left, self.right), halves(self.top, self.bottom))
-    }
-
-    fn divided(&self) -> impl Iterator<Item = Cell> + use<> {
-        let (columns, rows) = self.parts();
-        let rows: Vec<(usize, usize)> = rows.windows(2).map(|pair| (pair[0], pair[1])).collect();
-        rows.into_iter().flat_map(move |(top, bottom)| {
-            let cells: Vec<Cell> =
-                columns.windows(2).map(|pair| Cell { left: pair[0], right: pair[1], top, bottom }).collect();
-            cells
-        })
-    }
-}
 
 /// Samples of a block of rows, and of the adjacent rows that its interpolation needs.
 #[derive(Debug)]
@@ -147,7 +97,7 @@ struct Block<'b> {
 /// A pixel to be sampled.
 #[derive(Clone, Copy, Debug)]
 struct Wanted {
-    pixel: (usize, usize),
+    pixel: Pixel,
     noise: Noise,
     /// A cell around it whose corners are sampled; `None` on the coarsest grid.
     cell: Option<Cell>,
@@ -247,8 +197,9 @@ impl Block<'_> {
         let doublings = if self.records.is_empty() { 0 } else { DOUBLINGS };
         for doubling in (0..=doublings).rev() {
             let stream = if doubling == 0 { spacing } else { STREAMS - doubling };
-            let wanted = first_pixels([&columns, &rows], 1 << doubling, 1 << doublings);
-            self.trace(wanted, (spacing, stream));
+            let pixels = first_pixels([&columns, &rows], 1 << doubling, 1 << doublings);
+            let wanted = pixels.into_iter().map(|(pixel, cell)| Wanted { pixel, noise: Noise::Low, cell });
+            self.trace(wanted.collect(), (spacing, stream));
         }
         self.darkness = DARK_FRACTION * self.interpolation.contrast * self.typical();
         let pairs = |steps: &[usize]| -> Vec<(usize, usize)> {
@@ -626,44 +577,4 @@ struct Patch {
     variance: f64,
     mean: f64,
     variance_of_mean: f64,
-}
-
-/// The number of a ray along a Z-order curve through the samples of a grid.
-fn numbered([column, row]: [usize; 2], (spacing, stream): (usize, usize), rays: u32, ray: u32) -> u64 {
-    let [x, y] = [column / spacing, row / spacing].map(|at| at as u64);
-    let tile = (stream as u64) << 40 | (y >> TILE_LOG2) << 20 | (x >> TILE_LOG2);
-    let within = 1 << TILE_LOG2;
-    let along = morton(x % within) | morton(y % within) << 1;
-    // Pixels between the lines of the grid, at the border of the picture, follow after all others.
-    let off = u64::from(column % spacing != 0 || row % spacing != 0);
-    ((tile | off << 45) << INDEX_LOG2) | (along * u64::from(rays) + u64::from(ray))
-}
-
-/// The pixels of the coarsest grid that a stride adds, by the columns and rows of the grid.
-fn first_pixels([columns, rows]: [&[usize]; 2], stride: usize, coarser: usize) -> Vec<Wanted> {
-    let on_grid = |at: usize, count: usize, stride: usize| at % stride == 0 || at + 1 == count;
-    // The places of the grid of twice the stride around a place.
-    let around = |at: usize, steps: &[usize]| {
-        let first = at - at % (2 * stride);
-        [steps[first], steps[(first + 2 * stride).min(steps.len() - 1)]]
-    };
-    let mut wanted = Vec::new();
-    for (down, row) in rows.iter().enumerate().filter(|(down, _)| on_grid(*down, rows.len(), stride)) {
-        for (right, column) in columns.iter().enumerate().filter(|(right, _)| on_grid(*right, columns.len(), stride)) {
-            let is_sampled =
-                stride < coarser && on_grid(down, rows.len(), 2 * stride) && on_grid(right, columns.len(), 2 * stride);
-            if is_sampled {
-                continue;
-            }
-            let ([left, right], [top, bottom]) = (around(right, columns), around(down, rows));
-            let cell = (stride < coarser).then_some(Cell { left, top, right, bottom });
-            wanted.push(Wanted { pixel: (*column, *row), noise: Noise::Low, cell });
-        }
-    }
-    wanted
-}
-
-/// The bits of a number below 2⁸, interleaved with zeros.
-fn morton(number: u64) -> u64 {
-    (0..8).map(|bit| (number >> bit & 1) << (2 * bit)).sum()
 }
