@@ -17,6 +17,7 @@ mod frame;
 mod function_lobe;
 mod functions;
 mod glossy;
+mod lobe_moments;
 mod measured;
 mod measured_lobe;
 mod sample;

@@ -1,26 +1,25 @@
 //! Reflection that is a smooth function of the direction of light, for many directions at one point.
 
 use crate::bsdf::{Bsdf, FresnelCoat, Highlight};
+use crate::lobe_moments::{LobeMoments, squared_angle};
 use glam::DVec3;
+use radsight_light::{DiskFrame, DiskNodes};
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Diffuse reflection, with or without the Gaussian retroreflecting lobe. Its values are those of
 /// [`Bsdf::eval`], for a fraction of the time.
 #[derive(Clone, Copy, Debug)]
 pub struct SmoothLobe<const BANDS: usize> {
-    outgoing: DVec3,
-    normal: DVec3,
-    diffuse_normal: DVec3,
+    pub(crate) outgoing: DVec3,
+    pub(crate) normal: DVec3,
+    pub(crate) diffuse_normal: DVec3,
     /// Diffuse reflectance / π.
     diffuse: [f64; BANDS],
     /// The lobe at its peak, times the cosine: ρ_s/(4πα²), 1/sr.
     peak: [f64; BANDS],
     /// 1/(4α²), 1/rad².
-    curvature: f64,
+    pub(crate) curvature: f64,
 }
-
-/// Squared length of the chord up to which a series gives the squared angle, to 2·10⁻¹³ of it.
-const SHORT_CHORD: f64 = 0.02;
 
 impl<const BANDS: usize> Bsdf<'_, BANDS> {
     /// The reflection, if nothing else than its smooth lobe scatters light.
@@ -56,21 +55,22 @@ impl<const BANDS: usize> SmoothLobe<BANDS> {
     pub fn value(&self, incident: DVec3) -> [f64; BANDS] {
         let diffuse = self.diffuse_normal.dot(incident).max(0.0);
         let is_lit = self.curvature > 0.0 && self.normal.dot(incident) > 0.0;
-        let lobe = if is_lit { (-self.curvature * self.squared_angle(incident)).exp() } else { 0.0 };
+        let squared_angle = squared_angle(self.outgoing.distance_squared(incident));
+        let lobe = if is_lit { (-self.curvature * squared_angle).exp() } else { 0.0 };
         std::array::from_fn(|band| self.diffuse[band] * diffuse + self.peak[band] * lobe)
     }
 
-    /// Of the angle between the light and the viewer, rad²: 4·asin²(c/2) for a chord c.
+    /// Radiance scattered to the viewer from the nodes of a disk light. Its radiance is a linear
+    /// function of the coordinates in its plane relative to its radius: the value at the centre, and
+    /// both slopes. `focal` is the focal distance of a spotlight, and 0 for other lights.
     #[inline]
-    fn squared_angle(&self, incident: DVec3) -> f64 {
-        let chord = self.outgoing.distance_squared(incident);
-        if chord < SHORT_CHORD {
-            // 2·Σ c²ⁿ/(n²·(2n choose n)).
-            chord * (1.0 + chord * (1.0 / 12.0 + chord * (1.0 / 90.0 + chord * (1.0 / 560.0 + chord / 3150.0))))
-        } else {
-            let angle = 2.0 * (0.5 * chord.sqrt()).min(1.0).asin();
-            angle * angle
-        }
+    #[must_use]
+    pub fn scattered(&self, nodes: (&DiskNodes, DiskFrame), focal: f64, radiance: [[f64; BANDS]; 3]) -> [f64; BANDS] {
+        let moments = LobeMoments::new(self, nodes, focal);
+        std::array::from_fn(|band| {
+            let of = |integrals: [f64; 3]| (0..3).map(|term| radiance[term][band] * integrals[term]).sum::<f64>();
+            self.diffuse[band] * of(moments.diffuse) + self.peak[band] * of(moments.lobe)
+        })
     }
 }
 
@@ -82,35 +82,71 @@ mod tests {
     use crate::specular_threshold::BelowThreshold;
     use radsight_retro::Paper1991;
 
+    const NORMAL: DVec3 = DVec3::new(0.0, 0.6, 0.8);
+
+    fn sheet(spread: f64) -> Bsdf<'static, 2> {
+        Bsdf {
+            outgoing: DVec3::new(0.3, 0.2, 1.0).normalize(),
+            normal: NORMAL,
+            frame: Frame::new(NORMAL),
+            diffuse_normal: DVec3::new(0.0, 0.1, 1.0).normalize(),
+            diffuse: [0.2, 0.4],
+            coat: FresnelCoat::None,
+            highlight: Highlight::Retro(Paper1991 { reflectance: [0.5, 0.1], spread }),
+            below_threshold: BelowThreshold::NOTHING,
+            mirror: [0.0; 2],
+            transmission: None,
+        }
+    }
+
     #[test]
     fn values_are_those_of_the_whole_bsdf() {
-        let normal = DVec3::new(0.1, -0.2, 1.0).normalize();
-        let outgoing = DVec3::new(0.3, 0.2, 1.0).normalize();
         for spread in [1e-4, 3e-3, 0.02, 0.5, 2.0] {
-            let bsdf = Bsdf {
-                outgoing,
-                normal,
-                frame: Frame::new(normal),
-                diffuse_normal: DVec3::new(0.0, 0.1, 1.0).normalize(),
-                diffuse: [0.2, 0.4],
-                coat: FresnelCoat::None,
-                highlight: Highlight::Retro(Paper1991 { reflectance: [0.5, 0.1], spread }),
-                below_threshold: BelowThreshold::NOTHING,
-                mirror: [0.0; 2],
-                transmission: None,
-            };
+            let bsdf = sheet(spread);
             let lobe = bsdf.smooth_lobe().expect("nothing else scatters");
-            let (x, y) = outgoing.any_orthonormal_pair();
+            let (x, y) = bsdf.outgoing.any_orthonormal_pair();
             for step in 0..400 {
                 // From the peak to beyond the horizon.
                 let (angle, azimuth) = (f64::from(step) / 130.0 * (4.0 * spread).min(1.0), f64::from(step));
                 let aside = (x * azimuth.cos() + y * azimuth.sin()) * angle.sin();
-                let incident = (outgoing * angle.cos() + aside).normalize();
+                let incident = (bsdf.outgoing * angle.cos() + aside).normalize();
                 let whole = bsdf.eval(incident, 1.0, PdfRequest::Unused, &mut Default::default());
                 for (band, value) in lobe.value(incident).into_iter().enumerate() {
                     let expected = whole.diffuse[band] + whole.highlight[band];
                     assert!((value - expected).abs() <= 1e-11 * expected, "{value} for {expected} at {angle} rad");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_disk_scatters_the_sum_over_its_nodes() {
+        let radiance = [[1.0, 2.0], [0.3, -0.5], [-0.2, 0.4]];
+        for (spread, radius, focal) in [(3e-3, 0.01, 0.0), (0.05, 0.02, 3.0), (0.5, 0.6, 0.0), (2.0, 1.5, 0.2)] {
+            let bsdf = sheet(spread);
+            let lobe = bsdf.smooth_lobe().expect("nothing else scatters");
+            // Tilted, and partly below the horizon if it is large.
+            let (along, across) = DVec3::new(0.1, 0.4, -1.0).normalize().any_orthonormal_pair();
+            let (center, normal) = (2.0 * bsdf.outgoing + DVec3::new(0.0, radius, 0.0), across.cross(along));
+            let normal = if normal.dot(center) < 0.0 { normal } else { -normal };
+            let (mut nodes, mut expected) = (DiskNodes::default(), [0.0; 2]);
+            for node in 0..10 {
+                let (x, y) = (f64::from(node * 7 % 10) / 5.0 - 0.9, f64::from(node * 3 % 10) / 5.0 - 0.9);
+                let area = 0.1 + f64::from(node);
+                nodes.push(x * radius, y * radius, area);
+                let offset = center + radius * (x * along + y * across);
+                let (distance, direction) = (offset.length(), offset.normalize());
+                let focus = (distance / (distance + focal)).powi(2);
+                let share = area * focus * (-direction.dot(normal)).max(0.0) / (distance * distance);
+                for (band, value) in lobe.value(direction).into_iter().enumerate() {
+                    expected[band] +=
+                        share * value * (radiance[0][band] + x * radiance[1][band] + y * radiance[2][band]);
+                }
+            }
+            let disk = DiskFrame { center, axes: [along, across], normal, radius };
+            let scattered = lobe.scattered((&nodes, disk), focal, radiance);
+            for (value, expected) in scattered.into_iter().zip(expected) {
+                assert!((value / expected - 1.0).abs() < 1e-11, "{value} for {expected}, spread {spread}");
             }
         }
     }

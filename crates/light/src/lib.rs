@@ -12,6 +12,7 @@
 
 mod cover;
 mod cubature;
+mod disk_nodes;
 mod disk_overlap;
 mod emission_profile;
 mod form;
@@ -25,9 +26,10 @@ mod tree_node;
 mod virtual_source;
 mod visible_side;
 
+pub use disk_nodes::{DiskFrame, DiskNodeGroup, DiskNodes, LANES};
 pub use emission_profile::EmissionProfile;
 pub use form::{LightForm, LightSample, coordinates};
-pub use light::{Light, LightCone, LightCubature, LightId, LightNode};
+pub use light::{Light, LightCone, LightCubature, LightId};
 pub use lobe_weighting::{DiskWarp, LobePeak};
 pub use tree::{Choice, LightSampleCount, LightTree, MOST_SAMPLES, Reception, TreeCut};
 pub use virtual_source::{Redirection, VirtualSource, virtual_form};

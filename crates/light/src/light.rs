@@ -1,6 +1,7 @@
 //! Light sources of finite extent, and points sampled on them.
 
 use crate::cubature::{DiskRule, IntegrandShape};
+use crate::disk_nodes::{DiskFrame, DiskNodes};
 use crate::disk_overlap::Overlap;
 use crate::emission_profile::EmissionProfile;
 use crate::form::{LightForm, LightSample, seen};
@@ -90,19 +91,6 @@ pub struct LightCubature {
     y: DVec3,
     /// Of the disk, scene units.
     radius: f64,
-}
-
-/// A node of a cubature rule on a light.
-#[derive(Clone, Copy, Debug)]
-pub struct LightNode {
-    /// Unit vector from the receiver to the light.
-    pub direction: DVec3,
-    /// Scene units.
-    pub distance: f64,
-    /// Solid angle for which it stands, sr.
-    pub solid_angle: f64,
-    /// Coordinates in the light's plane, relative to its radius.
-    pub at: [f64; 2],
 }
 
 /// Axes with a cosine above this count as parallel.
@@ -319,22 +307,19 @@ impl Light {
 }
 
 impl LightCubature {
-    /// Visits each node.
+    /// Replaces `nodes` by those of the rule.
     #[inline]
-    pub fn for_each_node(&self, mut visit: impl FnMut(LightNode)) {
-        let to_center = self.center - self.receiver;
-        let unit = self.radius.recip();
-        self.rule.for_each_node(|x, y, area| {
-            let offset = to_center + self.x * x + self.y * y;
-            let distance = offset.length();
-            let inverse = distance.recip();
-            let direction = offset * inverse;
-            let cosine = -direction.dot(self.normal);
-            if cosine > 0.0 {
-                let at = [x * unit, y * unit];
-                visit(LightNode { direction, distance, solid_angle: area * cosine * inverse * inverse, at });
-            }
-        });
+    pub fn nodes(&self, nodes: &mut DiskNodes) {
+        nodes.clear();
+        self.rule.for_each_node(|x, y, area| nodes.push(x, y, area));
+    }
+
+    /// Where the disk is, as seen from the receiver.
+    #[inline]
+    #[must_use]
+    pub fn frame(&self) -> DiskFrame {
+        let center = self.center - self.receiver;
+        DiskFrame { center, axes: [self.x, self.y], normal: self.normal, radius: self.radius }
     }
 
     /// The point of the disk at coordinates relative to its radius, as a sample uniform by area.

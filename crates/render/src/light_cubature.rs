@@ -47,10 +47,10 @@ impl DirectSampler<'_> {
             return None;
         }
         if let Some(radiance) = uniform {
-            return Some(scattered(lobe, (light, &cubature), |_| radiance));
+            return Some(scattered(tracer, lobe, (light, &cubature), &RadiancePlane::uniform(radiance)));
         }
         let plane = self.radiance_plane(tracer, light, &cubature)?;
-        let mut sum = scattered(lobe, (light, &cubature), |at| plane.at(at));
+        let mut sum = scattered(tracer, lobe, (light, &cubature), &plane);
         // The difference is small, so few of the rays sample it.
         let [u, v] = u(tracer);
         if u >= SAMPLED_SHARE {
@@ -84,20 +84,18 @@ impl DirectSampler<'_> {
     }
 }
 
-/// Light of the nodes that is scattered, with the radiance at a point of the light.
+/// Radiance scattered from the nodes of a light.
 #[inline]
 fn scattered<const BANDS: usize>(
+    tracer: &mut PathIntegrator<'_, BANDS>,
     lobe: &SmoothLobe<BANDS>,
     (light, cubature): (&Light, &LightCubature),
-    radiance: impl Fn([f64; 2]) -> [f64; BANDS],
+    plane: &RadiancePlane<BANDS>,
 ) -> [f64; BANDS] {
-    let mut scattered = [0.0; BANDS];
-    cubature.for_each_node(|node| {
-        let (value, radiance) = (lobe.value(node.direction), radiance(node.at));
-        let share = node.solid_angle * light.focal_factor(node.distance);
-        scattered.iter_mut().enumerate().for_each(|(band, sum)| *sum += share * value[band] * radiance[band]);
-    });
-    scattered
+    let nodes = &mut tracer.workspace.disk_nodes;
+    cubature.nodes(nodes);
+    let [along, across] = plane.slopes;
+    lobe.scattered((nodes, cubature.frame()), light.focal_distance, [plane.mean, along, across])
 }
 
 /// Largest error for which lights with patterns are integrated: their radiance is evaluated several
@@ -122,6 +120,10 @@ struct RadiancePlane<const BANDS: usize> {
 impl<const BANDS: usize> RadiancePlane<BANDS> {
     /// The corners of an equilateral triangle, relative to the radius of the disk.
     const CORNERS: [[f64; 2]; 3] = [[0.7, 0.0], [-0.35, 0.606_217_782_649_107], [-0.35, -0.606_217_782_649_107]];
+
+    fn uniform(radiance: [f64; BANDS]) -> RadiancePlane<BANDS> {
+        RadiancePlane { mean: radiance, slopes: [[0.0; BANDS]; 2] }
+    }
 
     /// From the values at the corners.
     fn new(corners: [[f64; BANDS]; 3]) -> RadiancePlane<BANDS> {

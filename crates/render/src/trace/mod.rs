@@ -33,6 +33,7 @@ use radsight_accel::{Intersection, Ray};
 use radsight_bsdf::Bsdf;
 use radsight_cal::Scratch;
 use radsight_compile::{FirstHit, Kind, Medium, Quantity, RenderPlan, Uncached};
+use radsight_light::DiskNodes;
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;
 use radsight_texture::BandValues;
@@ -44,6 +45,8 @@ pub(crate) struct Workspace {
     pub(crate) scratch: Scratch,
     /// Light samples, for a model that evaluates all of them at once.
     pub(crate) batch: ModelBatch,
+    /// Nodes of a cubature rule on a light.
+    pub(crate) disk_nodes: DiskNodes,
 }
 
 /// The result of a ray.
