@@ -3,9 +3,8 @@
 //! The values of a rule's nodes are computed in groups of four where the processor has AVX2 and FMA, and one
 //! by one on others, which differ in the last bits.
 
-use crate::smooth_lobe::SmoothLobe;
 use glam::DVec3;
-use radsight_light::{DiskFrame, DiskNodeGroup, DiskNodes, LANES};
+use radsight_light::{DiskFrame, DiskNodeGroup, LANES};
 
 /// What a point scatters to the viewer from a disk whose radiance is 1, or a coordinate in its plane
 /// relative to its radius.
@@ -17,44 +16,31 @@ pub(crate) struct LobeMoments {
     pub(crate) lobe: [f64; 3],
 }
 
-/// Adds the moments of groups of nodes.
-struct MomentSum<'n> {
-    nodes: &'n [DiskNodeGroup],
-    disk: DiskFrame,
+/// A point and the nodes of a disk, whose moments are added.
+pub(crate) struct MomentSum<'n> {
+    pub(crate) nodes: &'n [DiskNodeGroup],
+    pub(crate) disk: DiskFrame,
     /// Focal distance of a spotlight; 0 for other lights.
-    focal: f64,
-    outgoing: DVec3,
-    normal: DVec3,
-    diffuse_normal: DVec3,
-    curvature: f64,
-}
-
-impl LobeMoments {
-    /// Over the nodes of a disk light. `focal` is the focal distance of a spotlight.
-    #[inline]
-    pub(crate) fn new<const BANDS: usize>(
-        lobe: &SmoothLobe<BANDS>,
-        (nodes, disk): (&DiskNodes, DiskFrame),
-        focal: f64,
-    ) -> LobeMoments {
-        let sum = MomentSum {
-            nodes: nodes.groups(),
-            disk,
-            focal: focal.max(0.0),
-            outgoing: lobe.outgoing,
-            normal: lobe.normal,
-            diffuse_normal: lobe.diffuse_normal,
-            curvature: lobe.curvature,
-        };
-        #[cfg(target_arch = "x86_64")]
-        if let pulp::Arch::V3(simd) = pulp::Arch::new() {
-            return simd.vectorize(avx2::Vectorized { simd, sum });
-        }
-        sum.one_by_one()
-    }
+    pub(crate) focal: f64,
+    /// Unit vector towards the viewer.
+    pub(crate) outgoing: DVec3,
+    /// Unit normals of the surface, and of its diffuse component.
+    pub(crate) normal: DVec3,
+    pub(crate) diffuse_normal: DVec3,
+    /// The lobe is exp(−curvature·δ²); 0 for none.
+    pub(crate) curvature: f64,
 }
 
 impl MomentSum<'_> {
+    #[inline]
+    pub(crate) fn moments(self) -> LobeMoments {
+        #[cfg(target_arch = "x86_64")]
+        if let pulp::Arch::V3(simd) = pulp::Arch::new() {
+            return simd.vectorize(avx2::Vectorized { simd, sum: self });
+        }
+        self.one_by_one()
+    }
+
     fn one_by_one(&self) -> LobeMoments {
         let mut moments = LobeMoments::default();
         let DiskFrame { center, axes: [along, across], normal, radius } = self.disk;

@@ -1,7 +1,7 @@
 //! Reflection that is a smooth function of the direction of light, for many directions at one point.
 
 use crate::bsdf::{Bsdf, FresnelCoat, Highlight};
-use crate::lobe_moments::{LobeMoments, squared_angle};
+use crate::lobe_moments::{MomentSum, squared_angle};
 use glam::DVec3;
 use radsight_light::{DiskFrame, DiskNodes};
 use std::f64::consts::{FRAC_1_PI, PI};
@@ -10,15 +10,15 @@ use std::f64::consts::{FRAC_1_PI, PI};
 /// [`Bsdf::eval`], for a fraction of the time.
 #[derive(Clone, Copy, Debug)]
 pub struct SmoothLobe<const BANDS: usize> {
-    pub(crate) outgoing: DVec3,
-    pub(crate) normal: DVec3,
-    pub(crate) diffuse_normal: DVec3,
+    outgoing: DVec3,
+    normal: DVec3,
+    diffuse_normal: DVec3,
     /// Diffuse reflectance / π.
     diffuse: [f64; BANDS],
     /// The lobe at its peak, times the cosine: ρ_s/(4πα²), 1/sr.
     peak: [f64; BANDS],
     /// 1/(4α²), 1/rad².
-    pub(crate) curvature: f64,
+    curvature: f64,
 }
 
 impl<const BANDS: usize> Bsdf<'_, BANDS> {
@@ -65,8 +65,15 @@ impl<const BANDS: usize> SmoothLobe<BANDS> {
     /// both slopes. `focal` is the focal distance of a spotlight, and 0 for other lights.
     #[inline]
     #[must_use]
-    pub fn scattered(&self, nodes: (&DiskNodes, DiskFrame), focal: f64, radiance: [[f64; BANDS]; 3]) -> [f64; BANDS] {
-        let moments = LobeMoments::new(self, nodes, focal);
+    pub fn scattered(
+        &self,
+        (nodes, disk): (&DiskNodes, DiskFrame),
+        focal: f64,
+        radiance: [[f64; BANDS]; 3],
+    ) -> [f64; BANDS] {
+        let Self { outgoing, normal, diffuse_normal, curvature, .. } = *self;
+        let (nodes, focal) = (nodes.groups(), focal.max(0.0));
+        let moments = MomentSum { nodes, disk, focal, outgoing, normal, diffuse_normal, curvature }.moments();
         std::array::from_fn(|band| {
             let of = |integrals: [f64; 3]| (0..3).map(|term| radiance[term][band] * integrals[term]).sum::<f64>();
             self.diffuse[band] * of(moments.diffuse) + self.peak[band] * of(moments.lobe)
