@@ -1,7 +1,7 @@
 //! Moments of a smooth lobe over a disk light, by vector instructions.
 //!
-//! The values of a rule's nodes are computed in groups of four where the processor has AVX2 and FMA, and one
-//! by one on others, which differ in the last bits.
+//! The values of a rule's nodes are computed in groups of four where the processor has AVX2 and FMA,
+//! and one by one on others, which differ in the last bits.
 
 use glam::DVec3;
 use radsight_light::{DiskFrame, DiskNodeGroup, LANES};
@@ -16,12 +16,9 @@ pub(crate) struct LobeMoments {
     pub(crate) lobe: [f64; 3],
 }
 
-/// A point and the nodes of a disk, whose moments are added.
-pub(crate) struct MomentSum<'n> {
-    pub(crate) nodes: &'n [DiskNodeGroup],
-    pub(crate) disk: DiskFrame,
-    /// Focal distance of a spotlight; 0 for other lights.
-    pub(crate) focal: f64,
+/// Where a point scatters light from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LobeShape {
     /// Unit vector towards the viewer.
     pub(crate) outgoing: DVec3,
     /// Unit normals of the surface, and of its diffuse component.
@@ -29,6 +26,27 @@ pub(crate) struct MomentSum<'n> {
     pub(crate) diffuse_normal: DVec3,
     /// The lobe is exp(−curvature·δ²); 0 for none.
     pub(crate) curvature: f64,
+}
+
+/// A point and the nodes of a disk, whose moments are added.
+pub(crate) struct MomentSum<'n> {
+    pub(crate) nodes: &'n [DiskNodeGroup],
+    pub(crate) disk: DiskFrame,
+    /// Focal distance of a spotlight; 0 for other lights.
+    pub(crate) focal: f64,
+    pub(crate) shape: LobeShape,
+}
+
+impl LobeShape {
+    /// The cosine of incidence on the diffuse component, and the lobe relative to its peak, for a unit
+    /// direction towards the light.
+    #[inline]
+    pub(crate) fn at(&self, incident: DVec3) -> [f64; 2] {
+        let is_lit = self.curvature > 0.0 && self.normal.dot(incident) > 0.0;
+        let squared_angle = squared_angle(self.outgoing.distance_squared(incident));
+        let lobe = if is_lit { (-self.curvature * squared_angle).exp() } else { 0.0 };
+        [self.diffuse_normal.dot(incident).max(0.0), lobe]
+    }
 }
 
 impl MomentSum<'_> {
@@ -52,9 +70,7 @@ impl MomentSum<'_> {
             let focus = distance / (distance + self.focal);
             let cosine = (-direction.dot(normal)).max(0.0) / (distance * distance);
             let share = group.area[lane] * cosine * focus * focus;
-            let diffuse = share * self.diffuse_normal.dot(direction).max(0.0);
-            let squared = squared_angle(self.outgoing.distance_squared(direction));
-            let lobe = if self.normal.dot(direction) > 0.0 { share * (-self.curvature * squared).exp() } else { 0.0 };
+            let [diffuse, lobe] = self.shape.at(direction).map(|value| share * value);
             for (term, coordinate) in [1.0, x / radius, y / radius].into_iter().enumerate() {
                 moments.diffuse[term] += diffuse * coordinate;
                 moments.lobe[term] += lobe * coordinate;
@@ -72,21 +88,19 @@ const SHORT_CHORD: f64 = 0.02;
 #[inline(always)]
 pub(crate) fn squared_angle(chord: f64) -> f64 {
     if chord < SHORT_CHORD {
-        return short_squared_angle(chord);
+        return chord * ANGLE_SERIES.into_iter().fold(0.0, |sum, factor| sum * chord + factor);
     }
     let angle = 2.0 * (0.5 * chord.sqrt()).min(1.0).asin();
     angle * angle
 }
 
-/// The same for a short chord: 2·Σ c²ⁿ/(n²·(2n choose n)).
-#[inline(always)]
-fn short_squared_angle(chord: f64) -> f64 {
-    chord * (1.0 + chord * (1.0 / 12.0 + chord * (1.0 / 90.0 + chord * (1.0 / 560.0 + chord / 3150.0))))
-}
+/// The squared angle of a short chord is the sum of its powers from the first on, with these factors,
+/// the last one first: 2/(n²·(2n choose n)).
+const ANGLE_SERIES: [f64; 5] = [1.0 / 3150.0, 1.0 / 560.0, 1.0 / 90.0, 1.0 / 12.0, 1.0];
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
-    use super::{LobeMoments, MomentSum, SHORT_CHORD, squared_angle};
+    use super::{ANGLE_SERIES, LobeMoments, LobeShape, MomentSum, SHORT_CHORD, squared_angle};
     use glam::DVec3;
     use pulp::NullaryFnOnce;
     use pulp::x86::V3;
@@ -149,6 +163,7 @@ mod avx2 {
         #[inline(always)]
         fn add(&self, group: &DiskNodeGroup, sums: &mut [[__m256d; 3]; 2]) {
             let (avx, fma, disk) = (self.simd.avx, self.simd.fma, &self.sum.disk);
+            let LobeShape { outgoing, normal, diffuse_normal, curvature } = self.sum.shape;
             let (x, y): (__m256d, __m256d) = (pulp::cast(group.x), pulp::cast(group.y));
             let [along, across] = disk.axes;
             let mut way = [self.all(disk.center.x), self.all(disk.center.y), self.all(disk.center.z)];
@@ -163,7 +178,7 @@ mod avx2 {
                 *part = avx._mm256_mul_pd(*part, inverse);
             }
             let mut chord = toward;
-            for (part, outgoing) in chord.iter_mut().zip(self.sum.outgoing.to_array()) {
+            for (part, outgoing) in chord.iter_mut().zip(outgoing.to_array()) {
                 *part = avx._mm256_sub_pd(*part, self.all(outgoing));
             }
             let at_light = avx._mm256_max_pd(self.along(toward, -disk.normal), self.all(0.0));
@@ -173,13 +188,13 @@ mod avx2 {
                 let focus = avx._mm256_div_pd(distance, avx._mm256_add_pd(distance, self.all(self.sum.focal)));
                 share = avx._mm256_mul_pd(share, avx._mm256_mul_pd(focus, focus));
             }
-            let cosine = avx._mm256_max_pd(self.along(toward, self.sum.diffuse_normal), self.all(0.0));
+            let cosine = avx._mm256_max_pd(self.along(toward, diffuse_normal), self.all(0.0));
             let diffuse = avx._mm256_mul_pd(share, cosine);
             let unit = self.all(disk.radius.recip());
             let coordinates = [avx._mm256_mul_pd(x, unit), avx._mm256_mul_pd(y, unit)];
             self.add_to(&mut sums[0], diffuse, coordinates);
-            if self.sum.curvature > 0.0 {
-                let height = self.along(toward, self.sum.normal);
+            if curvature > 0.0 {
+                let height = self.along(toward, normal);
                 let is_lit = avx._mm256_cmp_pd::<_CMP_GT_OQ>(height, self.all(0.0));
                 let lobe = avx._mm256_mul_pd(share, self.lobe(self.dot(chord, chord)));
                 self.add_to(&mut sums[1], avx._mm256_and_pd(is_lit, lobe), coordinates);
@@ -198,22 +213,21 @@ mod avx2 {
         #[inline(always)]
         fn lobe(&self, chord: __m256d) -> __m256d {
             let (avx, fma) = (self.simd.avx, self.simd.fma);
-            // As `short_squared_angle`.
-            let mut squared = self.all(1.0 / 3150.0);
-            for term in [1.0 / 560.0, 1.0 / 90.0, 1.0 / 12.0, 1.0] {
-                squared = fma._mm256_fmadd_pd(squared, chord, self.all(term));
+            let mut squared = self.all(0.0);
+            for factor in ANGLE_SERIES {
+                squared = fma._mm256_fmadd_pd(squared, chord, self.all(factor));
             }
             squared = avx._mm256_mul_pd(squared, chord);
             if avx._mm256_movemask_pd(avx._mm256_cmp_pd::<_CMP_GE_OQ>(chord, self.all(SHORT_CHORD))) != 0 {
                 let [a, b, c, d]: [f64; 4] = pulp::cast(chord);
                 squared = pulp::cast([squared_angle(a), squared_angle(b), squared_angle(c), squared_angle(d)]);
             }
-            self.exp(avx._mm256_mul_pd(squared, self.all(-self.sum.curvature)))
+            self.exp(avx._mm256_mul_pd(squared, self.all(-self.sum.shape.curvature)))
         }
 
         /// eˣ for x ≤ 0, to 10⁻¹⁴ of it: 2ⁿ·eʳ with |r| ≤ ln 2/2, and Taylor's series of eʳ.
         #[inline(always)]
-        pub(super) fn exp(&self, exponent: __m256d) -> __m256d {
+        fn exp(&self, exponent: __m256d) -> __m256d {
             let (avx, avx2, fma) = (self.simd.avx, self.simd.avx2, self.simd.fma);
             let exponent = avx._mm256_max_pd(exponent, self.all(LEAST_EXPONENT));
             let shifted = fma._mm256_fmadd_pd(exponent, self.all(LOG2_E), self.all(ROUNDING));
@@ -255,7 +269,8 @@ mod tests {
         let disk = DiskFrame { center: DVec3::Z, axes: [DVec3::X, DVec3::Y], normal: DVec3::NEG_Z, radius: 0.5 };
         let diffuse_normal = DVec3::new(0.0, 0.6, 0.8);
         let curvature = (4.0 * spread * spread).recip();
-        MomentSum { nodes, disk, focal: 0.3, outgoing: DVec3::Z, normal: DVec3::Z, diffuse_normal, curvature }
+        let shape = LobeShape { outgoing: DVec3::Z, normal: DVec3::Z, diffuse_normal, curvature };
+        MomentSum { nodes, disk, focal: 0.3, shape }
     }
 
     #[test]

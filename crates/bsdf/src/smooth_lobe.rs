@@ -1,7 +1,7 @@
 //! Reflection that is a smooth function of the direction of light, for many directions at one point.
 
 use crate::bsdf::{Bsdf, FresnelCoat, Highlight};
-use crate::lobe_moments::{MomentSum, squared_angle};
+use crate::lobe_moments::{LobeShape, MomentSum};
 use glam::DVec3;
 use radsight_light::{DiskFrame, DiskNodes};
 use std::f64::consts::{FRAC_1_PI, PI};
@@ -10,15 +10,11 @@ use std::f64::consts::{FRAC_1_PI, PI};
 /// [`Bsdf::eval`], for a fraction of the time.
 #[derive(Clone, Copy, Debug)]
 pub struct SmoothLobe<const BANDS: usize> {
-    outgoing: DVec3,
-    normal: DVec3,
-    diffuse_normal: DVec3,
+    shape: LobeShape,
     /// Diffuse reflectance / π.
     diffuse: [f64; BANDS],
     /// The lobe at its peak, times the cosine: ρ_s/(4πα²), 1/sr.
     peak: [f64; BANDS],
-    /// 1/(4α²), 1/rad².
-    curvature: f64,
 }
 
 impl<const BANDS: usize> Bsdf<'_, BANDS> {
@@ -38,12 +34,14 @@ impl<const BANDS: usize> Bsdf<'_, BANDS> {
             _ => return None,
         };
         Some(SmoothLobe {
-            outgoing: self.outgoing,
-            normal: self.normal,
-            diffuse_normal: self.diffuse_normal,
+            shape: LobeShape {
+                outgoing: self.outgoing,
+                normal: self.normal,
+                diffuse_normal: self.diffuse_normal,
+                curvature,
+            },
             diffuse: self.diffuse.map(|band| band * FRAC_1_PI),
             peak,
-            curvature,
         })
     }
 }
@@ -53,10 +51,7 @@ impl<const BANDS: usize> SmoothLobe<BANDS> {
     #[inline]
     #[must_use]
     pub fn value(&self, incident: DVec3) -> [f64; BANDS] {
-        let diffuse = self.diffuse_normal.dot(incident).max(0.0);
-        let is_lit = self.curvature > 0.0 && self.normal.dot(incident) > 0.0;
-        let squared_angle = squared_angle(self.outgoing.distance_squared(incident));
-        let lobe = if is_lit { (-self.curvature * squared_angle).exp() } else { 0.0 };
+        let [diffuse, lobe] = self.shape.at(incident);
         std::array::from_fn(|band| self.diffuse[band] * diffuse + self.peak[band] * lobe)
     }
 
@@ -71,9 +66,8 @@ impl<const BANDS: usize> SmoothLobe<BANDS> {
         focal: f64,
         radiance: [[f64; BANDS]; 3],
     ) -> [f64; BANDS] {
-        let Self { outgoing, normal, diffuse_normal, curvature, .. } = *self;
-        let (nodes, focal) = (nodes.groups(), focal.max(0.0));
-        let moments = MomentSum { nodes, disk, focal, outgoing, normal, diffuse_normal, curvature }.moments();
+        let sum = MomentSum { nodes: nodes.groups(), disk, focal: focal.max(0.0), shape: self.shape };
+        let moments = sum.moments();
         std::array::from_fn(|band| {
             let of = |integrals: [f64; 3]| (0..3).map(|term| radiance[term][band] * integrals[term]).sum::<f64>();
             self.diffuse[band] * of(moments.diffuse) + self.peak[band] * of(moments.lobe)
