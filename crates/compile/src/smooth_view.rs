@@ -191,17 +191,11 @@ fn in_cone(light: &Light, point: DVec3, margin: f64) -> LightCoverage {
     };
     let offset = point - light.center;
     let radius = light.radius + margin;
-    let beyond = offset.length_squared() - radius * radius;
-    if beyond <= 0.0 {
-        return LightCoverage::Partial(0.0);
-    }
-    // The sines and cosines of a ± b, with b the angular radius of the light, times the distance.
-    let (to_rim, (sin, cos)) = (beyond.sqrt(), cone.sin_cos());
-    let (along, across) = (cos * to_rim, sin * radius);
-    let height = offset.dot(cone.axis);
-    if height < along - across && sin * to_rim + cos * radius > 0.0 {
+    if offset.length_squared() <= radius * radius {
+        LightCoverage::Partial(0.0)
+    } else if cone.misses(offset, radius) {
         LightCoverage::Outside
-    } else if height > along + across && sin * to_rim > cos * radius {
+    } else if cone.contains(offset, radius) {
         LightCoverage::Inside
     } else {
         LightCoverage::Partial(edge_width(light, cone, offset.length()))

@@ -71,12 +71,29 @@ impl LightCone {
     /// Whether a point at `offset` from the centre of a sphere of this radius, and outside it, lies
     /// in no cone from a point of the sphere.
     #[inline]
-    fn misses(&self, offset: DVec3, radius: f64) -> bool {
+    #[must_use]
+    pub fn misses(&self, offset: DVec3, radius: f64) -> bool {
         // The sine and cosine, times the distance, of the half angle plus that of the sphere.
-        let to_rim = (offset.length_squared() - radius * radius).max(0.0).sqrt();
+        let to_rim = to_rim(offset, radius);
         let sine = self.sine * to_rim + self.cosine * radius;
         sine > 0.0 && offset.dot(self.axis) < self.cosine * to_rim - self.sine * radius
     }
+
+    /// Whether such a point lies in the cones from all points of the sphere.
+    #[inline]
+    #[must_use]
+    pub fn contains(&self, offset: DVec3, radius: f64) -> bool {
+        // The same of the half angle minus that of the sphere.
+        let to_rim = to_rim(offset, radius);
+        let sine = self.sine * to_rim - self.cosine * radius;
+        sine > 0.0 && offset.dot(self.axis) > self.cosine * to_rim + self.sine * radius
+    }
+}
+
+/// Distance from a point to the rim of a sphere that it sees; the sphere's centre is at `-offset`.
+#[inline]
+fn to_rim(offset: DVec3, radius: f64) -> f64 {
+    (offset.length_squared() - radius * radius).max(0.0).sqrt()
 }
 
 /// The nodes of a cubature rule on a light, as seen from a receiver.
