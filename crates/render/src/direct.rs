@@ -171,11 +171,16 @@ impl DirectSampler<'_> {
         let mut drawn = DrawnSet::none();
         for (index, light) in plan.lights.iter().enumerate() {
             let between = receiver.map_or(&VisibilityClass::Anything, |receiver| &receiver.between[index]);
-            if *between == VisibilityClass::Dark || light.misses(self.point) || self.faces_away(light) {
-                continue;
+            if self.may_receive(light, between) {
+                visit(tracer, ReachingLight { index, light, between }, &mut drawn);
             }
-            visit(tracer, ReachingLight { index, light, between }, &mut drawn);
         }
+    }
+
+    /// Whether a light can contribute.
+    #[inline]
+    pub(crate) fn may_receive(&self, light: &Light, between: &VisibilityClass) -> bool {
+        *between != VisibilityClass::Dark && !light.misses(self.point) && !self.faces_away(light)
     }
 
     /// Calls `visit` for each point to be sampled on a light.
@@ -230,7 +235,7 @@ impl DirectSampler<'_> {
 
     /// Whether a light is entirely behind an opaque point. Skies consist of hundreds of suns, half of
     /// them behind each wall.
-    pub(crate) fn faces_away(&self, light: &Light) -> bool {
+    fn faces_away(&self, light: &Light) -> bool {
         match (self.facing, &light.form) {
             (Some(normal), LightForm::Distant { direction, half_angle_sin_squared_half, .. }) => {
                 let (half, above) = (*half_angle_sin_squared_half, normal.dot(*direction));
@@ -299,11 +304,15 @@ impl DirectSampler<'_> {
         expected: f64,
     ) -> [f64; BANDS] {
         let Some(sample) = self.light_sample(tracer, light, u) else { return [0.0; BANDS] };
-        let pdfs =
-            if self.highlight_draws > 0 || self.shares_diffuse { PdfRequest::Wanted } else { PdfRequest::Unused };
         let scratch = &mut tracer.workspace.scratch;
-        let bsdf_value = point.eval(sample.direction, sample.pdf, pdfs, scratch);
+        let bsdf_value = point.eval(sample.direction, sample.pdf, self.pdf_request(), scratch);
         self.gather(tracer, light, &sample, between, expected, &bsdf_value)
+    }
+
+    /// Whether light samples are weighted against sampled rays.
+    #[inline]
+    pub(crate) fn pdf_request(&self) -> PdfRequest {
+        if self.highlight_draws > 0 || self.shares_diffuse { PdfRequest::Wanted } else { PdfRequest::Unused }
     }
 
     /// A point of a light that can contribute.

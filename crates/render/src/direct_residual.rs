@@ -1,12 +1,11 @@
 //! Direct light of many lights as the difference from what neighbouring rays received.
 //!
-//! Most lights shine on neighbouring points alike. So what the records around a point
-//! suggest is a control variate: the light of the point is their interpolated light, plus the
-//! differences of some lights from theirs, each divided by the probability with which it is sampled. Lights whose records
-//! differ are sampled always or often, the others in proportion to their strength. Any
-//! interpolation and any probability above zero give an unbiased sum (control variates and importance sampling: Owen and
-//! Zhou, JASA 2000); the better the
-//! interpolation, the less noise.
+//! Most lights shine on neighbouring points alike. So what the records around a point suggest is a
+//! control variate: the light of the point is their interpolated light, plus the differences of some
+//! lights from theirs, each divided by the probability with which it is sampled. Lights whose records
+//! differ are sampled always or often, the others in proportion to their strength. Any interpolation
+//! and any probability above zero give an unbiased sum (control variates and importance sampling:
+//! Owen and Zhou, JASA 2000); the better the interpolation, the less noise.
 //!
 //! Radiance instead stops to test shadows where the rest is weak (`-dt`), and assumes how much of
 //! it is visible (`-dc`).
@@ -14,11 +13,9 @@
 use crate::direct::{DirectSampler, DrawnSet, ReachingLight};
 use crate::direct_record::{DirectRecorder, ExpectedLight, RecordedLight, RecordedPoint, SeldomSampled};
 use crate::trace::PathIntegrator;
-use radsight_bsdf::{Bsdf, Highlight, PdfRequest};
-use radsight_compile::VisibilityClass;
+use radsight_bsdf::{Bsdf, Highlight};
 use radsight_light::{Light, LobePeak};
 use radsight_sampling::DimensionSet;
-use radsight_texture::product;
 use std::f64::consts::FRAC_1_PI;
 
 /// Share of a point's light up to which a light on which the records agree is sampled seldom.
@@ -153,18 +150,13 @@ impl DirectSampler<'_> {
     ) -> RecordedLight {
         let (mut sum, mut unshadowed) = ([0.0; BANDS], 0.0);
         let between = self.between(tracer.plan, index);
-        if *between == VisibilityClass::Dark || light.misses(self.point) || self.faces_away(light) {
+        if !self.may_receive(light, between) {
             return RecordedLight::default();
         }
-        let pdfs =
-            if self.highlight_draws > 0 || self.shares_diffuse { PdfRequest::Wanted } else { PdfRequest::Unused };
         self.for_each_point(tracer, &ReachingLight { index, light, between }, drawn, |tracer, numbered, between, u| {
-            let Some(sample) = self.light_sample(tracer, light, u) else { return };
-            let value = point.eval(sample.direction, sample.pdf, pdfs, &mut tracer.workspace.scratch);
-            let expected = f64::from(numbered.samples);
-            let Some([weight, radiance]) = self.unshadowed(tracer, light, &sample, expected, &value) else { return };
-            unshadowed += product(weight, radiance).iter().sum::<f64>();
-            let given = product(weight, self.arriving(tracer, light, &sample, between, radiance));
+            let Some(sample) = self.unshadowed_sample(tracer, point, numbered, between, u) else { return };
+            unshadowed += sample.strength;
+            let given = self.shadowed(tracer, &sample);
             sum = std::array::from_fn(|band| sum[band] + given[band]);
         });
         let given = std::array::from_fn(|band| if band < BANDS { sum[band] as f32 } else { 0.0 });
@@ -244,11 +236,7 @@ const BELOW: f64 = 0.2;
 
 /// Whether light scattered by a point is as at points around it, except in a known highlight.
 fn is_predictable<const BANDS: usize>(point: &Bsdf<'_, BANDS>) -> bool {
-    let is_known = match point.highlight {
-        Highlight::Function(_) | Highlight::Measured(_) | Highlight::Model(_) => false,
-        Highlight::None | Highlight::Ward(_) | Highlight::WardAnisotropic(_) => true,
-        Highlight::Ashikhmin(_) | Highlight::Retro(_) => false,
-    };
+    let is_known = matches!(point.highlight, Highlight::None | Highlight::Ward(_) | Highlight::WardAnisotropic(_));
     is_known && point.transmission.is_none_or(|transmission| transmission.lobe.is_none())
 }
 

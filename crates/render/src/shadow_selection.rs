@@ -8,11 +8,11 @@
 //! systematically along their cumulative contribution, so there are at most 1/τ of them, and
 //! neighbouring lights are not missed together. The relative variance that this adds is at most τ.
 
-use crate::direct::DirectSampler;
+use crate::direct::{DirectSampler, NumberedLight};
 use crate::trace::PathIntegrator;
 use crate::unshadowed_sample::UnshadowedSample;
-use radsight_bsdf::{Bsdf, PdfRequest};
-use radsight_compile::LightDivision;
+use radsight_bsdf::Bsdf;
+use radsight_compile::{LightDivision, VisibilityClass};
 use radsight_sampling::DimensionSet;
 use radsight_texture::product;
 
@@ -37,21 +37,42 @@ impl DirectSampler<'_> {
     ) -> [f64; BANDS] {
         let mut samples = std::mem::take(&mut tracer.unshadowed);
         samples.clear();
-        let pdfs =
-            if self.highlight_draws > 0 || self.shares_diffuse { PdfRequest::Wanted } else { PdfRequest::Unused };
         self.for_each_light(tracer, first_set, |tracer, numbered, between, u| {
-            let light = numbered.light;
-            let Some(sample) = self.light_sample(tracer, light, u) else { return };
-            let value = point.eval(sample.direction, sample.pdf, pdfs, &mut tracer.workspace.scratch);
-            let expected = f64::from(numbered.samples);
-            if let Some([weight, radiance]) = self.unshadowed(tracer, light, &sample, expected, &value) {
-                let strength = product(weight, radiance).iter().sum();
-                samples.push(UnshadowedSample { light, between, sample, weight, radiance, strength });
-            }
+            samples.extend(self.unshadowed_sample(tracer, point, numbered, between, u));
         });
         let sum = self.trace_strong(tracer, &samples);
         tracer.unshadowed = samples;
         sum
+    }
+
+    /// A sample of a light at a point of the unit square, without its shadow ray; `None` if it
+    /// contributes nothing.
+    #[inline]
+    pub(crate) fn unshadowed_sample<'p, const BANDS: usize>(
+        &self,
+        tracer: &mut PathIntegrator<'p, BANDS>,
+        point: &Bsdf<'_, BANDS>,
+        NumberedLight { light, samples, .. }: NumberedLight<'p>,
+        between: &'p VisibilityClass,
+        u: [f64; 2],
+    ) -> Option<UnshadowedSample<'p, BANDS>> {
+        let sample = self.light_sample(tracer, light, u)?;
+        let scratch = &mut tracer.workspace.scratch;
+        let value = point.eval(sample.direction, sample.pdf, self.pdf_request(), scratch);
+        let [weight, radiance] = self.unshadowed(tracer, light, &sample, f64::from(samples), &value)?;
+        let strength = product(weight, radiance).iter().sum();
+        Some(UnshadowedSample { light, between, sample, weight, radiance, strength })
+    }
+
+    /// What a sample contributes, after its shadow ray.
+    #[inline]
+    pub(crate) fn shadowed<'p, const BANDS: usize>(
+        &self,
+        tracer: &mut PathIntegrator<'p, BANDS>,
+        sample: &UnshadowedSample<'p, BANDS>,
+    ) -> [f64; BANDS] {
+        let arriving = self.arriving(tracer, sample.light, &sample.sample, sample.between, sample.radiance);
+        product(sample.weight, arriving)
     }
 
     fn trace_strong<'p, const BANDS: usize>(
@@ -76,8 +97,7 @@ impl DirectSampler<'_> {
                 *left += step;
                 scale = step / sample.strength;
             }
-            let arriving = self.arriving(tracer, sample.light, &sample.sample, sample.between, sample.radiance);
-            for (sum, given) in sum.iter_mut().zip(product(sample.weight, arriving)) {
+            for (sum, given) in sum.iter_mut().zip(self.shadowed(tracer, sample)) {
                 *sum += scale * given;
             }
         }
