@@ -40,8 +40,6 @@ pub(crate) struct Edges {
     has_pinhole: bool,
     /// By pixel: the width of its sharpest edge, pixels; infinite if there is none.
     widths: Vec<f64>,
-    /// Width of the sharpest edge, pixels; infinite if there is none.
-    narrowest: f64,
     /// By pixel, whether it sees the outline of a surface.
     outlines: Vec<bool>,
 }
@@ -102,8 +100,7 @@ impl Edges {
             summed(widths.iter().map(|width| *width < least), columns)
         };
         let unresolved = (1..lattice.finest()).map(of_level).collect();
-        let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
-        Edges { columns, rows, unresolved, other, blur, has_pinhole, widths, narrowest, outlines }
+        Edges { columns, rows, unresolved, other, blur, has_pinhole, widths, outlines }
     }
 
     /// The width of the sharpest edge of each pixel, and whether it sees the outline of a surface.
@@ -113,7 +110,7 @@ impl Edges {
 
     /// Whether radiance is smooth within each pixel of a point pinhole.
     pub(crate) fn are_wider_than_pixels(&self) -> bool {
-        !self.has_pinhole && self.narrowest >= WIDE_EDGE
+        !self.has_pinhole && self.widths.iter().all(|width| *width >= WIDE_EDGE)
     }
 
     /// The coarsest level that resolves all edges near a cell's interpolation.
