@@ -50,14 +50,14 @@ impl EmissionProfile {
             let cosine = (1.0 - a * a - b * b).max(0.0).sqrt();
             if cosine > 0.0 { [radiance(x * a + y * b + normal * cosine).max(0.0), cosine] } else { [0.0; 2] }
         };
-        let corners = (0..(CELLS + 1) * (CELLS + 1)).collect::<Vec<usize>>();
+        let corners = 0..(CELLS + 1) * (CELLS + 1);
         // Most distributions are wide, and a coarse table shows that of them.
         let is_coarse = |corner: &usize| [corner % (CELLS + 1), corner / (CELLS + 1)].iter().all(|step| step % 2 == 0);
-        let coarse: Vec<[f64; 2]> = corners.iter().copied().filter(is_coarse).map(&mut at_corner).collect();
+        let coarse: Vec<[f64; 2]> = corners.clone().filter(is_coarse).map(&mut at_corner).collect();
         if narrowness(&coarse).is_some_and(|narrowness| narrowness < SURELY_WIDE) {
             return None;
         }
-        let corners: Vec<[f64; 2]> = corners.into_iter().map(&mut at_corner).collect();
+        let corners: Vec<[f64; 2]> = corners.map(&mut at_corner).collect();
         let is_narrow = narrowness(&corners).is_some_and(|narrowness| narrowness > NARROW);
         is_narrow.then(|| EmissionProfile::of_corners([x, y, normal], &corners))
     }
