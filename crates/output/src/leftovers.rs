@@ -86,6 +86,20 @@ pub(crate) fn remove_leftovers(target: &Path) {
     }
 }
 
+/// Removes a file, if it is there, and the hidden files of programs that were killed while they wrote
+/// it.
+///
+/// # Errors
+///
+/// The file cannot be removed.
+pub fn remove(target: &Path) -> io::Result<()> {
+    remove_leftovers(target);
+    match fs::remove_file(target) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
 /// The locked file, unless another process has it locked.
 fn abandoned(path: &Path) -> Option<File> {
     let file = File::open(path).ok()?;
@@ -109,5 +123,22 @@ mod tests {
         assert!(!is(".a.hdr.x1Y2z3.part", "a"));
         assert!(!is(".a.hdr.part", "a.hdr"));
         assert!(!is(".a.hdr.x1/2z3.part", "a.hdr"));
+    }
+
+    #[test]
+    fn a_file_is_removed_with_its_leftovers() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for name in ["a", ".a.abcdef.part", ".b.abcdef.part"] {
+            fs::write(path(name), "text").unwrap();
+        }
+        remove(&path("a")).unwrap();
+        assert!(!path("a").exists() && !path(".a.abcdef.part").exists() && path(".b.abcdef.part").exists());
+        // Killed before it was there.
+        fs::write(path(".a.abcdef.part"), "text").unwrap();
+        remove(&path("a")).unwrap();
+        assert!(!path(".a.abcdef.part").exists());
+        fs::create_dir(path("folder")).unwrap();
+        assert!(remove(&path("folder")).is_err());
     }
 }

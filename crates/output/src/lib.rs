@@ -35,6 +35,6 @@ mod whole_file;
 
 pub use closed_file::ClosedFile;
 pub use destination::Destination;
-pub use leftovers::leftovers;
+pub use leftovers::{leftovers, remove};
 pub use shared_file::SharedFile;
 pub use whole_file::WholeFile;

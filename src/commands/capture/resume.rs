@@ -12,7 +12,6 @@ use radsight_output::{inputs, interrupt};
 use radsight_pinhole::{BandWeights, Rays};
 use radsight_render::RenderOptions;
 use sha2::{Digest, Sha256};
-use std::fs;
 use std::io;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -91,12 +90,9 @@ impl CheckpointFile {
 
     /// Takes the checkpoint away: what it was for is there.
     pub(super) fn remove(&self) -> Outcome {
-        match self.path.as_ref().map(|path| (path, fs::remove_file(path))) {
-            Some((path, Err(error))) if error.kind() != io::ErrorKind::NotFound => {
-                Err(Failure::write(&format!("checkpoint \"{path}\""), &error))
-            }
-            _ => Ok(()),
-        }
+        let Some(path) = &self.path else { return Ok(()) };
+        radsight_output::remove(Path::new(path))
+            .map_err(|error| Failure::write(&format!("checkpoint \"{path}\""), &error))
     }
 
     fn is_due(&self) -> bool {
