@@ -8,6 +8,7 @@ mod program;
 mod budget;
 mod camera_models;
 mod chain;
+mod checkpoints;
 mod cone_edges;
 mod flicker;
 mod gripps_files;

@@ -286,7 +286,9 @@ impl<'a> AdaptiveSampler<'a> {
     /// the same bits.
     fn checkpoint(&self, state: AdaptiveState) -> Checkpoint {
         let is_on_lattice = self.is_on_lattice.load(Ordering::Relaxed);
-        let state = if is_on_lattice { AdaptiveState::new(state.pixels.len()) } else { state };
+        // The lattice may be that of a film, which has more pixels.
+        let pixels = self.exposer.rays.camera().pixel_count() as usize;
+        let state = if is_on_lattice { AdaptiveState::new(pixels) } else { state };
         Checkpoint(State::Adaptive { state, bands: self.bands })
     }
 
