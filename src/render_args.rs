@@ -12,11 +12,13 @@ use radsight_cal::{Definitions, Scope};
 use radsight_diag::SourceMap;
 use radsight_ir::Rgb;
 use radsight_loader::{FileKind, Loader};
-use radsight_render::{AmbientSurfaces, BackFaces, Caustics, Lights, PathLimit, Quantity, RenderOptions, Sampling};
+use radsight_render::{
+    AmbientSurfaces, BackFaces, Caustics, DirectThreshold, Lights, PathLimit, Quantity, RenderOptions, Sampling,
+};
 use std::cmp::Ordering;
 
 /// Options with one number that control approximations which radsight does not make.
-const WITHOUT_EFFECT: [&str; 5] = ["-dj", "-dt", "-dc", "-dp", "-ss"];
+const WITHOUT_EFFECT: [&str; 4] = ["-dj", "-dc", "-dp", "-ss"];
 
 /// The weight of Radiance's ambient value: in radsight the value is used only where indirect light
 /// is not computed.
@@ -94,6 +96,13 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
         }
         "-ds" => {
             options.source_sampling = number(words, word, "a ratio of size to distance, 0 or more")?;
+            Ok(2)
+        }
+        "-dt" => {
+            let expected = "a share of the light, 0 or more";
+            let threshold: f64 = number(words, word, expected)?;
+            options.direct_threshold = DirectThreshold::new(threshold)
+                .ok_or_else(|| Failure::usage(format!("option \"-dt\" with {threshold}: expected {expected}")))?;
             Ok(2)
         }
         "-st" => {

@@ -13,6 +13,7 @@ mod antimatter;
 mod compile;
 mod compile_scatter;
 mod compile_steps;
+mod direct_threshold;
 mod emission;
 mod first_hit;
 mod function_faults;
@@ -46,6 +47,7 @@ mod veils;
 mod visibility_class;
 
 pub use antimatter::Antimatter;
+pub use direct_threshold::DirectThreshold;
 pub use emission::{emission, given};
 pub use first_hit::{DISTANT, FirstHit};
 pub use medium::{Medium, MistKind};

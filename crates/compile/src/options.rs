@@ -1,5 +1,6 @@
 //! Rendering options.
 
+use crate::direct_threshold::DirectThreshold;
 use radsight_ir::Rgb;
 use radsight_spectrum::Sampling;
 
@@ -26,6 +27,9 @@ pub struct RenderOptions {
     /// ([`Uncached::Split`]) samples more than one point on it (`-ds`). 0 always samples one.
     /// Default 0.2, as in Radiance.
     pub source_sampling: f64,
+    /// How exactly shadows of weak lights are tested where lights are subdivided (`-dt`). Default
+    /// [`DirectThreshold::DEFAULT`].
+    pub direct_threshold: DirectThreshold,
     /// Whether lights are subdivided at the surfaces that pixels show. Default
     /// [`LightDivision::Whole`].
     pub light_division: LightDivision,
@@ -80,6 +84,7 @@ impl Default for RenderOptions {
             gathering: Gathering::default(),
             highlight_threshold: 0.0,
             source_sampling: 0.2,
+            direct_threshold: DirectThreshold::DEFAULT,
             light_division: LightDivision::Whole,
             highlight_samples: 1.0,
             ambient_surfaces: AmbientSurfaces::All,

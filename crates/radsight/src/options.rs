@@ -15,6 +15,6 @@
 //! ```
 
 pub use radsight_render::{
-    AmbientSurfaces, BackFaces, BandValues, BareSurfaces, Caustics, Gathering, GlobalMedium, LightDivision, Lights,
-    PathLimit, Quantity, RayTreeOutput, Sampling, Skip, Skipping, TrackedValue, Uncached,
+    AmbientSurfaces, BackFaces, BandValues, BareSurfaces, Caustics, DirectThreshold, Gathering, GlobalMedium,
+    LightDivision, Lights, PathLimit, Quantity, RayTreeOutput, Sampling, Skip, Skipping, TrackedValue, Uncached,
 };

@@ -18,7 +18,8 @@ use radsight_light::{Light, LobePeak};
 use radsight_sampling::DimensionSet;
 use std::f64::consts::FRAC_1_PI;
 
-/// Share of a point's light up to which a light on which the records agree is sampled seldom.
+/// Share of a point's light up to which a light on which the records agree is sampled seldom, with
+/// the default threshold of direct light (`-dt`), like the two thresholds below.
 const AGREED_SHARE: f64 = 0.1;
 
 /// Difference between the records of a light, relative to the light of all, above which the light is
@@ -57,6 +58,26 @@ impl HighlightCone {
     }
 }
 
+/// Below what a light is sampled seldom at a point, and how seldom at most.
+#[derive(Clone, Copy)]
+struct Thresholds {
+    /// Strength of a light, and difference between its records, W/(sr·m²) summed over the bands.
+    agreed: f64,
+    spread: f64,
+    least_chance: f64,
+}
+
+impl Thresholds {
+    /// For a point that probably receives so much light, with so many times the default threshold.
+    fn new(level: f64, relative: f64) -> Option<Thresholds> {
+        (level > 0.0 && relative > 0.0).then(|| Thresholds {
+            agreed: AGREED_SHARE * relative * level,
+            spread: MOST_SPREAD * relative * level,
+            least_chance: LEAST_CHANCE / relative,
+        })
+    }
+}
+
 impl DirectSampler<'_> {
     /// Radiance reflected and transmitted by the point from all lights, recorded by light.
     pub(crate) fn sample_and_record<const BANDS: usize>(
@@ -70,7 +91,8 @@ impl DirectSampler<'_> {
         let diffuse = point.diffuse.iter().copied().fold(0.0, f64::max);
         let here = RecordedPoint { position: self.point, normal: self.normal, diffuse };
         let is_known = recorder.expect(&here, plan.lights.len()) && is_predictable(point);
-        let level = if is_known { recorder.level() } else { 0.0 };
+        let relative = plan.options.direct_threshold.relative();
+        let thresholds = if is_known { Thresholds::new(recorder.level(), relative) } else { None };
         let cone = HighlightCone::new(&self.reception.peak, diffuse);
         let set = DimensionSet::render(tracer.next_set);
         tracer.next_set += 1;
@@ -81,7 +103,7 @@ impl DirectSampler<'_> {
         let mut sum = [0.0; BANDS];
         for (index, light) in plan.lights.iter().enumerate() {
             let expected = &mut recorder.expected[index];
-            let chance = if level > 0.0 { self.chance(light, expected, level, &cone) } else { 1.0 };
+            let chance = thresholds.map_or(1.0, |thresholds| self.chance(light, expected, &thresholds, &cone));
             if chance < 1.0 {
                 add(&mut sum, expected.mean.given.map(f64::from));
                 seldom.push(selection.next(index, chance));
@@ -97,7 +119,7 @@ impl DirectSampler<'_> {
             let [sampled, expected] = [sampled, expected].map(|light| light.given.map(f64::from));
             seldom.difference = std::array::from_fn(|band| sampled[band] - expected[band]);
         };
-        let surprise = SURPRISE * AGREED_SHARE * level;
+        let surprise = thresholds.map_or(0.0, |thresholds| SURPRISE * thresholds.agreed);
         seldom.iter_mut().filter(|seldom| seldom.is_selected).for_each(&mut sample);
         if seldom.iter().any(|seldom| seldom.exceeds(surprise)) {
             seldom.iter_mut().filter(|seldom| !seldom.is_selected).for_each(sample);
@@ -109,10 +131,10 @@ impl DirectSampler<'_> {
     }
 
     /// Probability of sampling a light.
-    fn chance(&self, light: &Light, expected: &ExpectedLight, level: f64, cone: &HighlightCone) -> f64 {
-        let strength = f64::from(expected.strongest) / (AGREED_SHARE * level);
-        let spread = f64::from(expected.spread()) / (MOST_SPREAD * level);
-        let chance = strength.max(spread).max(LEAST_CHANCE);
+    fn chance(&self, light: &Light, expected: &ExpectedLight, thresholds: &Thresholds, cone: &HighlightCone) -> f64 {
+        let strength = f64::from(expected.strongest) / thresholds.agreed;
+        let spread = f64::from(expected.spread()) / thresholds.spread;
+        let chance = strength.max(spread).max(thresholds.least_chance);
         if chance >= 1.0 || self.is_uncertain(light, expected, cone) { 1.0 } else { chance }
     }
 

@@ -56,9 +56,9 @@ pub use light_image::{LightImage, Viewpoint};
 pub use mirrored_light::MirroredLight;
 pub use radsight_accel::Ray;
 pub use radsight_compile::{
-    AmbientSurfaces, BackFaces, BareSurfaces, Caustics, FirstHit, Gathering, GlobalMedium, LightDivision, Lights,
-    ModelRequest, ModelSource, NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput, RenderOptions, RenderPlan,
-    Skip, Skipping, SmoothView, TrackedValue, Uncached, is_native_library,
+    AmbientSurfaces, BackFaces, BareSurfaces, Caustics, DirectThreshold, FirstHit, Gathering, GlobalMedium,
+    LightDivision, Lights, ModelRequest, ModelSource, NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput,
+    RenderOptions, RenderPlan, Skip, Skipping, SmoothView, TrackedValue, Uncached, is_native_library,
 };
 pub use radsight_spectrum::Sampling;
 pub use radsight_texture::BandValues;

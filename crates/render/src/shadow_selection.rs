@@ -2,7 +2,7 @@
 //!
 //! In a picture with few rays per pixel every light is sampled at every point, and most of the time
 //! goes to shadow rays, many of them to lights that hardly matter there. Radiance tests lights in
-//! the order of their contributions, and neglects the rest (`-dt`). Here a sample that contributes
+//! the order of their contributions, and does not test the rest (`-dt`). Here a sample that contributes
 //! less than a share τ of the unshadowed sum S keeps its shadow ray with the probability p =
 //! c/(τ S), and its weight becomes 1/p: nothing is lost in the mean. Weak samples are selected
 //! systematically along their cumulative contribution, so there are at most 1/τ of them, and
@@ -16,7 +16,8 @@ use radsight_compile::{LightDivision, VisibilityClass};
 use radsight_sampling::DimensionSet;
 use radsight_texture::product;
 
-/// Share of a point's unshadowed light below which a sample is weak.
+/// Share of a point's unshadowed light below which a sample is weak, with the default threshold of
+/// direct light (`-dt`).
 const WEAK_SHARE: f64 = 0.02;
 
 impl DirectSampler<'_> {
@@ -80,7 +81,8 @@ impl DirectSampler<'_> {
         tracer: &mut PathIntegrator<'p, BANDS>,
         samples: &[UnshadowedSample<'p, BANDS>],
     ) -> [f64; BANDS] {
-        let step = WEAK_SHARE * samples.iter().map(|sample| sample.strength).sum::<f64>();
+        let weak_share = WEAK_SHARE * tracer.plan.options.direct_threshold.relative();
+        let step = weak_share * samples.iter().map(|sample| sample.strength).sum::<f64>();
         let set = DimensionSet::render(tracer.next_set);
         tracer.next_set += 1;
         // Computed when needed.

@@ -17,7 +17,7 @@ pub(super) const RENDERING: Group = Group {
         switch("-bv", "Show the back faces of surfaces")
             .default("+")
             .listed(Switch(["back face visibility off", "back face visibility on"])),
-        value("-dt", "T", "Threshold of direct light below which shadows are not tested; accepted, but has no effect")
+        value("-dt", "T", "Threshold of direct light: shadows of weaker lights are tested at random; only pictures of few rays use it")
             .default("0.03")
             .listed(Fixed("\t\t\t", "direct threshold")),
         value("-dc", "C", "Certainty of direct light; accepted, but has no effect")
