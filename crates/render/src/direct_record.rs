@@ -14,8 +14,8 @@ const MIN_COSINE: f64 = 0.9;
 /// Maximum distance of a recorded point from the tangent plane, relative to its distance.
 const MAX_SLOPE: f64 = 0.3;
 
-/// Maximum relative difference between their diffuse reflectances.
-const MAX_DIFFERENCE: f64 = 0.02;
+/// Maximum ratio between their diffuse reflectances, and of each band. Recorded light is scaled by it.
+const MAX_RATIO: f32 = 8.0;
 
 /// Light that a point probably receives, at least, relative to that without shadows.
 const LEAST_LEVEL: f64 = 0.3;
@@ -47,8 +47,8 @@ pub(crate) struct RecordedPoint {
     pub(crate) position: DVec3,
     /// Unit.
     pub(crate) normal: DVec3,
-    /// Diffuse reflectance of the strongest band.
-    pub(crate) diffuse: f64,
+    /// Diffuse reflectance of each band.
+    pub(crate) diffuse: [f32; 3],
 }
 
 /// The radiance that a point scatters to the viewer from one light.
@@ -118,12 +118,37 @@ pub(crate) fn records_direct_light(plan: &RenderPlan) -> bool {
 }
 
 impl RecordedPoint {
-    /// Whether light changes smoothly to another point.
+    /// Whether irradiance changes smoothly to another point.
     fn continues(&self, other: &RecordedPoint) -> bool {
         let way = other.position - self.position;
         self.normal.dot(other.normal) >= MIN_COSINE
-            && (self.diffuse - other.diffuse).abs() <= MAX_DIFFERENCE * self.diffuse
             && self.normal.dot(way).abs() <= MAX_SLOPE * way.length() + f64::EPSILON
+    }
+}
+
+/// Ratio of the light that two points with the same irradiance reflect.
+#[derive(Clone, Copy)]
+struct ReflectanceRatio {
+    bands: [f32; 3],
+    /// That of the sum over the bands.
+    sum: f32,
+}
+
+impl ReflectanceRatio {
+    /// `None` if one point reflects far more than the other.
+    fn new(point: &RecordedPoint, recorded: &RecordedPoint) -> Option<ReflectanceRatio> {
+        if point.diffuse == recorded.diffuse {
+            return Some(ReflectanceRatio { bands: [1.0; 3], sum: 1.0 });
+        }
+        let [here, there] = [point, recorded].map(|point| point.diffuse.iter().sum::<f32>());
+        if here.max(there) > MAX_RATIO * here.min(there) {
+            return None;
+        }
+        let bands = std::array::from_fn(|band| {
+            // A band that the recorded point does not reflect has no recorded light.
+            (point.diffuse[band] / recorded.diffuse[band]).min(MAX_RATIO)
+        });
+        Some(ReflectanceRatio { bands, sum: here / there })
     }
 }
 
@@ -147,16 +172,18 @@ impl DirectRecorder {
         let order = self.points;
         let (mut records, mut weights) = (0, 0.0);
         for NearRecord { record, weight } in &self.near {
-            if !record.points.get(order).is_some_and(|recorded| point.continues(recorded)) {
+            let Some(recorded) = record.points.get(order).filter(|recorded| point.continues(recorded)) else {
                 continue;
-            }
+            };
+            let Some(ratio) = ReflectanceRatio::new(point, recorded) else { continue };
             let recorded = &record.lights[order * lights..][..lights];
             if records == 0 {
                 self.expected.clear();
-                self.expected.extend(recorded.iter().map(|recorded| ExpectedLight::of(recorded, *weight)));
+                self.expected
+                    .extend(recorded.iter().map(|recorded| ExpectedLight::of(&recorded.scaled(&ratio), *weight)));
             } else {
                 let pairs = self.expected.iter_mut().zip(recorded);
-                pairs.for_each(|(expected, recorded)| expected.add(recorded, *weight));
+                pairs.for_each(|(expected, recorded)| expected.add(&recorded.scaled(&ratio), *weight));
             }
             (records, weights) = (records + 1, weights + weight);
         }
@@ -191,6 +218,13 @@ impl DirectRecorder {
 }
 
 impl RecordedLight {
+    /// What another point with the same irradiance scatters.
+    #[inline]
+    fn scaled(&self, ratio: &ReflectanceRatio) -> RecordedLight {
+        let given = std::array::from_fn(|band| ratio.bands[band] * self.given[band]);
+        RecordedLight { given, unshadowed: ratio.sum * self.unshadowed }
+    }
+
     /// The sum over the bands.
     fn sum(&self) -> f32 {
         self.given[0] + self.given[1] + self.given[2]

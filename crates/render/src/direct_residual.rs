@@ -88,12 +88,12 @@ impl DirectSampler<'_> {
         recorder: &mut DirectRecorder,
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
-        let diffuse = point.diffuse.iter().copied().fold(0.0, f64::max);
+        let diffuse = std::array::from_fn(|band| point.diffuse.get(band).map_or(0.0, |diffuse| *diffuse as f32));
         let here = RecordedPoint { position: self.point, normal: self.normal, diffuse };
         let is_known = recorder.expect(&here, plan.lights.len()) && is_predictable(point);
         let relative = plan.options.direct_threshold.relative();
         let thresholds = if is_known { Thresholds::new(recorder.level(), relative) } else { None };
-        let cone = HighlightCone::new(&self.reception.peak, diffuse);
+        let cone = HighlightCone::new(&self.reception.peak, point.diffuse.iter().copied().fold(0.0, f64::max));
         let set = DimensionSet::render(tracer.next_set);
         tracer.next_set += 1;
         let mut selection = Selection::new(tracer.sampler.take(set)[0]);
