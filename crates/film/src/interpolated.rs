@@ -48,9 +48,9 @@ const PROBES: u64 = 1 << (46 + INDEX_LOG2);
 const HIGHLIGHT_RINGS: u32 = 2;
 
 /// Radius of the filter, in steps of the grid.
-const FILTER_RADIUS: isize = 2;
+const FILTER_RADIUS: usize = 2;
 
-/// The minimum weight ([`Block::neighbors`]) of samples one step away.
+/// The minimum weight ([`Block::for_each_neighbor`]) of samples one step away.
 const ADJACENT_WEIGHT: f64 = 4.0;
 
 /// Pixels darker than this fraction of the typical value need no more accuracy.
@@ -382,6 +382,13 @@ impl Block<'_> {
         })
     }
 
+    /// Whether two values differ by no more than the allowed contrast.
+    fn is_alike(&self, one: &[f64; 3], other: &[f64; 3]) -> bool {
+        one.iter().zip(other).all(|(one, other)| {
+            (one - other).abs() <= 0.5 * self.interpolation.contrast * (one + other) + self.darkness
+        })
+    }
+
     /// Pixels of a cell in which a probe ray looks for other surfaces.
     fn probes(&self, cell: &Cell) -> impl Iterator<Item = (usize, usize)> + use<> {
         let quarters = |first: usize, last: usize| {
@@ -445,7 +452,7 @@ impl Block<'_> {
             let at = self.at(pixel);
             self.samples[at].as_ref().map(|sample| (&sample.surface, averaged[at]))
         });
-        if near.clone().all(|(surface, _)| sample.surface.continues(surface)) {
+        if near.clone().all(|(surface, value)| self.is_alike(&own, &value) || sample.surface.continues(surface)) {
             return own;
         }
         let near: Vec<(&Surface, [f64; 3])> = near.collect();
@@ -492,29 +499,43 @@ impl Block<'_> {
         step.max(1)
     }
 
-    /// Samples of the same surface on the grid of a pixel, up to two steps away, with the weight of
-    /// their distance; includes the pixel. `matters` excludes samples before the surfaces are
-    /// compared.
-    fn neighbors(&self, at: usize, matters: impl Fn(&Sample, f64) -> bool) -> impl Iterator<Item = (usize, f64)> {
-        let (column, row) = (at % self.camera.columns(), at / self.camera.columns());
-        let step = self.step_around((column, row)) as isize;
-        let own = self.samples[at].as_ref();
-        (-FILTER_RADIUS..=FILTER_RADIUS)
-            .flat_map(move |down| (-FILTER_RADIUS..=FILTER_RADIUS).map(move |right| (right, down)))
-            .filter_map(move |(right, down)| {
-                let x = column.checked_add_signed(right * step).filter(|x| *x < self.camera.columns())?;
-                let y = row.checked_add_signed(down * step).filter(|y| *y < self.rows)?;
-                let other = self.at((x, y));
-                let (own, near) = (own?, self.samples[other].as_ref()?);
-                let weight = ((FILTER_RADIUS + 1 - right.abs()) * (FILTER_RADIUS + 1 - down.abs())) as f64;
+    /// Calls `visit` for the samples of the same surface on the grid of a pixel, up to two steps
+    /// away, with their index and the weight of their distance; includes the pixel. `matters`
+    /// excludes samples before the surfaces are compared.
+    #[inline]
+    fn for_each_neighbor(
+        &self,
+        at: usize,
+        matters: impl Fn(&Sample, f64) -> bool,
+        mut visit: impl FnMut(usize, &Sample, f64),
+    ) {
+        let Some(own) = &self.samples[at] else { return };
+        let columns = self.camera.columns();
+        let (column, row) = (at % columns, at / columns);
+        let step = self.step_around((column, row));
+        // The steps that stay inside of the picture.
+        let steps = |place: usize, count: usize| {
+            let before = (place / step).min(FILTER_RADIUS) as isize;
+            let after = ((count - 1 - place) / step).min(FILTER_RADIUS) as isize;
+            -before..=after
+        };
+        let weight = |steps: isize| FILTER_RADIUS + 1 - steps.unsigned_abs();
+        for down in steps(row, self.rows) {
+            let first = row.wrapping_add_signed(down * step as isize) * columns;
+            for right in steps(column, columns) {
+                let other = first + column.wrapping_add_signed(right * step as isize);
+                let Some(near) = &self.samples[other] else { continue };
+                let weight = (weight(right) * weight(down)) as f64;
                 if !matters(near, weight) {
-                    return None;
+                    continue;
                 }
                 // Between samples that are not adjacent light may change arbitrarily, unless they
                 // agree.
-                let joins = own.surface.joins(&near.surface) && (step == 1 || self.agree(own, near));
-                (joins || other == at).then_some((other, weight))
-            })
+                if other == at || (own.surface.joins(&near.surface) && (step == 1 || self.agree(own, near))) {
+                    visit(other, near, weight);
+                }
+            }
+        }
     }
 
     /// The combined statistics of the samples around a pixel.
@@ -523,22 +544,28 @@ impl Block<'_> {
             return Patch::default();
         };
         let (mut variance, mut weights) = (0.0, 0.0);
-        for (index, weight) in self.neighbors(at, |other, _| other.rays > 1) {
-            let Some(other) = &self.samples[index] else { continue };
-            let rays = f64::from(other.rays);
-            variance += weight * (rays - 1.0) * other.variance * rays;
-            weights += weight * (rays - 1.0);
-        }
+        self.for_each_neighbor(
+            at,
+            |other, _| other.rays > 1,
+            |_, other, weight| {
+                let rays = f64::from(other.rays);
+                variance += weight * (rays - 1.0) * other.variance * rays;
+                weights += weight * (rays - 1.0);
+            },
+        );
         if weights <= 0.0 {
             return Patch::default();
         }
         let (mut sum, mut near) = (0.0, 0.0);
-        for (index, _) in self.neighbors(at, |_, weight| weight >= ADJACENT_WEIGHT) {
-            let Some(other) = &self.samples[index] else { continue };
-            let rays = f64::from(other.rays);
-            sum += rays * mean(&other.value);
-            near += rays;
-        }
+        self.for_each_neighbor(
+            at,
+            |_, weight| weight >= ADJACENT_WEIGHT,
+            |_, other, _| {
+                let rays = f64::from(other.rays);
+                sum += rays * mean(&other.value);
+                near += rays;
+            },
+        );
         if near <= 0.0 {
             return Patch::default();
         }
@@ -557,15 +584,19 @@ impl Block<'_> {
             return sample.value;
         }
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
-        for (index, weight) in self.neighbors(at, |_, _| true) {
-            let (Some(other), near) = (&self.samples[index], &patches[index]) else { continue };
-            let own = (mean(&sample.value) - mean(&other.value)).powi(2) / (patch.variance + near.variance);
-            let together = (patch.mean - near.mean).powi(2) / (patch.variance_of_mean + near.variance_of_mean);
-            let difference = if index == at { 0.0 } else { 0.5 * own.max(together) };
-            let weight = weight * f64::from(other.rays) / (1.0 + difference.powi(2));
-            sum = std::array::from_fn(|band| sum[band] + weight * other.value[band]);
-            weights += weight;
-        }
+        self.for_each_neighbor(
+            at,
+            |_, _| true,
+            |index, other, weight| {
+                let near = &patches[index];
+                let own = (mean(&sample.value) - mean(&other.value)).powi(2) / (patch.variance + near.variance);
+                let together = (patch.mean - near.mean).powi(2) / (patch.variance_of_mean + near.variance_of_mean);
+                let difference = if index == at { 0.0 } else { 0.5 * own.max(together) };
+                let weight = weight * f64::from(other.rays) / (1.0 + difference.powi(2));
+                sum = std::array::from_fn(|band| sum[band] + weight * other.value[band]);
+                weights += weight;
+            },
+        );
         sum.map(|band| band / weights)
     }
 }
