@@ -34,10 +34,10 @@ pub struct Interpolation {
 const MAX_CELL_WIDTH: usize = 16;
 const MIN_CELLS: usize = 8;
 
-/// Rays per pixel, initial and maximum: on the coarsest grids, on finer grids where samples are
-/// noisy, and where they are not.
+/// Rays per pixel, initial and maximum, on the coarsest grids, which show where values are noisy.
 const COARSE_RAYS: (u32, u32) = (2, 4);
-const NOISY_RAYS: (u32, u32) = (2, 2);
+
+/// The same on finer grids: where values are noisy, each pixel is sampled.
 const FINE_RAYS: (u32, u32) = (1, 1);
 
 /// Rays that find the surfaces in a silhouette pixel, and the offset of their ray numbers.
@@ -98,7 +98,6 @@ struct Block<'b> {
 #[derive(Clone, Copy, Debug)]
 struct Wanted {
     pixel: Pixel,
-    noise: Noise,
     /// A cell around it whose corners are sampled; `None` on the coarsest grid.
     cell: Option<Cell>,
 }
@@ -143,7 +142,7 @@ impl Interpolation {
     /// Maximum number of rays of a pixel of the coarsest grid.
     #[must_use]
     pub fn most_rays(&self) -> u32 {
-        rays_of(self.spacing as usize, Noise::Low).1
+        rays_of(self.spacing as usize).1
     }
 
     /// The largest width of a light that is drawn, pixels.
@@ -159,20 +158,9 @@ impl Interpolation {
     }
 }
 
-/// The noise of the light at the corners of a cell; high noise precedes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Noise {
-    High,
-    Low,
-}
-
 /// Number of rays of a pixel of a grid, initial and maximum.
-fn rays_of(spacing: usize, noise: Noise) -> (u32, u32) {
-    match (spacing, noise) {
-        (4.., _) => COARSE_RAYS,
-        (_, Noise::High) => NOISY_RAYS,
-        (_, Noise::Low) => FINE_RAYS,
-    }
+fn rays_of(spacing: usize) -> (u32, u32) {
+    if spacing >= 4 { COARSE_RAYS } else { FINE_RAYS }
 }
 
 impl Block<'_> {
@@ -198,7 +186,7 @@ impl Block<'_> {
         for doubling in (0..=doublings).rev() {
             let stream = if doubling == 0 { spacing } else { STREAMS - doubling };
             let pixels = first_pixels([&columns, &rows], 1 << doubling, 1 << doublings);
-            let wanted = pixels.into_iter().map(|(pixel, cell)| Wanted { pixel, noise: Noise::Low, cell });
+            let wanted = pixels.into_iter().map(|(pixel, cell)| Wanted { pixel, cell });
             self.trace(wanted.collect(), (spacing, stream));
         }
         self.darkness = DARK_FRACTION * self.interpolation.contrast * self.typical();
@@ -226,16 +214,14 @@ impl Block<'_> {
                     smooth.push(cell);
                 } else if cell.is_divisible() {
                     let (columns, rows) = cell.parts();
-                    let noise = if self.is_noisy(&cell) { Noise::High } else { Noise::Low };
                     let pixels = rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row)));
-                    wanted.extend(pixels.map(|pixel| Wanted { pixel, noise, cell: Some(cell) }));
+                    wanted.extend(pixels.map(|pixel| Wanted { pixel, cell: Some(cell) }));
                     divided.extend(cell.divided());
                 }
             }
             finer = (finer / 2).max(1);
             wanted.retain(|wanted| self.samples[self.at(wanted.pixel)].is_none());
-            // A pixel between cells counts as noisy if one of them is.
-            wanted.sort_by_key(|Wanted { pixel: (column, row), noise, .. }| (*row, *column, *noise));
+            wanted.sort_by_key(|Wanted { pixel: (column, row), .. }| (*row, *column));
             wanted.dedup_by_key(|wanted| wanted.pixel);
             self.trace(wanted, (finer, finer));
             cells = divided.into_iter().filter(Cell::is_divisible).collect();
@@ -277,13 +263,6 @@ impl Block<'_> {
         if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(center, f64::total_cmp).1 }
     }
 
-    /// Whether the light on the surfaces at the corners of a cell is noisy.
-    fn is_noisy(&self, cell: &Cell) -> bool {
-        cell.corners().into_iter().filter_map(|corner| self.sampled(corner)).any(|sample| {
-            sample.surface.key != SEVERAL && sample.variance.sqrt() > self.allowed_noise(sample) + self.darkness
-        })
-    }
-
     fn allowed_noise(&self, sample: &Sample) -> f64 {
         NOISE_REDUCTION * self.interpolation.contrast * mean(&sample.value)
     }
@@ -316,7 +295,7 @@ impl Block<'_> {
         (spacing, stream): (usize, usize),
     ) -> (Sample, Option<DirectRecord>) {
         let (column, row) = (wanted.pixel.0, wanted.pixel.1 + self.first_row);
-        let (first, most) = rays_of(spacing, wanted.noise);
+        let (first, most) = rays_of(spacing);
         let near = self.records_around(wanted);
         let mut record = None;
         let mut tally = Tally::default();
