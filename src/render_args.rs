@@ -1,7 +1,7 @@
 //! Radiance's rendering options, which consist of one dash and two letters.
 //!
 //! Most options that control Radiance's approximations of direct light and highlights are accepted
-//! and have no effect: radsight computes those integrals.
+//! and have no effect: radsight computes those integrals. `-dt` trades noise for time instead.
 
 use crate::args::Reading;
 use crate::disk::{Commands, DiskLoader};

@@ -5,7 +5,7 @@ mod build;
 use build::{Builder, mean, plan};
 use glam::DVec3;
 use radsight_ir::{Facing, Sphere};
-use radsight_render::{DirectRecord, LightDivision, NearRecord, Ray, RenderOptions, Renderer};
+use radsight_render::{DirectRecord, DirectThreshold, LightDivision, NearRecord, Ray, RenderOptions, Renderer};
 use std::sync::Arc;
 
 const RAYS: u64 = 1 << 11;
@@ -39,26 +39,38 @@ fn ray(to: DVec3) -> Ray {
     Ray::new(eye, to - eye).unwrap()
 }
 
-/// Mean and standard deviation of the radiance of the middle, from records of the corners around it.
-fn near_records(scene: &Builder) -> [f64; 2] {
-    let options = RenderOptions { light_division: LightDivision::Shared(0.5), ..RenderOptions::default() };
+/// Radiances of the middle, from records of the corners around it, with this threshold of direct
+/// light.
+fn near_values(scene: &Builder, threshold: f64) -> Vec<f64> {
+    let options = RenderOptions {
+        light_division: LightDivision::Shared(0.5),
+        direct_threshold: DirectThreshold::new(threshold).unwrap(),
+        ..RenderOptions::default()
+    };
     let renderer = Renderer::new(plan(scene, options));
     assert!(renderer.records_direct_light());
     let mut worker = renderer.worker();
     let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0) * APART);
-    let values: Vec<f64> = (0..RAYS)
-        .map(|index| {
-            let near = corners.iter().zip(1_u64..).map(|(corner, stream)| {
-                let mut record = Some(DirectRecord::default());
-                worker.trace_near(stream << 40 | index, &ray(*corner), &[], &mut record);
-                NearRecord { record: Arc::new(record.unwrap()), weight: 0.25 }
-            });
-            let near: Vec<NearRecord> = near.collect();
-            worker.trace_near(index, &ray(DVec3::ZERO), &near, &mut None).value[0]
-        })
-        .collect();
-    let mean = values.iter().sum::<f64>() / RAYS as f64;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (RAYS - 1) as f64;
+    let values = (0..RAYS).map(|index| {
+        let near = corners.iter().zip(1_u64..).map(|(corner, stream)| {
+            let mut record = Some(DirectRecord::default());
+            worker.trace_near(stream << 40 | index, &ray(*corner), &[], &mut record);
+            NearRecord { record: Arc::new(record.unwrap()), weight: 0.25 }
+        });
+        let near: Vec<NearRecord> = near.collect();
+        worker.trace_near(index, &ray(DVec3::ZERO), &near, &mut None).value[0]
+    });
+    values.collect()
+}
+
+/// Mean and standard deviation of the radiance of the middle, from records of the corners around it.
+fn near_records(scene: &Builder) -> [f64; 2] {
+    mean_and_deviation(&near_values(scene, 0.05))
+}
+
+fn mean_and_deviation(values: &[f64]) -> [f64; 2] {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64;
     [mean, variance.sqrt()]
 }
 
@@ -109,4 +121,55 @@ fn lamps_in_a_mirror_and_a_highlight_count_once() {
     scene.polygon(mirror, &[[-2.0, 0.1], [2.0, 0.1], [2.0, 1.8], [-2.0, 1.8]].map(|[x, z]| DVec3::new(x, 1.0, z)));
     block(&mut scene, DVec3::ZERO, 0.03, 3.0);
     assert_same_mean(&scene, 0.1);
+}
+
+#[test]
+fn a_tiled_floor_shares_light_across_its_tiles() {
+    // The corners see white tiles, the middle a black one.
+    let mut scene = lamps(20);
+    let tile = scene.plastic([0.1, 0.2, 0.1], 0.04, 0.15);
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    scene.polygon(tile, &corners.map(|[x, y]| DVec3::new(0.2 * APART * x, 0.2 * APART * y, 1e-4)));
+    assert_same_mean(&scene, 0.03);
+}
+
+#[test]
+fn a_larger_threshold_gives_more_noise_and_the_same_mean() {
+    let mut scene = lamps(20);
+    block(&mut scene, DVec3::ZERO, 0.03, 3.0);
+    let expected = all_lamps(&scene);
+    let mut before = 0.0;
+    for threshold in [0.0, 0.05, 1.0] {
+        let [found, deviation] = mean_and_deviation(&near_values(&scene, threshold));
+        let error = 4.0 * deviation / (RAYS as f64).sqrt() + 1e-3 * expected;
+        assert!((found - expected).abs() < error, "{threshold}: {found} ± {deviation}, not {expected}");
+        assert!(deviation > before, "{threshold}: {deviation} after {before}");
+        before = deviation;
+    }
+}
+
+#[test]
+fn a_threshold_of_zero_samples_all_lamps_as_without_records() {
+    let scene = lamps(20);
+    let options = RenderOptions { light_division: LightDivision::Shared(0.5), ..RenderOptions::default() };
+    let renderer = Renderer::new(plan(&scene, options));
+    let mut worker = renderer.worker();
+    let alone: Vec<f64> =
+        (0..RAYS).map(|index| worker.trace_near(index, &ray(DVec3::ZERO), &[], &mut None).value[0]).collect();
+    assert_eq!(near_values(&scene, 0.0), alone);
+}
+
+#[test]
+fn shadow_rays_selected_by_strength_have_the_same_mean_for_each_threshold() {
+    let mut scene = lamps(20);
+    block(&mut scene, DVec3::ZERO, 0.03, 3.0);
+    let expected = all_lamps(&scene);
+    let Ray { origin, direction, .. } = ray(DVec3::ZERO);
+    for threshold in [0.0, 0.05, 1.0] {
+        let direct_threshold = DirectThreshold::new(threshold).unwrap();
+        let options =
+            RenderOptions { light_division: LightDivision::BySize(2.0), direct_threshold, ..RenderOptions::default() };
+        let found = mean(&scene, options, origin, direction, 1 << 14);
+        assert!((found / expected - 1.0).abs() < 0.01, "{threshold}: {found}, not {expected}");
+    }
 }
