@@ -29,6 +29,9 @@ const MOST_SPREAD: f64 = 0.02;
 /// Minimum probability of sampling a light.
 const LEAST_CHANCE: f64 = 1.0 / 16.0;
 
+/// Probability of sampling a light that is dark at all records, as outside of its beam.
+const DARK_CHANCE: f64 = 1.0 / 4.0;
+
 /// A difference from the records is large above this fraction of what a light must give to be
 /// sampled always.
 const SURPRISE: f64 = 0.2;
@@ -65,15 +68,18 @@ struct Thresholds {
     agreed: f64,
     spread: f64,
     least_chance: f64,
+    /// The same for lights that are dark at all records.
+    dark_chance: f64,
 }
 
 impl Thresholds {
     /// For a point that probably receives so much light, with so many times the default threshold.
     fn new(level: f64, relative: f64) -> Option<Thresholds> {
-        (level > 0.0 && relative > 0.0).then(|| Thresholds {
+        (relative > 0.0).then(|| Thresholds {
             agreed: AGREED_SHARE * relative * level,
             spread: MOST_SPREAD * relative * level,
             least_chance: LEAST_CHANCE / relative,
+            dark_chance: (DARK_CHANCE / relative).max(LEAST_CHANCE),
         })
     }
 }
@@ -132,18 +138,19 @@ impl DirectSampler<'_> {
 
     /// Probability of sampling a light.
     fn chance(&self, light: &Light, expected: &ExpectedLight, thresholds: &Thresholds, cone: &HighlightCone) -> f64 {
+        if self.may_be_highlight(light, cone) {
+            return 1.0;
+        }
+        if expected.strongest == 0.0 {
+            return if self.is_below(light) { thresholds.least_chance } else { thresholds.dark_chance }.min(1.0);
+        }
         let strength = f64::from(expected.strongest) / thresholds.agreed;
         let spread = f64::from(expected.spread()) / thresholds.spread;
-        let chance = strength.max(spread).max(thresholds.least_chance);
-        if chance >= 1.0 || self.is_uncertain(light, expected, cone) { 1.0 } else { chance }
+        strength.max(spread).max(thresholds.least_chance).min(1.0)
     }
 
-    /// Whether records tell little of a light: it was nowhere seen, but may be, or the highlight of
-    /// the point may be on it.
-    fn is_uncertain(&self, light: &Light, expected: &ExpectedLight, cone: &HighlightCone) -> bool {
-        if expected.strongest == 0.0 {
-            return !self.is_below(light);
-        }
+    /// Whether the highlight of the point may be on a light, so that records tell little of it.
+    fn may_be_highlight(&self, light: &Light, cone: &HighlightCone) -> bool {
         if cone.radius == 0.0 {
             return false;
         }

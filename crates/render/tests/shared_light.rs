@@ -15,9 +15,15 @@ const APART: f64 = 0.1;
 
 /// Lamps of different strength above a floor.
 fn lamps(count: u32) -> Builder {
+    lamps_above_floor(count, 3.0)
+}
+
+/// The same; half the side of the floor is given, scene units.
+fn lamps_above_floor(count: u32, half_side: f64) -> Builder {
     let mut scene = Builder::default();
     let floor = scene.plastic([0.5, 0.4, 0.3], 0.04, 0.15);
-    scene.polygon(floor, &[[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0]].map(|[x, y]| DVec3::new(x, y, 0.0)));
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    scene.polygon(floor, &corners.map(|[x, y]| DVec3::new(x, y, 0.0) * half_side));
     for index in 0..count {
         let light = scene.light([5.0, 4.0, 3.0].map(|band| band * f64::from(1 + index % 5)));
         let (sine, cosine) = (2.4 * f64::from(index)).sin_cos();
@@ -131,6 +137,18 @@ fn a_tiled_floor_shares_light_across_its_tiles() {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     scene.polygon(tile, &corners.map(|[x, y]| DVec3::new(0.2 * APART * x, 0.2 * APART * y, 1e-4)));
     assert_same_mean(&scene, 0.03);
+}
+
+#[test]
+fn a_lamp_that_no_record_sees_keeps_its_mean() {
+    // The lamp is below the horizon of the floor, and above that of a tilted tile.
+    let mut scene = lamps_above_floor(12, 1.2 * APART);
+    let lamp = scene.light([50.0, 40.0, 30.0]);
+    scene.sphere(lamp, Sphere { center: DVec3::new(2.0, 0.0, -0.05), radius: 0.03, facing: Facing::Outward });
+    let tile = scene.plastic([0.5, 0.4, 0.3], 0.04, 0.15);
+    let corners = [[-0.03, -0.1], [0.03, -0.1], [0.03, 0.1], [-0.03, 0.1]];
+    scene.polygon(tile, &corners.map(|[x, y]| DVec3::new(x, y, 0.02 - 0.36 * x)));
+    assert_same_mean(&scene, 0.2);
 }
 
 #[test]
