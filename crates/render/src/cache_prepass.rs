@@ -1,7 +1,7 @@
 //! The irradiance-cache pre-pass: gathers irradiance where the rays of the picture need it.
 
-use crate::cache_point_search::{SecondaryGathers, cache_query, scattered};
-use crate::cache_query::{CachePoint, CacheQuery, Caches, HemisphereGather};
+use crate::cache_point_search::{PrepassPoints, SecondaryGathers, of_camera_rays};
+use crate::cache_query::{CachePoint, Caches, HemisphereGather};
 use crate::caching::gathering_limits;
 use crate::checksum::ray_set;
 use crate::guiding::GuidingRecords;
@@ -125,22 +125,20 @@ fn gather_for<const BANDS: usize>(
     }
     served.push(requested);
     if plan.options.ambient_bounces > 1 && pays_for_second_cache(plan, rays.len()) {
-        let gathers = SecondaryGathers::new(plan, &seen.cache, rays, spread, sample_rays(plan, rays.len()));
+        let gathers = SecondaryGathers::new(plan, &seen.cache, (rays, spread), sample_rays(plan, rays.len()));
         beyond.budget = beyond.rays + seen.allowance(rays) / SECOND_CACHE_SHARE;
         beyond.noise = second_cache_noise(plan, rays.len());
         beyond.gather(
             (plan, stops),
             ([None; 2], bright),
-            (gathers.len(), gathers.spread),
-            |cache, order, requested| gathers.cache_query(plan, cache, order, requested),
+            PrepassPoints::new(gathers.len(), |order| gathers.points(plan, order)),
         );
     }
     let before = seen.cache.len();
     seen.budget = seen.rays + seen.allowance(rays);
     let caches = [None, Some(&beyond.cache)];
-    seen.gather((plan, stops), (caches, bright), (rays.len(), spread), |cache, order, requested| {
-        cache_query(plan, cache, rays, order, requested)
-    });
+    let points = PrepassPoints::new(rays.len(), |order| of_camera_rays(plan, (rays, spread), order));
+    seen.gather((plan, stops), (caches, bright), points);
     seen.cache.len() - before
 }
 
@@ -313,17 +311,15 @@ impl<const BANDS: usize> Level<BANDS> {
         (USUAL_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(1.0, MAX_NOISE_REDUCTION)
     }
 
-    /// Fills the cache for `count` pre-pass rays; `cache_query` returns the cache queries of some
-    /// of them.
+    /// Fills the cache for pre-pass rays.
     fn gather(
         &mut self,
         (plan, stops): (&RenderPlan, &Stops<'_>),
         (caches, bright): (Caches<'_, BANDS>, &mut GuidingRecords),
-        (count, spread): (usize, RaySpacing),
-        cache_query: impl Fn(&Cache<BANDS>, &[usize], &CacheQuery<BANDS>) -> Vec<CacheQuery<BANDS>>,
+        mut points: PrepassPoints<'_, BANDS>,
     ) {
         let before = self.cache.len();
-        self.least_own_rays = least_own_rays(plan, count);
+        self.least_own_rays = least_own_rays(plan, points.len());
         let passes = if plan.has_caustics { PREPASSES_FOR_CAUSTICS } else { PREPASSES };
         for round in 0..passes {
             if stops() {
@@ -333,13 +329,13 @@ impl<const BANDS: usize> Level<BANDS> {
                 self.cache.reduce_reaches();
             }
             let known = self.cache.len();
-            self.fill((plan, stops), (caches, bright), (count, spread), &cache_query);
+            self.fill((plan, stops), (caches, bright), &mut points);
             if self.cache.len() == known {
                 break;
             }
             self.settle();
             if plan.has_caustics {
-                self.count_served(plan, before, count, &cache_query);
+                self.count_served(plan, before, &mut points);
                 if self.gather_again((plan, stops), (caches, bright), before) > 0 {
                     self.settle();
                 }
@@ -348,7 +344,7 @@ impl<const BANDS: usize> Level<BANDS> {
         if self.cache.len() == before {
             return;
         }
-        self.count_served(plan, before, count, &cache_query);
+        self.count_served(plan, before, &mut points);
         for _ in 0..FURTHER_ROUNDS {
             if self.gather_again((plan, stops), (caches, bright), before) == 0 {
                 break;
@@ -363,15 +359,12 @@ impl<const BANDS: usize> Level<BANDS> {
         &mut self,
         (plan, stops): (&RenderPlan, &Stops<'_>),
         (caches, bright): (Caches<'_, BANDS>, &mut GuidingRecords),
-        (count, spread): (usize, RaySpacing),
-        cache_query: &impl Fn(&Cache<BANDS>, &[usize], &CacheQuery<BANDS>) -> Vec<CacheQuery<BANDS>>,
+        points: &mut PrepassPoints<'_, BANDS>,
     ) {
-        let order = scattered(count);
         let (mut first, mut batch) = (0, FIRST_BATCH);
-        while first < order.len() && self.rays < self.budget && !stops() {
-            let end = (first + batch).min(order.len());
-            let queries = cache_query(&self.cache, &order[first..end], &CacheQuery::Missing(Vec::new(), spread));
-            let missing: Vec<_> = queries.into_iter().flat_map(CacheQuery::missing).collect();
+        while first < points.len() && self.rays < self.budget && !stops() {
+            let end = (first + batch).min(points.len());
+            let missing = points.missing(first..end, &self.cache);
             for group in missing.chunks(GROUP) {
                 let uncovered: Vec<_> = group
                     .iter()
@@ -396,17 +389,11 @@ impl<const BANDS: usize> Level<BANDS> {
     }
 
     /// Counts how often pre-pass rays use each record from `first` on, for the allocation of rays.
-    fn count_served(
-        &mut self,
-        plan: &RenderPlan,
-        first: usize,
-        count: usize,
-        cache_query: &impl Fn(&Cache<BANDS>, &[usize], &CacheQuery<BANDS>) -> Vec<CacheQuery<BANDS>>,
-    ) {
+    fn count_served(&mut self, plan: &RenderPlan, first: usize, points: &mut PrepassPoints<'_, BANDS>) {
         let mut served = vec![0.0; self.cache.len() - first];
-        for some in scattered(count)[..count.min(MAX_COUNTED)].chunks(MAX_BATCH) {
-            let queries = cache_query(&self.cache, some, &CacheQuery::Served(Vec::new()));
-            for (record, share) in queries.into_iter().flat_map(CacheQuery::served) {
+        let counted = points.len().min(MAX_COUNTED);
+        for start in (0..counted).step_by(MAX_BATCH) {
+            for (record, share) in points.served(start..(start + MAX_BATCH).min(counted), &self.cache) {
                 if let Some(served) = (record as usize).checked_sub(first).and_then(|index| served.get_mut(index)) {
                     *served += share;
                 }

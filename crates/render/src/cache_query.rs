@@ -1,4 +1,4 @@
-//! Queries of cached irradiance, and cache points.
+//! Cache points, and the search for them.
 
 use crate::guiding::GuidingRecords;
 use crate::ray_spacing::RaySpacing;
@@ -40,33 +40,24 @@ impl<const BANDS: usize> CachePoint<BANDS> {
     }
 }
 
-/// A ray's query of the irradiance cache.
+/// The search for the cache points of a ray. They depend on the ray, never on cached irradiance.
 #[derive(Clone, Debug)]
-pub(crate) enum CacheQuery<const BANDS: usize> {
-    /// Cache points without irradiance, and the spacing of the rays that found them.
-    Missing(Vec<CachePoint<BANDS>>, RaySpacing),
-    /// The records with the irradiance of the other points, and their weights.
-    Served(Vec<(u32, f64)>),
+pub(crate) struct PointSearch<const BANDS: usize> {
+    /// Spacing of the rays.
+    spread: RaySpacing,
+    /// The cache points so far, in the order of the ray's branches.
+    pub(crate) found: Vec<CachePoint<BANDS>>,
 }
 
-impl<const BANDS: usize> CacheQuery<BANDS> {
-    pub(crate) fn missing(self) -> Vec<CachePoint<BANDS>> {
-        if let CacheQuery::Missing(cache_points, _) = self { cache_points } else { Vec::new() }
+impl<const BANDS: usize> PointSearch<BANDS> {
+    /// For one of several rays with this spacing.
+    pub(crate) fn new(spread: RaySpacing) -> Self {
+        PointSearch { spread, found: Vec::new() }
     }
 
-    pub(crate) fn served(self) -> Vec<(u32, f64)> {
-        if let CacheQuery::Served(served) = self { served } else { Vec::new() }
-    }
-
-    pub(crate) fn note(&mut self, cache_point: CachePoint<BANDS>, cache: &Cache<BANDS>, travelled: f64) {
-        match self {
-            CacheQuery::Missing(cache_points, spread) => {
-                if !cache_point.is_covered(cache) {
-                    cache_points.push(CachePoint { width: spread.at(travelled), ..cache_point });
-                }
-            }
-            CacheQuery::Served(served) => cache.shares(cache_point.point, cache_point.normal, served),
-        }
+    /// Adds a cache point at this distance along the ray, scene units.
+    pub(crate) fn note(&mut self, cache_point: CachePoint<BANDS>, travelled: f64) {
+        self.found.push(CachePoint { width: self.spread.at(travelled), ..cache_point });
     }
 }
 

@@ -38,7 +38,7 @@ const DIRECT_SEED: u64 = 0x6469_7265_6374;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The reflected radiance due to cached or gathered irradiance; `None` if a ray is to be
-    /// sampled instead, and in a pre-pass, which records cache queries.
+    /// sampled instead, and in a search for cache points.
     pub(crate) fn gathered(
         &mut self,
         path: &PathState<BANDS>,
@@ -68,8 +68,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 bounces: path.ambient_bounces - 1,
                 width: 0.0,
             };
-            if let (Some(cache_query), Some(cache)) = (&mut self.cache_query, cache) {
-                cache_query.note(cache_point, cache, travelled);
+            if let Some(search) = &mut self.point_search {
+                search.note(cache_point, travelled);
                 complete = false;
                 continue;
             }

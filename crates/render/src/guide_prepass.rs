@@ -1,8 +1,8 @@
 //! Learns the path guide before a picture: random paths find bright patches, then the contribution
 //! of each patch to each region.
 
-use crate::cache_point_search::{cache_query, scattered};
-use crate::cache_query::{CachePoint, CacheQuery};
+use crate::cache_point_search::{of_camera_rays, scattered};
+use crate::cache_query::{CachePoint, PointSearch};
 use crate::caching::gathering_limits;
 use crate::path_guide::PathGuide;
 use crate::path_guide::patches::{BrightPoint, MAX_PATCHES, patches};
@@ -235,11 +235,9 @@ fn guided_points<const BANDS: usize>(
     spread: RaySpacing,
 ) -> Vec<CachePoint<BANDS>> {
     let nothing = Cache::<BANDS>::new(gathering_limits(plan));
-    let requested = CacheQuery::Missing(Vec::new(), spread);
     let order = scattered(rays.len());
     let some = &order[..order.len().min(MAX_POINTS)];
-    let mut points: Vec<CachePoint<BANDS>> =
-        cache_query(plan, &nothing, rays, some, &requested).into_iter().flat_map(CacheQuery::missing).collect();
+    let mut points: Vec<CachePoint<BANDS>> = of_camera_rays(plan, (rays, spread), some).into_iter().flatten().collect();
     points.retain(|point| point.point.is_finite());
     let seen: Vec<CachePoint<BANDS>> = points
         .par_iter()
@@ -249,11 +247,11 @@ fn guided_points<const BANDS: usize>(
         .map_init(
             || PathIntegrator::new(plan, [None, Some(&nothing)]),
             |tracer, (index, point)| {
-                tracer.cache_query = Some(requested.clone());
+                tracer.point_search = Some(PointSearch::new(spread));
                 let sampler = RaySampler::new(plan.options.seed ^ SECOND_SEED, index as u64);
                 let [u, v, ..] = sampler.take(DimensionSet::CAMERA);
                 let _ = tracer.gather_radiance(point, by_cosine(point.normal, [u, v]), sampler);
-                tracer.cache_query.take().map_or(Vec::new(), CacheQuery::missing)
+                tracer.point_search.take().map_or(Vec::new(), |search| search.found)
             },
         )
         .flatten_iter()

@@ -55,7 +55,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let indirect = Indirect::after(bounces);
         let wants_indirect = point.has_diffuse() && indirect == Indirect::Followed && !alone;
         let gathered = if wants_indirect { self.gathered(path, at, primitive, point, travelled) } else { None };
-        if self.cache_query.is_some() {
+        if self.point_search.is_some() {
             return;
         }
         let follow_diffuse = wants_indirect && gathered.is_none();

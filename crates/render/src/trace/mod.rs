@@ -18,7 +18,7 @@ mod split;
 
 use path_state::{MediumId, PathState};
 
-use crate::cache_query::{CacheQuery, Caches};
+use crate::cache_query::{Caches, PointSearch};
 use crate::contribution::Contributions;
 use crate::cubature_error::CubatureError;
 use crate::direct_record::DirectRecorder;
@@ -123,8 +123,8 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) caches: Caches<'p, BANDS>,
     /// The path guide, if there is one.
     pub(crate) guide: Option<&'p PathGuide>,
-    /// The cache query of the current ray, in a pre-pass.
-    pub(crate) cache_query: Option<CacheQuery<BANDS>>,
+    /// The search for the cache points of the current ray, in a pre-pass.
+    pub(crate) point_search: Option<PointSearch<BANDS>>,
     /// Contributions of tracked modifiers to the current ray; `None` without tracked ones.
     pub(crate) contributions: Option<Box<Contributions<BANDS>>>,
     /// The tree of the current ray; `None` if not requested.
@@ -161,7 +161,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             samples_highlight: false,
             caches,
             guide: None,
-            cache_query: None,
+            point_search: None,
             contributions: Contributions::wanted(&plan.options),
             tree: RayTree::wanted(&plan.options),
             limit: f64::INFINITY,
