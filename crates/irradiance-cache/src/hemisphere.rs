@@ -52,7 +52,8 @@ impl Hemisphere {
     #[must_use]
     pub fn cell(&self, direction: DVec3) -> usize {
         let sine_squared = 1.0 - direction.z * direction.z;
-        let turn = direction.y.atan2(direction.x).rem_euclid(2.0 * PI) / (2.0 * PI);
+        let angle = direction.y.atan2(direction.x);
+        let turn = if angle < 0.0 { angle + 2.0 * PI } else { angle } / (2.0 * PI);
         let within = |share: f64, count: usize| ((share * count as f64) as usize).min(count - 1);
         within(sine_squared, self.rings) * self.azimuths + within(turn, self.azimuths)
     }

@@ -52,8 +52,10 @@ struct GuidingRecord {
 #[derive(Clone, Debug)]
 pub(crate) struct GuidingDistribution<'p> {
     hemisphere: &'p Hemisphere,
-    /// Expected rays through each cell, and their prefix sums.
+    /// Expected rays through each cell.
     rays: Vec<f64>,
+    /// The cells with rays, ascending, and the prefix sums of these.
+    cells: Vec<usize>,
     cumulative: Vec<f64>,
 }
 
@@ -132,6 +134,8 @@ impl GuidingRecords {
         }
         let [x, y, z] = Record::<1>::frame(normal);
         let mut importances = vec![0.0; self.hemisphere.len()];
+        // Samples are in few of the cells.
+        let mut cells = Vec::new();
         let mut weights = 0.0;
         let gather_weights: Vec<f64> =
             self.gathers.iter().map(|gather| gather.weight(point, normal, self.blur)).collect();
@@ -144,29 +148,34 @@ impl GuidingRecords {
                 let local = DVec3::new(x.dot(offset), y.dot(offset), z.dot(offset)) / squared.sqrt();
                 if local.z > 0.0 {
                     let importance = weight * sample.power * local.z / squared;
-                    self.hemisphere.splat(local, |cell, share| importances[cell] += share * importance);
+                    self.hemisphere.splat(local, |cell, share| {
+                        if importances[cell] == 0.0 {
+                            cells.push(cell);
+                        }
+                        importances[cell] += share * importance;
+                    });
                 }
             }
         }
-        let all = weights + importances.iter().sum::<f64>();
-        let cells = importances.len() as f64;
-        let own = |importance: &f64| around * (importance / all - BRIGHT_CELL_RATIO / cells).max(0.0);
-        let mut rays: Vec<f64> = importances.iter().map(own).collect();
-        let total: f64 = rays.iter().sum();
+        cells.sort_unstable();
+        let all = weights + cells.iter().map(|cell| importances[*cell]).sum::<f64>();
+        let least = BRIGHT_CELL_RATIO / importances.len() as f64;
+        let mut rays = importances;
+        cells.iter().for_each(|cell| rays[*cell] = around * (rays[*cell] / all - least).max(0.0));
+        cells.retain(|cell| rays[*cell] > 0.0);
+        let total: f64 = cells.iter().map(|cell| rays[*cell]).sum();
         let whole = total.round();
         if whole < 1.0 {
             return None;
         }
         let mut sum = 0.0;
-        let cumulative = rays
-            .iter_mut()
-            .map(|rays| {
-                *rays *= whole / total;
-                sum += *rays;
-                sum
-            })
-            .collect();
-        Some(GuidingDistribution { hemisphere: &self.hemisphere, rays, cumulative })
+        let scaled = |cell: &usize| {
+            rays[*cell] *= whole / total;
+            sum += rays[*cell];
+            sum
+        };
+        let cumulative = cells.iter().map(scaled).collect();
+        Some(GuidingDistribution { hemisphere: &self.hemisphere, rays, cells, cumulative })
     }
 }
 
@@ -207,7 +216,7 @@ impl GuidingDistribution<'_> {
     pub(crate) fn draw(&self, index: u32, shift: f64, within: [f64; 2]) -> DVec3 {
         let at = f64::from(index) + shift;
         let cell = self.cumulative.partition_point(|rays| *rays <= at).min(self.cumulative.len() - 1);
-        self.hemisphere.direction(cell, within)
+        self.hemisphere.direction(self.cells[cell], within)
     }
 
     /// Rays per projected solid angle in a unit direction, +z along the normal, 1/sr.

@@ -105,7 +105,11 @@ impl Renderer {
             return Some(0);
         }
         let plan = &self.plan;
-        in_bands!(&mut self.shared, CachedIrradiance(gathered) => gather((plan, stops), gathered, rays, spread))
+        // In the thread pool throughout: entering it for each group of gathers costs more than some
+        // of them.
+        rayon::scope(
+            |_| in_bands!(&mut self.shared, CachedIrradiance(gathered) => gather((plan, stops), gathered, rays, spread)),
+        )
     }
 
     /// Learns where rays like these find light via diffuse surfaces, if that is left to chance:
