@@ -123,11 +123,17 @@ fn read_object<'a>(
         },
     };
     let name = reader.string("the name of an object")?.into();
-    let strings = reader.count("the number of string arguments")?;
-    let strings: Result<_, _> = (0..strings).map(|_| reader.string("a string argument").map(Cow::Borrowed)).collect();
-    let reals = reader.count("the number of real arguments")?;
-    let reals: Result<_, _> = (0..reals).map(|_| reader.float("a real argument")).collect();
-    Ok(Object { kind: kind.into(), modifier, name, strings: strings?, reals: reals? })
+    let count = reader.count("the number of string arguments")?;
+    let mut strings = Vec::with_capacity(count);
+    for _ in 0..count {
+        strings.push(reader.string("a string argument")?.into());
+    }
+    let count = reader.count("the number of real arguments")?;
+    let mut reals = Vec::with_capacity(count);
+    for _ in 0..count {
+        reals.push(reader.float("a real argument")?);
+    }
+    Ok(Object { kind: kind.into(), modifier, name, strings, reals })
 }
 
 /// Writes the list of types, the objects and the end mark.

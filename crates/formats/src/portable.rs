@@ -81,13 +81,13 @@ impl<'a> Reader<'a> {
 
     /// A four-byte mantissa and a one-byte exponent. Half a unit is added, since writing truncates.
     pub(crate) fn float(&mut self, what: &'static str) -> Result<f64, FormatError> {
-        let mantissa = self.integer(4, what)?;
-        let exponent = self.integer(1, what)?;
+        let Some((mantissa, [exponent])) = self.take(5, what)?.split_first_chunk() else { return Ok(0.0) };
+        let (mantissa, exponent) = (i32::from_be_bytes(*mantissa), i8::from_be_bytes([*exponent]));
         if mantissa == 0 {
             return Ok(0.0);
         }
         let half = if mantissa < 0 { -0.5 } else { 0.5 };
-        Ok((mantissa as f64 + half) / FULL_MANTISSA * f64::powi(2.0, exponent as i32))
+        Ok((f64::from(mantissa) + half) / FULL_MANTISSA * power_of_two(exponent))
     }
 
     /// A string without its terminating zero.
@@ -109,6 +109,12 @@ impl<'a> Reader<'a> {
             .filter(|number| number.is_finite())
             .ok_or_else(|| self.unexpected(offset, what, format!("\"{}\"", String::from_utf8_lossy(string))))
     }
+}
+
+/// Two to the power of `exponent`.
+fn power_of_two(exponent: i8) -> f64 {
+    const BIAS: i16 = 1023;
+    f64::from_bits(((BIAS + i16::from(exponent)) as u64) << 52)
 }
 
 /// Appends a big-endian integer of `size` bytes.
@@ -172,6 +178,11 @@ mod tests {
                 assert_eq!((bytes.len(), reader(&bytes).integer(size, "").unwrap()), (size, value));
             }
         }
+    }
+
+    #[test]
+    fn powers_of_two_are_exact() {
+        assert!((i8::MIN..=i8::MAX).all(|exponent| power_of_two(exponent) == f64::powi(2.0, exponent.into())));
     }
 
     #[test]

@@ -101,6 +101,10 @@ impl Heads {
     }
 
     fn word(&mut self, word: &[u8], after: char) -> Word {
+        // Almost all words stand for themselves.
+        if let Some(text) = plain(word) {
+            return self.push_text(text, after);
+        }
         let word = self.push(Quoted(&String::from_utf8_lossy(word)), after);
         // A word with quotes begins with one.
         let is_quoted = matches!(self.text.as_bytes()[word.start as usize], b'"' | b'\'');
@@ -108,16 +112,36 @@ impl Heads {
     }
 
     fn count(&mut self, count: usize, after: char) -> Word {
-        self.push(count, after)
+        const DIGITS: &str = "0123456789";
+        match DIGITS.get(count..count + 1) {
+            Some(digit) => self.push_text(digit, after),
+            None => self.push(count, after),
+        }
     }
 
     fn push(&mut self, value: impl Display, after: char) -> Word {
-        let offset = |text: &String| u32::try_from(text.len()).unwrap_or(u32::MAX);
-        let start = offset(&self.text);
+        let start = self.text.len();
         // Writing to a string does not fail.
         let _ = write!(self.text, "{value}");
-        let end = offset(&self.text);
+        self.end_word(start, after)
+    }
+
+    fn push_text(&mut self, text: &str, after: char) -> Word {
+        let start = self.text.len();
+        self.text.push_str(text);
+        self.end_word(start, after)
+    }
+
+    fn end_word(&mut self, start: usize, after: char) -> Word {
+        let [start, end] = [start, self.text.len()].map(|offset| u32::try_from(offset).unwrap_or(u32::MAX));
         self.text.push(after);
         Word { start, end, is_quoted: false }
     }
+}
+
+/// A word that needs no quotes, as text.
+fn plain(word: &[u8]) -> Option<&str> {
+    let stands_for_itself = |byte: &u8| byte.is_ascii_graphic() && !matches!(byte, b'"' | b'\'');
+    let is_plain = !matches!(word, [] | [b'#' | b'!', ..]) && word.iter().all(stands_for_itself);
+    std::str::from_utf8(word).ok().filter(|_| is_plain)
 }
