@@ -17,7 +17,15 @@ pub(crate) struct Grid {
 #[derive(Clone, Debug)]
 struct Level {
     side: f64,
-    cubes: HashMap<[i32; 3], Vec<Ball>, BuildHasherDefault<CubeHasher>>,
+    cubes: HashMap<Cube, Vec<Ball>, BuildHasherDefault<CubeHasher>>,
+}
+
+/// The indices of a cube.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Cube {
+    x: i32,
+    y: i32,
+    z: i32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -48,10 +56,10 @@ impl Grid {
         let low = cube(center - DVec3::splat(radius), level.side);
         let high = cube(center + DVec3::splat(radius), level.side);
         let ball = Ball { center, squared_radius: radius * radius, number };
-        for x in low[0]..=high[0] {
-            for y in low[1]..=high[1] {
-                for z in low[2]..=high[2] {
-                    level.cubes.entry([x, y, z]).or_default().push(ball);
+        for x in low.x..=high.x {
+            for y in low.y..=high.y {
+                for z in low.z..=high.z {
+                    level.cubes.entry(Cube { x, y, z }).or_default().push(ball);
                 }
             }
         }
@@ -78,9 +86,10 @@ impl Grid {
 /// Maximum number of cube sizes; the smallest cubes may hold balls that would fit a smaller size.
 const MAX_LEVELS: usize = 24;
 
-fn cube(point: DVec3, side: f64) -> [i32; 3] {
+fn cube(point: DVec3, side: f64) -> Cube {
     // Casting saturates, so a distant point shares a cube with others, which costs time only.
-    (point / side).floor().to_array().map(|coordinate| coordinate as i32)
+    let [x, y, z] = (point / side).floor().to_array().map(|coordinate| coordinate as i32);
+    Cube { x, y, z }
 }
 
 /// Multiplies and mixes: cubes need no defence against chosen keys.

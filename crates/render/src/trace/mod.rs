@@ -257,8 +257,14 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     }
 
     /// Traces a ray and all its branches.
-    pub(crate) fn finish(&mut self, path: PathState<BANDS>) {
-        self.push(path);
+    pub(crate) fn finish(&mut self, mut path: PathState<BANDS>) {
+        if self.contributions.is_some() {
+            self.push(path);
+        } else if path.throughput.iter().any(|band| *band > 0.0) {
+            // Without the copies of a pending ray.
+            path.node = self.new_node(&path, BounceType::Passed);
+            self.follow(path);
+        }
         self.follow_waiting();
     }
 
