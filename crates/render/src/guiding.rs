@@ -70,7 +70,7 @@ const MAX_BRIGHT_SAMPLES: usize = 1024;
 const MAX_PER_GATHER: usize = 4;
 
 /// Gathers with less than this fraction of the largest weight are ignored.
-const MIN_SHARE: f64 = 0.05;
+const MIN_SHARE: f64 = 0.2;
 
 /// Number of cells for counting samples.
 const CELLS: usize = 2048;
