@@ -234,6 +234,14 @@ impl Picture {
         self.scaled(&vec![1.0; self.components()])
     }
 
+    /// The values of [`Picture::values`] by pixel, top row first; `None` unless there are three
+    /// components.
+    #[must_use]
+    pub fn triples(&self) -> Option<Vec<[f32; 3]>> {
+        let (pixels, rest) = self.pixels.data().as_chunks::<4>();
+        (self.components() == 3 && rest.is_empty()).then(|| pixels.iter().map(triple).collect())
+    }
+
     /// All values with exposure and colour correction undone: radiances in W/(sr·m²), or for XYZE
     /// tristimulus values with Y in cd/m². Bands of a spectrum beyond the third use the correction
     /// of the second.
@@ -254,9 +262,8 @@ impl Picture {
             &[red, green, blue] => {
                 let pixels = bytes.as_chunks::<4>().0;
                 for (value, pixel) in data.as_chunks_mut::<3>().0.iter_mut().zip(pixels) {
-                    let step = mantissa_step(pixel[3]);
-                    let raw = |mantissa: u8| (f32::from(mantissa) + 0.5) * step;
-                    *value = [raw(pixel[0]) * red, raw(pixel[1]) * green, raw(pixel[2]) * blue];
+                    let raw = triple(pixel);
+                    *value = [raw[0] * red, raw[1] * green, raw[2] * blue];
                 }
             }
             _ => {
@@ -337,6 +344,12 @@ impl Picture {
         }
         out
     }
+}
+
+/// The values of three mantissas with a common exponent.
+fn triple(&[red, green, blue, exponent]: &[u8; 4]) -> [f32; 3] {
+    let step = mantissa_step(exponent);
+    [red, green, blue].map(|mantissa| (f32::from(mantissa) + 0.5) * step)
 }
 
 fn bad_shape(values: &Image<f32>, expected: &'static str) -> PictureError {
@@ -445,6 +458,13 @@ mod tests {
     fn gradient(width: usize, height: usize, components: usize) -> Image<f32> {
         let data = (0..width * height * components).map(|i| (i as f32 * 0.37).exp2() % 7.0).collect();
         Image::new(width, height, components, data).unwrap()
+    }
+
+    #[test]
+    fn triples_are_the_values() {
+        let rgb = Picture::from_rgb(Header::default(), &gradient(3, 2, 3)).unwrap();
+        let values = rgb.values();
+        assert_eq!(rgb.triples().unwrap().as_flattened(), values.data());
     }
 
     #[test]

@@ -16,7 +16,7 @@ impl Reader<'_> {
         }
         let picture = self.load_picture(file).and_then(|picture| match picture.encoding() {
             Encoding::Rgbe => {
-                let pixels = picture.values().pixels().map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+                let pixels = picture.triples().expect("RGBE has three components");
                 let (width, height) = (picture.width(), picture.height());
                 let extent = extent(&picture)?;
                 let data = PictureData { file: file.text.clone(), width, height, extent, pixels };
