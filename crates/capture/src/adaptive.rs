@@ -138,7 +138,7 @@ pub(crate) struct AdaptiveSampler<'a> {
     /// a smooth function over the pixel alone.
     pub(crate) mirrors_points: AtomicBool,
     /// Allowed error of the light of small lamps, relative to each lamp's.
-    cubature_error: CubatureError,
+    pub(crate) cubature_error: CubatureError,
     counter: SampleCounter,
     /// Traced rays that contribute to no pixel: those of an abandoned lattice, and those that
     /// audited one.
@@ -310,16 +310,16 @@ impl<'a> AdaptiveSampler<'a> {
 }
 
 /// A ray of a pixel.
-struct DrawnRay {
-    number: u64,
-    ray: CameraRay,
-    weight: f64,
-    counted: CountedLight,
+pub(crate) struct DrawnRay {
+    pub(crate) number: u64,
+    pub(crate) ray: CameraRay,
+    pub(crate) weight: f64,
+    pub(crate) counted: CountedLight,
 }
 
 impl<'a> AdaptiveSampler<'a> {
     /// The ray of a pixel for a point of the unit cube; `None` if it has no radiance.
-    fn drawn(&self, pixel: usize, number: u64, u: [f64; 4]) -> Option<DrawnRay> {
+    pub(crate) fn drawn(&self, pixel: usize, number: u64, u: [f64; 4]) -> Option<DrawnRay> {
         let Exposer { renderer, rays, .. } = *self.exposer;
         let (ray, weight, counted) = match &self.film {
             Some(film) => {
@@ -374,7 +374,7 @@ impl<'a> AdaptiveSampler<'a> {
     }
 
     /// Sums of weighted radiance·cos⁴ over rays of a pixel.
-    fn summed(&self, worker: &mut Workers<'a>, pixel: usize, drawn: impl Iterator<Item = DrawnRay>) -> Sums {
+    pub(crate) fn summed(&self, worker: &mut Workers<'a>, pixel: usize, drawn: impl Iterator<Item = DrawnRay>) -> Sums {
         let Exposer { rays, weights, .. } = *self.exposer;
         let number = pixel as u64;
         if self.bands == 0 {

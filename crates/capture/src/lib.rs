@@ -10,6 +10,7 @@ mod adaptive;
 mod audit;
 mod background;
 mod checkpoint;
+mod correction;
 mod curved_image;
 mod derivative;
 mod domain;

@@ -17,6 +17,7 @@
 //! many times fewer rays of its own, and edges need not be resolved by the rays of each pixel.
 
 use crate::Exposer;
+use crate::correction::slope;
 use crate::lattice::Lattice;
 use crate::sparse_estimate::WindowSums;
 use glam::DVec2;
@@ -350,6 +351,26 @@ impl PinholeDerivatives {
 const POOLED_WEIGHT: f64 = 0.01;
 
 impl PinholeBlur<'_> {
+    /// The light that the film predicts for a ray of a pixel, by its index on the film. Its mean over
+    /// all rays of the pixel is the pixel's value in the picture.
+    pub(crate) fn predicted(&self, values: &[f64], pixel: usize, passage: &PixelPassage) -> f64 {
+        let (p, columns) = (passage.on_pinhole, self.film.columns as isize);
+        let at = self.film.shift * p;
+        let [across, down] = [at.x, at.y].map(cubic_weights);
+        let seen = |x: f64, y: f64| pixel as isize + y as isize * columns + x as isize;
+        let first = seen(at.x.floor() - 1.0, at.y.floor() - 1.0);
+        let [by_x, by_y] = &self.derivatives.0;
+        let mut sum = 0.0;
+        for (row, by_row) in down.into_iter().enumerate() {
+            for (column, by_column) in across.into_iter().enumerate() {
+                let near = (first + row as isize * columns + column as isize) as usize;
+                sum += by_row * by_column * values[near] * (1.0 + by_x[near] * p.x + by_y[near] * p.y);
+            }
+        }
+        let nearest = seen(at.x.round(), at.y.round()) as usize;
+        sum + slope(values, self.film.columns, nearest).dot(passage.on_pixel - 0.5)
+    }
+
     /// Mean squared error over the picture that no number of rays lowers.
     pub(crate) fn mean_squared_error(&self, values: &[f64]) -> f64 {
         self.film.mean_over_picture(&self.film.picture(values, &self.derivatives).squared_errors)

@@ -9,9 +9,10 @@
 //! An audit finds the remaining errors: rays of some interpolated pixels, which are unbiased, must
 //! agree on average with the interpolation. The position of the lattice depends on the seed.
 
-use crate::adaptive::{AdaptiveSampler, Estimate, MAX_PASSES, Pixel, SELECTION_BIAS, Sums};
+use crate::adaptive::{AdaptiveSampler, DrawnRay, Estimate, MAX_PASSES, Pixel, SELECTION_BIAS, Sums};
 use crate::audit::Audit;
 use crate::checkpoint::AdaptiveState;
+use crate::correction::{AllowedErrors, Corrections, InterpolatedFilm, Residual};
 use crate::edges::{Edges, SearchedFilm};
 use crate::fixed::radiance;
 use crate::image_light::{ExposedImages, IMAGE_FRACTION, ImageLight};
@@ -51,7 +52,7 @@ const FILM_ERROR_STEP: f64 = 0.02;
 const LOW_NOISE: f64 = 2.0;
 
 /// One pixel is audited in each square of this side.
-const AUDIT_SIDE: usize = 2;
+const AUDIT_SIDE: usize = 3;
 
 /// The finest level of the lattice on which the dependence on the pinhole's point is measured: it
 /// changes less from pixel to pixel than radiance.
@@ -275,7 +276,10 @@ impl<'a> AdaptiveSampler<'a> {
             }
             let picture = blur.as_ref().map(|blur| estimate.blurred(blur, (&sparse.lattice, &sparse.nodes)));
             let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
-            let refined = if audits < MAX_AUDITS { self.audit(&sparse, values, audits) } else { Vec::new() };
+            let audited = self.audited(&sparse, audits);
+            let audit = || Audit::new(&sparse.lattice, values, &audited);
+            let refined =
+                if audits < MAX_AUDITS { audit().cells_to_refine(&sparse.lattice, &sparse.levels) } else { Vec::new() };
             audits += 1;
             if self.progress.stops() {
                 return None;
@@ -284,6 +288,8 @@ impl<'a> AdaptiveSampler<'a> {
                 let left = all - known - estimate.squared_errors().iter().sum::<f64>();
                 let squared = estimate.pixel_count as f64 * left.max(0.5 * IMAGE_FRACTION * all);
                 self.keep(state, &sparse, &estimate);
+                let (mut estimate, mut picture) = (estimate, picture);
+                self.correct((&mut estimate, picture.as_mut()), (blur.as_ref(), &sparse), &audited, requested);
                 let images = images.as_mut().map(|images| images.expose(self, squared, most));
                 return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(Stop::Rays)));
             }
@@ -291,6 +297,33 @@ impl<'a> AdaptiveSampler<'a> {
         }
         self.abandon(state);
         None
+    }
+
+    /// Corrects the pixels that were not exposed by the light of audited rays. `requested` is the mean
+    /// squared error of all pixels.
+    fn correct(
+        &self,
+        (estimate, picture): (&mut SparseEstimate, Option<&mut Picture>),
+        (blur, sparse): (Option<&PinholeBlur<'_>>, &Sparse),
+        audited: &[f64],
+        requested: f64,
+    ) {
+        let film = InterpolatedFilm { values: &estimate.values, blur, columns: self.columns() };
+        let residual = |(pixel, light): (usize, &f64)| {
+            let own = self.in_picture(pixel).filter(|_| !light.is_nan())?;
+            let passage = PixelPassage::new(own, self.audit_point(own).1);
+            Some(Residual(light - film.predicted(pixel, &passage)))
+        };
+        let residuals: Vec<Option<Residual>> = audited.iter().enumerate().map(residual).collect();
+        let (values, noise, bias) = match picture {
+            Some(Picture { values, noise, bias }) => (values, noise, bias),
+            None => (&mut estimate.values, &mut estimate.noise, &mut estimate.bias),
+        };
+        let of_pixels: Vec<f64> = noise.iter().zip(bias).map(|(noise, bias)| noise + *bias).collect();
+        let additional = (requested - of_pixels.iter().sum::<f64>() / estimate.pixel_count as f64).max(0.0);
+        let allowed = AllowedErrors { of_pixels, additional };
+        let is_corrected = |pixel: usize| self.is_estimated(sparse, pixel);
+        Corrections::new(&residuals, self.columns(), &allowed, is_corrected).apply(values, noise);
     }
 
     /// Records a finished lattice where others use it.
@@ -418,33 +451,27 @@ impl<'a> AdaptiveSampler<'a> {
         self.film.as_ref().map_or_else(of_picture, |film| film.size()[0])
     }
 
-    /// Compares interpolated pixels with their own rays. Returns the cells to refine, with their
-    /// new levels.
-    fn audit(&self, sparse: &Sparse, values: &[f64], round: u32) -> Vec<(usize, u8)> {
+    /// The light of one ray of some interpolated pixels; NaN elsewhere.
+    fn audited(&self, sparse: &Sparse, round: u32) -> Vec<f64> {
         let chosen = self.audited_pixels(sparse, round);
         let known = self.shared.known().filter(|_| round == 0);
-        let rays: Vec<(usize, f64)> = chosen
-            .into_par_iter()
-            .with_min_len(32)
-            .map_init(
-                || self.exposer.workers(),
-                |worker, pixel| {
-                    let known = known.and_then(|known| self.known_audit(known, pixel));
-                    let light = known.unwrap_or_else(|| {
-                        self.report(1);
-                        self.discarded.fetch_add(1, Ordering::Relaxed);
-                        self.light_of_picture(worker, pixel)
-                    });
-                    (pixel, light)
-                },
-            )
-            .collect();
-        let mut traced = vec![f64::NAN; values.len()];
-        rays.into_iter().for_each(|(pixel, light)| traced[pixel] = light);
+        let light = |worker: &mut Workers<'a>, pixel: usize| {
+            let known = known.and_then(|known| self.known_audit(known, pixel));
+            let light = known.unwrap_or_else(|| {
+                self.report(1);
+                self.discarded.fetch_add(1, Ordering::Relaxed);
+                self.light_of_picture(worker, pixel)
+            });
+            (pixel, light)
+        };
+        let rays: Vec<(usize, f64)> =
+            chosen.into_par_iter().with_min_len(32).map_init(|| self.picture_worker(), light).collect();
+        let mut audited = vec![f64::NAN; sparse.nodes.len()];
+        rays.into_iter().for_each(|(pixel, light)| audited[pixel] = light);
         if let Some(mut record) = self.shared.record().filter(|_| round == 0) {
-            record.audited.clone_from(&traced);
+            record.audited.clone_from(&audited);
         }
-        Audit::new(&sparse.lattice, values, &traced).cells_to_refine(&sparse.lattice, &sparse.levels)
+        audited
     }
 
     /// The known light of the ray that audits a pixel of the picture, in the frame of the film.
@@ -467,13 +494,28 @@ impl<'a> AdaptiveSampler<'a> {
 
     /// The light of one ray of a pixel of the picture, in the frame of the film.
     fn light_of_picture(&self, worker: &mut Workers<'a>, pixel: usize) -> f64 {
-        let Some(film) = &self.film else { return self.plain_sums(worker, pixel, 0..1).whole };
-        let Exposer { rays, weights, .. } = *self.exposer;
-        let Some(own) = film.in_picture(pixel) else { return f64::NAN };
-        let (index, u) = self.audit_point(own);
-        let ray = rays.ray(own as u64, u);
-        worker.count(self.counted(Some(PixelPassage::new(own, u))));
-        ray.cos4 * radiance(worker, index, (rays, own as u64), &ray, weights)
+        let Some(own) = self.in_picture(pixel) else { return f64::NAN };
+        let (number, u) = self.audit_point(own);
+        let ray = match &self.film {
+            None => self.drawn(own, number, u),
+            Some(_) => {
+                let counted = self.counted(Some(PixelPassage::new(own, u)));
+                Some(DrawnRay { number, ray: self.exposer.rays.ray(own as u64, u), weight: 1.0, counted })
+            }
+        };
+        self.summed(worker, own, ray.into_iter()).whole
+    }
+
+    /// The pixel of the picture by its index on the film; `None` in the margin of the film.
+    fn in_picture(&self, pixel: usize) -> Option<usize> {
+        self.film.as_ref().map_or(Some(pixel), |film| film.in_picture(pixel))
+    }
+
+    /// A worker for rays of the picture. It integrates lights as that of the lattice does.
+    fn picture_worker(&self) -> Workers<'a> {
+        let mut worker = self.exposer.workers();
+        worker.integrate_lights(Some(self.cubature_error));
+        worker
     }
 
     /// The blur of a film, with its dependence on the point of the pinhole from a coarse lattice.
