@@ -36,11 +36,12 @@ impl Residuals {
         }
     }
 
-    /// Whether the mean differs significantly from zero.
-    fn are_wrong(&self) -> bool {
+    /// Whether the mean differs significantly from zero, and its square exceeds `allowed`.
+    fn are_wrong(&self, allowed: f64) -> bool {
         let mean = self.sum / self.count;
         let variance = (self.squares / self.count - mean * mean).max(0.0) / (self.count - 1.0);
-        self.count >= MIN_AUDITED && mean * mean > SIGNIFICANT_ERRORS * SIGNIFICANT_ERRORS * variance
+        let least = allowed.max(SIGNIFICANT_ERRORS * SIGNIFICANT_ERRORS * variance);
+        self.count >= MIN_AUDITED && mean * mean > least
     }
 }
 
@@ -65,8 +66,9 @@ impl Audit {
     }
 
     /// The cells with significant residuals, alone or together with their neighbours, and their new
-    /// levels.
-    pub(crate) fn cells_to_refine(&self, lattice: &Lattice, levels: &[u8]) -> Vec<(usize, u8)> {
+    /// levels. Mean residuals whose square is below `allowed` are left to
+    /// [`Corrections`](crate::correction::Corrections).
+    pub(crate) fn cells_to_refine(&self, lattice: &Lattice, levels: &[u8], allowed: f64) -> Vec<(usize, u8)> {
         let size = lattice.cells();
         let judge = |cell: usize| {
             let alone = &self.cells[cell];
@@ -74,7 +76,7 @@ impl Audit {
                 return Some((cell, lattice.finest()));
             }
             let together = around(cell, size).fold(Residuals::default(), |sum, near| sum.added(&self.cells[near]));
-            let is_wrong = alone.are_wrong() || together.are_wrong();
+            let is_wrong = alone.are_wrong(allowed) || together.are_wrong(allowed);
             (alone.count > 0.0 && is_wrong).then_some((cell, levels[cell] + 1))
         };
         (0..self.cells.len()).filter_map(judge).collect()
@@ -91,7 +93,7 @@ mod tests {
         let count = lattice.pixel_count();
         let traced: Vec<f64> = (0..count).map(|pixel| 1.0 + residual(pixel)).collect();
         let levels = vec![1; lattice.cells().iter().product()];
-        Audit::new(&lattice, &vec![1.0; count], &traced).cells_to_refine(&lattice, &levels)
+        Audit::new(&lattice, &vec![1.0; count], &traced).cells_to_refine(&lattice, &levels, 0.01)
     }
 
     fn noise(pixel: usize) -> f64 {
@@ -107,6 +109,12 @@ mod tests {
     fn a_wrong_mean_refines_cells_by_one_level() {
         let found = refined(|pixel| noise(pixel) + 0.5);
         assert!(!found.is_empty() && found.iter().all(|(_, level)| *level == 2), "{found:?}");
+    }
+
+    #[test]
+    fn a_small_mean_is_left_to_corrections() {
+        assert_eq!(refined(|_| 0.09), []);
+        assert!(!refined(|_| 0.11).is_empty());
     }
 
     #[test]

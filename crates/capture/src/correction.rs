@@ -55,16 +55,16 @@ pub(crate) fn slope(values: &[f64], columns: usize, pixel: usize) -> DVec2 {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual(pub(crate) f64);
 
-/// The squared errors that corrections may have: those of the pixels without correction, or what all
-/// pixels may have in addition, if that is more.
+/// The squared errors that corrections may have: that of the pixel without correction, or what any
+/// pixel may have, if that is more.
 pub(crate) struct AllowedErrors {
     pub(crate) of_pixels: Vec<f64>,
-    pub(crate) additional: f64,
+    pub(crate) of_any: f64,
 }
 
 impl AllowedErrors {
     fn of(&self, pixel: usize) -> f64 {
-        self.of_pixels[pixel].max(self.additional)
+        self.of_pixels[pixel].max(self.of_any)
     }
 }
 
@@ -123,7 +123,7 @@ mod tests {
     const COLUMNS: usize = 40;
 
     fn allowed(squared: f64) -> AllowedErrors {
-        AllowedErrors { of_pixels: vec![squared; COLUMNS * COLUMNS], additional: 0.0 }
+        AllowedErrors { of_pixels: vec![squared; COLUMNS * COLUMNS], of_any: 0.0 }
     }
 
     /// Values of 1 after corrections by the residuals of every ninth pixel.

@@ -68,6 +68,14 @@ const NOISE_NODES: f64 = 0.25;
 /// inverse of the plastic ratio.
 const R2: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
+/// Squared mean residual of a cell up to which it is corrected and not refined, relative to the
+/// requested mean squared error.
+const MOST_CORRECTED: f64 = 16.0;
+
+/// Squared error that a correction may have at any pixel, relative to the mean over all pixels, as long
+/// as the requested error is kept.
+const MOST_ADDED: f64 = 2.0;
+
 /// Maximum number of audits of a picture.
 const MAX_AUDITS: u32 = 3;
 
@@ -278,8 +286,8 @@ impl<'a> AdaptiveSampler<'a> {
             let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
             let audited = self.audited(&sparse, audits);
             let audit = || Audit::new(&sparse.lattice, values, &audited);
-            let refined =
-                if audits < MAX_AUDITS { audit().cells_to_refine(&sparse.lattice, &sparse.levels) } else { Vec::new() };
+            let wrong = || audit().cells_to_refine(&sparse.lattice, &sparse.levels, MOST_CORRECTED * requested);
+            let refined = if audits < MAX_AUDITS { wrong() } else { Vec::new() };
             audits += 1;
             if self.progress.stops() {
                 return None;
@@ -320,8 +328,9 @@ impl<'a> AdaptiveSampler<'a> {
             None => (&mut estimate.values, &mut estimate.noise, &mut estimate.bias),
         };
         let of_pixels: Vec<f64> = noise.iter().zip(bias).map(|(noise, bias)| noise + *bias).collect();
-        let additional = (requested - of_pixels.iter().sum::<f64>() / estimate.pixel_count as f64).max(0.0);
-        let allowed = AllowedErrors { of_pixels, additional };
+        let mean = of_pixels.iter().sum::<f64>() / estimate.pixel_count as f64;
+        let of_any = (requested - mean).clamp(0.0, MOST_ADDED * mean);
+        let allowed = AllowedErrors { of_pixels, of_any };
         let is_corrected = |pixel: usize| self.is_estimated(sparse, pixel);
         Corrections::new(&residuals, self.columns(), &allowed, is_corrected).apply(values, noise);
     }
