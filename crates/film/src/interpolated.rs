@@ -34,10 +34,10 @@ pub struct Interpolation {
 const MAX_CELL_WIDTH: usize = 16;
 const MIN_CELLS: usize = 8;
 
-/// Rays per pixel, initial and maximum, on the coarsest grids, which show where values are noisy.
+/// Rays per pixel, initial and maximum: on the coarsest grids, on finer grids where samples are
+/// noisy, and where they are not.
 const COARSE_RAYS: (u32, u32) = (2, 4);
-
-/// The same on finer grids: where values are noisy, each pixel is sampled.
+const NOISY_RAYS: (u32, u32) = (2, 2);
 const FINE_RAYS: (u32, u32) = (1, 1);
 
 /// Rays that find the surfaces in a silhouette pixel, and the offset of their ray numbers.
@@ -98,6 +98,7 @@ struct Block<'b> {
 #[derive(Clone, Copy, Debug)]
 struct Wanted {
     pixel: Pixel,
+    noise: Noise,
     /// A cell around it whose corners are sampled; `None` on the coarsest grid.
     cell: Option<Cell>,
 }
@@ -142,7 +143,7 @@ impl Interpolation {
     /// Maximum number of rays of a pixel of the coarsest grid.
     #[must_use]
     pub fn most_rays(&self) -> u32 {
-        rays_of(self.spacing as usize).1
+        rays_of(self.spacing as usize, Noise::Low).1
     }
 
     /// The largest width of a light that is drawn, pixels.
@@ -158,9 +159,20 @@ impl Interpolation {
     }
 }
 
+/// The noise of the light at the corners of a cell; high noise precedes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Noise {
+    High,
+    Low,
+}
+
 /// Number of rays of a pixel of a grid, initial and maximum.
-fn rays_of(spacing: usize) -> (u32, u32) {
-    if spacing >= 4 { COARSE_RAYS } else { FINE_RAYS }
+fn rays_of(spacing: usize, noise: Noise) -> (u32, u32) {
+    match (spacing, noise) {
+        (4.., _) => COARSE_RAYS,
+        (_, Noise::High) => NOISY_RAYS,
+        (_, Noise::Low) => FINE_RAYS,
+    }
 }
 
 impl Block<'_> {
@@ -186,7 +198,7 @@ impl Block<'_> {
         for doubling in (0..=doublings).rev() {
             let stream = if doubling == 0 { spacing } else { STREAMS - doubling };
             let pixels = first_pixels([&columns, &rows], 1 << doubling, 1 << doublings);
-            let wanted = pixels.into_iter().map(|(pixel, cell)| Wanted { pixel, cell });
+            let wanted = pixels.into_iter().map(|(pixel, cell)| Wanted { pixel, noise: Noise::Low, cell });
             self.trace(wanted.collect(), (spacing, stream));
         }
         self.darkness = DARK_FRACTION * self.interpolation.contrast * self.typical();
@@ -214,14 +226,16 @@ impl Block<'_> {
                     smooth.push(cell);
                 } else if cell.is_divisible() {
                     let (columns, rows) = cell.parts();
+                    let noise = if self.is_noisy(&cell) { Noise::High } else { Noise::Low };
                     let pixels = rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row)));
-                    wanted.extend(pixels.map(|pixel| Wanted { pixel, cell: Some(cell) }));
+                    wanted.extend(pixels.map(|pixel| Wanted { pixel, noise, cell: Some(cell) }));
                     divided.extend(cell.divided());
                 }
             }
             finer = (finer / 2).max(1);
             wanted.retain(|wanted| self.samples[self.at(wanted.pixel)].is_none());
-            wanted.sort_by_key(|Wanted { pixel: (column, row), .. }| (*row, *column));
+            // A pixel between cells counts as noisy if one of them is.
+            wanted.sort_by_key(|Wanted { pixel: (column, row), noise, .. }| (*row, *column, *noise));
             wanted.dedup_by_key(|wanted| wanted.pixel);
             self.trace(wanted, (finer, finer));
             cells = divided.into_iter().filter(Cell::is_divisible).collect();
@@ -263,6 +277,13 @@ impl Block<'_> {
         if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(center, f64::total_cmp).1 }
     }
 
+    /// Whether the light on the surfaces at the corners of a cell is noisy.
+    fn is_noisy(&self, cell: &Cell) -> bool {
+        cell.corners().into_iter().filter_map(|corner| self.sampled(corner)).any(|sample| {
+            sample.surface.key != SEVERAL && sample.variance.sqrt() > self.allowed_noise(sample) + self.darkness
+        })
+    }
+
     fn allowed_noise(&self, sample: &Sample) -> f64 {
         NOISE_REDUCTION * self.interpolation.contrast * mean(&sample.value)
     }
@@ -295,7 +316,7 @@ impl Block<'_> {
         (spacing, stream): (usize, usize),
     ) -> (Sample, Option<DirectRecord>) {
         let (column, row) = (wanted.pixel.0, wanted.pixel.1 + self.first_row);
-        let (first, most) = rays_of(spacing);
+        let (first, most) = rays_of(spacing, wanted.noise);
         let near = self.records_around(wanted);
         let mut record = None;
         let mut tally = Tally::default();
