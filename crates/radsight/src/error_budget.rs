@@ -38,11 +38,6 @@ const RECORD_SHARE: f64 = 0.75;
 const FEW_RAYS: f64 = 80.0;
 const THOROUGHNESS: f64 = 0.15;
 
-/// Spacing of the pre-pass rays of a preview, relative to that of its first rays, and the same with
-/// few rays a record: then a finer spacing costs more time than Radiance takes.
-const PREPASS_SHARE: f64 = 0.5;
-const COARSE_PREPASS_SHARE: f64 = 0.75;
-
 /// Maximum interpolation error of a preview's irradiance cache (`-aa`), relative to the noise of a
 /// record: records of many rays are worth a smaller spacing.
 const INTERPOLATION_NOISES: f64 = 2.0;
@@ -132,9 +127,9 @@ impl ErrorBudget {
     /// Radiance's adaptive preview: smooth regions are interpolated between samples.
     ///
     /// ```
-    /// use radsight::{ErrorBudget, Interpolation, RenderOptions};
+    /// use radsight::{ErrorBudget, Interpolation};
     /// let coarse = ErrorBudget::preview(Interpolation { spacing: 8.0, contrast: 0.1 });
-    /// assert_eq!(coarse.prepass_spacing(&RenderOptions::default()), 4);
+    /// assert_eq!(coarse.prepass_spacing(), 4);
     /// ```
     #[must_use]
     pub fn preview(interpolation: Interpolation) -> ErrorBudget {
@@ -187,21 +182,15 @@ impl ErrorBudget {
         if let Asked::Preview(_) = self.0 { USUAL_JITTER } else { 1.0 }
     }
 
-    /// The side in pixels of the squares that get one ray of the cache's pre-pass. It is larger in
-    /// a preview with few rays a record.
+    /// The side in pixels of the squares that get one ray of the cache's pre-pass.
     ///
     /// ```
-    /// use radsight::{ErrorBudget, RenderOptions};
-    /// assert_eq!(ErrorBudget::default().prepass_spacing(&RenderOptions::default()), 2);
+    /// assert_eq!(radsight::ErrorBudget::default().prepass_spacing(), 2);
     /// ```
     #[must_use]
-    pub fn prepass_spacing(&self, options: &RenderOptions) -> usize {
+    pub fn prepass_spacing(&self) -> usize {
         match self.0 {
-            Asked::Preview(Interpolation { spacing, .. }) => {
-                let is_coarse = options.gathering.rays() as f64 <= FEW_RAYS;
-                let share = if is_coarse { COARSE_PREPASS_SHARE } else { PREPASS_SHARE };
-                (share * spacing).max(1.0) as usize
-            }
+            Asked::Preview(Interpolation { spacing, .. }) => (0.5 * spacing).max(1.0) as usize,
             _ => 1,
         }
     }
@@ -287,11 +276,6 @@ mod tests {
 
     #[test]
     fn records_of_many_rays_are_nearer_to_each_other() {
-        let spacing = |divisions| {
-            let budget = ErrorBudget::preview(Interpolation { spacing: 4.0, contrast: 0.05 });
-            budget.prepass_spacing(&preview(4.0, 0.3, divisions))
-        };
-        assert_eq!([64, 128].map(spacing), [3, 2]);
         assert_eq!(preview(4.0, 0.3, 64).gathering.accuracy, 0.3);
         assert!(preview(4.0, 0.1, 3600).gathering.accuracy < 0.05);
         assert_eq!(preview(4.0, 0.0, 3600).gathering.accuracy, 0.0);

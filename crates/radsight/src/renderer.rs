@@ -300,7 +300,7 @@ impl Renderer {
         let pixels = self.budget.apply(&mut options);
         check_budget(pixels)?;
         let (asked, used) = (self.budget.asked_error(), options.clone());
-        let side = self.budget.prepass_spacing(&options);
+        let side = self.budget.prepass_spacing();
         let sources = self.scene.sources.clone();
         if let SamplingBudget::Error(_) = pixels {
             self.prepare(options.clone())?.guide_paths(&camera.prepass_rays(side), camera.spread(side));
