@@ -377,16 +377,20 @@ impl Block<'_> {
         let chance = CHANCE_ERRORS * (one.variance + other.variance).sqrt();
         (0..3).all(|band| {
             let [a, b] = [one, other].map(|sample| sample.value[band]);
-            let allowed = 0.5 * self.interpolation.contrast * (a + b);
+            let allowed = self.allowed_difference(a, b);
             (a - b).abs() <= allowed + chance.min(NOISE_REDUCTION * allowed) + self.darkness
         })
     }
 
     /// Whether two values differ by no more than the allowed contrast.
     fn is_alike(&self, one: &[f64; 3], other: &[f64; 3]) -> bool {
-        one.iter().zip(other).all(|(one, other)| {
-            (one - other).abs() <= 0.5 * self.interpolation.contrast * (one + other) + self.darkness
-        })
+        let is_alike = |(a, b): (&f64, &f64)| (a - b).abs() <= self.allowed_difference(*a, *b) + self.darkness;
+        one.iter().zip(other).all(is_alike)
+    }
+
+    /// The allowed contrast of two values, times their mean.
+    fn allowed_difference(&self, a: f64, b: f64) -> f64 {
+        0.5 * self.interpolation.contrast * (a + b)
     }
 
     /// Pixels of a cell in which a probe ray looks for other surfaces.
