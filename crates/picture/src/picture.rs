@@ -1,7 +1,7 @@
 //! Radiance pictures: RGBE, XYZE and spectra with a shared exponent.
 
 use crate::color::xyz_to_rgb;
-use crate::rgbe::{decode_spectrum, encode_rgbe, encode_spectrum, mantissa_step};
+use crate::rgbe::{decode_rgbe, decode_spectrum, encode_rgbe, encode_spectrum};
 use crate::{Header, Image, PictureError, Resolution, RgbPrimaries, scanline};
 use radsight_units::photometry::WHITE_EFFICACY;
 
@@ -239,7 +239,7 @@ impl Picture {
     #[must_use]
     pub fn triples(&self) -> Option<Vec<[f32; 3]>> {
         let (pixels, rest) = self.pixels.data().as_chunks::<4>();
-        (self.components() == 3 && rest.is_empty()).then(|| pixels.iter().map(triple).collect())
+        (self.components() == 3 && rest.is_empty()).then(|| pixels.iter().copied().map(decode_rgbe).collect())
     }
 
     /// All values with exposure and colour correction undone: radiances in W/(sr·m²), or for XYZE
@@ -262,7 +262,7 @@ impl Picture {
             &[red, green, blue] => {
                 let pixels = bytes.as_chunks::<4>().0;
                 for (value, pixel) in data.as_chunks_mut::<3>().0.iter_mut().zip(pixels) {
-                    let raw = triple(pixel);
+                    let raw = decode_rgbe(*pixel);
                     *value = [raw[0] * red, raw[1] * green, raw[2] * blue];
                 }
             }
@@ -344,12 +344,6 @@ impl Picture {
         }
         out
     }
-}
-
-/// The values of three mantissas with a common exponent.
-fn triple(&[red, green, blue, exponent]: &[u8; 4]) -> [f32; 3] {
-    let step = mantissa_step(exponent);
-    [red, green, blue].map(|mantissa| (f32::from(mantissa) + 0.5) * step)
 }
 
 fn bad_shape(values: &Image<f32>, expected: &'static str) -> PictureError {
