@@ -48,6 +48,10 @@ const MAX_IN_PHASES: u32 = 64;
 /// Ray numbers of first phases begin at this pixel, so that their samples are independent of others.
 const FIRST_PHASE_PIXEL: u64 = 1 << 41;
 
+/// Ray number of the samples that place the lattice and select pixels for audits. No ray of a pixel
+/// has it.
+pub(crate) const RESERVED_NUMBER: u64 = u64::MAX;
+
 /// Fraction of the rays of a pixel that is aimed at images in curved mirrors, where they show all
 /// light.
 const AIMED: f64 = 0.5;
@@ -140,7 +144,7 @@ pub(crate) struct AdaptiveSampler<'a> {
     /// Allowed error of the light of small lamps, relative to each lamp's.
     pub(crate) cubature_error: CubatureError,
     counter: SampleCounter,
-    /// Traced rays that contribute to no pixel: those of an abandoned lattice, and those that
+    /// Traced rays that are no samples of a pixel: those of an abandoned lattice, and those that
     /// audited one.
     pub(crate) discarded: AtomicU64,
     /// Whether only the pixels of a lattice are exposed.

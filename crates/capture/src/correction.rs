@@ -7,9 +7,7 @@
 //! audited rays. Errors of nodes, interpolation and blur are corrected together. What is left is
 //! noise without a sign, except where errors change within a window.
 
-use crate::shared_rays::{PinholeBlur, PixelPassage};
 use crate::sparse_estimate::WindowSums;
-use glam::DVec2;
 
 /// How far windows reach to each side, pixels: the second one where the first one has too few rays, as
 /// beside the border.
@@ -21,39 +19,6 @@ const LEAST_RAYS: f64 = 4.0;
 /// Smaller windows. They are used where their squared error is below this fraction of what is allowed.
 const NARROW_REACHES: [usize; 2] = [1, 2];
 const NARROW_ERROR: f64 = 0.2;
-
-/// A film whose pixels are interpolated, or the picture where there is no film.
-pub(crate) struct InterpolatedFilm<'k> {
-    pub(crate) values: &'k [f64],
-    /// How the film becomes the picture.
-    pub(crate) blur: Option<&'k PinholeBlur<'k>>,
-    pub(crate) columns: usize,
-}
-
-impl InterpolatedFilm<'_> {
-    /// The light that is predicted for a ray of a pixel of the picture, by its index on the film. Its
-    /// mean over all rays of the pixel is the value of the pixel.
-    pub(crate) fn predicted(&self, pixel: usize, passage: &PixelPassage) -> f64 {
-        match self.blur {
-            Some(blur) => blur.predicted(self.values, pixel, passage),
-            None => self.values[pixel] + slope(self.values, self.columns, pixel).dot(passage.on_pixel - 0.5),
-        }
-    }
-}
-
-/// The difference between neighbouring pixels along columns and rows.
-pub(crate) fn slope(values: &[f64], columns: usize, pixel: usize) -> DVec2 {
-    let along = |at: usize, count: usize, step: usize| {
-        let [before, after] = [at.min(1), (count - 1 - at).min(1)];
-        let difference = values[pixel + after * step] - values[pixel - before * step];
-        difference / (before + after).max(1) as f64
-    };
-    DVec2::new(along(pixel % columns, columns, 1), along(pixel / columns, values.len() / columns, columns))
-}
-
-/// By how much the light of a ray exceeds its prediction.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Residual(pub(crate) f64);
 
 /// The squared errors that corrections may have: that of the pixel without correction, or what any
 /// pixel may have, if that is more.
@@ -81,14 +46,14 @@ struct Correction {
 pub(crate) struct Corrections(Vec<Option<Correction>>);
 
 impl Corrections {
-    /// From one residual of some pixels.
+    /// From the residuals of some pixels: by how much the light of a ray exceeds its prediction.
     pub(crate) fn new(
-        residuals: &[Option<Residual>],
+        residuals: &[Option<f64>],
         columns: usize,
         allowed: &AllowedErrors,
         is_corrected: impl Fn(usize) -> bool,
     ) -> Corrections {
-        let terms = |residual: &Option<Residual>| residual.map_or([0.0; 3], |Residual(own)| [1.0, own, own * own]);
+        let terms = |residual: &Option<f64>| residual.map_or([0.0; 3], |own| [1.0, own, own * own]);
         let sums = WindowSums::new(residuals.iter().map(terms), columns);
         let correction = |pixel: usize| {
             let around = |reach: &usize| sums.signed_around(pixel, *reach);
@@ -130,9 +95,9 @@ mod tests {
     fn corrected(allowed: &AllowedErrors, residual: impl Fn(usize, usize) -> f64) -> Vec<f64> {
         let of_pixel = |pixel: usize| {
             let (x, y) = (pixel % COLUMNS, pixel / COLUMNS);
-            (x % 3 == y % 2 && y % 3 == 1).then(|| Residual(residual(x, y)))
+            (x % 3 == y % 2 && y % 3 == 1).then(|| residual(x, y))
         };
-        let residuals: Vec<Option<Residual>> = (0..COLUMNS * COLUMNS).map(of_pixel).collect();
+        let residuals: Vec<Option<f64>> = (0..COLUMNS * COLUMNS).map(of_pixel).collect();
         let (mut values, mut errors) = (vec![1.0; residuals.len()], vec![0.0; residuals.len()]);
         Corrections::new(&residuals, COLUMNS, allowed, |pixel| pixel != 7).apply(&mut values, &mut errors);
         assert!(errors.iter().zip(&allowed.of_pixels).all(|(error, allowed)| error <= allowed));
@@ -162,11 +127,5 @@ mod tests {
         for (x, value) in values[middle].iter().enumerate() {
             assert!((value - 1.0 - 0.001 * x as f64).abs() < 0.0021, "{x}: {value}");
         }
-    }
-
-    #[test]
-    fn slopes_are_exact_for_linear_functions_up_to_the_border() {
-        let values: Vec<f64> = (0..12).map(|pixel| 2.0 * f64::from(pixel % 4) - 3.0 * f64::from(pixel / 4)).collect();
-        assert!((0..12).all(|pixel| slope(&values, 4, pixel) == DVec2::new(2.0, -3.0)));
     }
 }

@@ -8,6 +8,7 @@
 
 mod adaptive;
 mod audit;
+mod audited_rays;
 mod background;
 mod checkpoint;
 mod correction;

@@ -1,5 +1,7 @@
 //! Neighbours in a grid.
 
+use glam::DVec2;
+
 /// The indices of a cell of a grid and of its up to eight neighbours, in ascending order.
 pub(crate) fn around(cell: usize, [columns, rows]: [usize; 2]) -> impl Iterator<Item = usize> {
     let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
@@ -7,9 +9,19 @@ pub(crate) fn around(cell: usize, [columns, rows]: [usize; 2]) -> impl Iterator<
     down.flat_map(move |row| across.clone().map(move |column| row * columns + column))
 }
 
+/// The difference between neighbouring pixels along columns and rows.
+pub(crate) fn slope(values: &[f64], columns: usize, pixel: usize) -> DVec2 {
+    let along = |at: usize, count: usize, step: usize| {
+        let [before, after] = [at.min(1), (count - 1 - at).min(1)];
+        let difference = values[pixel + after * step] - values[pixel - before * step];
+        difference / (before + after).max(1) as f64
+    };
+    DVec2::new(along(pixel % columns, columns, 1), along(pixel / columns, values.len() / columns, columns))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::around;
+    use super::*;
 
     #[test]
     fn neighbours_lie_in_the_grid() {
@@ -18,5 +30,11 @@ mod tests {
         assert_eq!(found(3), [2, 3, 6, 7]);
         assert_eq!(found(8), [4, 5, 8, 9]);
         assert!(around(0, [1, 1]).eq([0]));
+    }
+
+    #[test]
+    fn slopes_are_exact_for_linear_functions_up_to_the_border() {
+        let values: Vec<f64> = (0..12).map(|pixel| 2.0 * f64::from(pixel % 4) - 3.0 * f64::from(pixel / 4)).collect();
+        assert!((0..12).all(|pixel| slope(&values, 4, pixel) == DVec2::new(2.0, -3.0)));
     }
 }

@@ -17,8 +17,8 @@
 //! many times fewer rays of its own, and edges need not be resolved by the rays of each pixel.
 
 use crate::Exposer;
-use crate::correction::slope;
 use crate::lattice::Lattice;
+use crate::neighbourhood::slope;
 use crate::sparse_estimate::WindowSums;
 use glam::DVec2;
 use radsight_pinhole::{CameraRay, Hole, Rays};

@@ -9,16 +9,14 @@
 //! An audit finds the remaining errors: rays of some interpolated pixels, which are unbiased, must
 //! agree on average with the interpolation. The position of the lattice depends on the seed.
 
-use crate::adaptive::{AdaptiveSampler, DrawnRay, Estimate, MAX_PASSES, Pixel, SELECTION_BIAS, Sums};
+use crate::adaptive::{AdaptiveSampler, Estimate, MAX_PASSES, Pixel, RESERVED_NUMBER, SELECTION_BIAS, Sums};
 use crate::audit::Audit;
 use crate::checkpoint::AdaptiveState;
-use crate::correction::{AllowedErrors, Corrections, InterpolatedFilm, Residual};
 use crate::edges::{Edges, SearchedFilm};
 use crate::fixed::radiance;
 use crate::image_light::{ExposedImages, IMAGE_FRACTION, ImageLight};
 use crate::lattice::{Lattice, STRIDE};
-use crate::shared_film::KnownFilm;
-use crate::shared_rays::{FilmRay, PinholeBlur, PinholeDerivatives, PinholeProbe, PixelPassage, UnblurredFilm};
+use crate::shared_rays::{FilmRay, PinholeBlur, PinholeDerivatives, PinholeProbe, UnblurredFilm};
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::{Exposer, Workers};
 use glam::DVec2;
@@ -51,9 +49,6 @@ const FILM_ERROR_STEP: f64 = 0.02;
 /// Cells are refined only when the noise is below this multiple of what is allowed.
 const LOW_NOISE: f64 = 2.0;
 
-/// One pixel is audited in each square of this side.
-const AUDIT_SIDE: usize = 3;
-
 /// The finest level of the lattice on which the dependence on the pinhole's point is measured: it
 /// changes less from pixel to pixel than radiance.
 const FINEST_PROBED: u8 = 2;
@@ -72,16 +67,8 @@ const R2: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 /// requested mean squared error.
 const MOST_CORRECTED: f64 = 16.0;
 
-/// Squared error that a correction may have at any pixel, relative to the mean over all pixels, as long
-/// as the requested error is kept.
-const MOST_ADDED: f64 = 2.0;
-
 /// Maximum number of audits of a picture.
 const MAX_AUDITS: u32 = 3;
-
-/// Ray number of the samples that place the lattice and select pixels for audits. No ray of a pixel
-/// has it.
-const RESERVED_NUMBER: u64 = u64::MAX;
 
 /// The lattice of a picture, with its local refinement.
 struct Sparse {
@@ -284,10 +271,12 @@ impl<'a> AdaptiveSampler<'a> {
             }
             let picture = blur.as_ref().map(|blur| estimate.blurred(blur, (&sparse.lattice, &sparse.nodes)));
             let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
-            let audited = self.audited(&sparse, audits);
-            let audit = || Audit::new(&sparse.lattice, values, &audited);
-            let wrong = || audit().cells_to_refine(&sparse.lattice, &sparse.levels, MOST_CORRECTED * requested);
-            let refined = if audits < MAX_AUDITS { wrong() } else { Vec::new() };
+            let audited = self.audited((&sparse.lattice, &sparse.nodes), audits);
+            let mut refined = Vec::new();
+            if audits < MAX_AUDITS {
+                let audit = Audit::new(&sparse.lattice, values, &audited);
+                refined = audit.cells_to_refine(&sparse.lattice, &sparse.levels, MOST_CORRECTED * requested);
+            }
             audits += 1;
             if self.progress.stops() {
                 return None;
@@ -297,7 +286,8 @@ impl<'a> AdaptiveSampler<'a> {
                 let squared = estimate.pixel_count as f64 * left.max(0.5 * IMAGE_FRACTION * all);
                 self.keep(state, &sparse, &estimate);
                 let (mut estimate, mut picture) = (estimate, picture);
-                self.correct((&mut estimate, picture.as_mut()), (blur.as_ref(), &sparse), &audited, requested);
+                let estimates = (&mut estimate, picture.as_mut());
+                self.correct(estimates, (&sparse.lattice, &sparse.nodes), (&audited, blur.as_ref()), requested);
                 let images = images.as_mut().map(|images| images.expose(self, squared, most));
                 return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(Stop::Rays)));
             }
@@ -305,34 +295,6 @@ impl<'a> AdaptiveSampler<'a> {
         }
         self.abandon(state);
         None
-    }
-
-    /// Corrects the pixels that were not exposed by the light of audited rays. `requested` is the mean
-    /// squared error of all pixels.
-    fn correct(
-        &self,
-        (estimate, picture): (&mut SparseEstimate, Option<&mut Picture>),
-        (blur, sparse): (Option<&PinholeBlur<'_>>, &Sparse),
-        audited: &[f64],
-        requested: f64,
-    ) {
-        let film = InterpolatedFilm { values: &estimate.values, blur, columns: self.columns() };
-        let residual = |(pixel, light): (usize, &f64)| {
-            let own = self.in_picture(pixel).filter(|_| !light.is_nan())?;
-            let passage = PixelPassage::new(own, self.audit_point(own).1);
-            Some(Residual(light - film.predicted(pixel, &passage)))
-        };
-        let residuals: Vec<Option<Residual>> = audited.iter().enumerate().map(residual).collect();
-        let (values, noise, bias) = match picture {
-            Some(Picture { values, noise, bias }) => (values, noise, bias),
-            None => (&mut estimate.values, &mut estimate.noise, &mut estimate.bias),
-        };
-        let of_pixels: Vec<f64> = noise.iter().zip(bias).map(|(noise, bias)| noise + *bias).collect();
-        let mean = of_pixels.iter().sum::<f64>() / estimate.pixel_count as f64;
-        let of_any = (requested - mean).clamp(0.0, MOST_ADDED * mean);
-        let allowed = AllowedErrors { of_pixels, of_any };
-        let is_corrected = |pixel: usize| self.is_estimated(sparse, pixel);
-        Corrections::new(&residuals, self.columns(), &allowed, is_corrected).apply(values, noise);
     }
 
     /// Records a finished lattice where others use it.
@@ -460,73 +422,6 @@ impl<'a> AdaptiveSampler<'a> {
         self.film.as_ref().map_or_else(of_picture, |film| film.size()[0])
     }
 
-    /// The light of one ray of some interpolated pixels; NaN elsewhere.
-    fn audited(&self, sparse: &Sparse, round: u32) -> Vec<f64> {
-        let chosen = self.audited_pixels(sparse, round);
-        let known = self.shared.known().filter(|_| round == 0);
-        let light = |worker: &mut Workers<'a>, pixel: usize| {
-            let known = known.and_then(|known| self.known_audit(known, pixel));
-            let light = known.unwrap_or_else(|| {
-                self.report(1);
-                self.discarded.fetch_add(1, Ordering::Relaxed);
-                self.light_of_picture(worker, pixel)
-            });
-            (pixel, light)
-        };
-        let rays: Vec<(usize, f64)> =
-            chosen.into_par_iter().with_min_len(32).map_init(|| self.picture_worker(), light).collect();
-        let mut audited = vec![f64::NAN; sparse.nodes.len()];
-        rays.into_iter().for_each(|(pixel, light)| audited[pixel] = light);
-        if let Some(mut record) = self.shared.record().filter(|_| round == 0) {
-            record.audited.clone_from(&audited);
-        }
-        audited
-    }
-
-    /// The known light of the ray that audits a pixel of the picture, in the frame of the film.
-    fn known_audit(&self, known: &KnownFilm<'_>, pixel: usize) -> Option<f64> {
-        let seen = match &self.film {
-            Some(film) => {
-                let own = film.in_picture(pixel)?;
-                film.pixel_seen(pixel, PixelPassage::new(own, self.audit_point(own).1))?
-            }
-            None => pixel,
-        };
-        known.audited(pixel, seen)
-    }
-
-    /// The ray number and the point of the unit cube of the ray that audits a pixel of the picture.
-    fn audit_point(&self, own: usize) -> (u64, [f64; 4]) {
-        let index = ray_number(own as u64, 0);
-        (index, RaySampler::new(self.exposer.rays.seed(), index).take(DimensionSet::CAMERA))
-    }
-
-    /// The light of one ray of a pixel of the picture, in the frame of the film.
-    fn light_of_picture(&self, worker: &mut Workers<'a>, pixel: usize) -> f64 {
-        let Some(own) = self.in_picture(pixel) else { return f64::NAN };
-        let (number, u) = self.audit_point(own);
-        let ray = match &self.film {
-            None => self.drawn(own, number, u),
-            Some(_) => {
-                let counted = self.counted(Some(PixelPassage::new(own, u)));
-                Some(DrawnRay { number, ray: self.exposer.rays.ray(own as u64, u), weight: 1.0, counted })
-            }
-        };
-        self.summed(worker, own, ray.into_iter()).whole
-    }
-
-    /// The pixel of the picture by its index on the film; `None` in the margin of the film.
-    fn in_picture(&self, pixel: usize) -> Option<usize> {
-        self.film.as_ref().map_or(Some(pixel), |film| film.in_picture(pixel))
-    }
-
-    /// A worker for rays of the picture. It integrates lights as that of the lattice does.
-    fn picture_worker(&self) -> Workers<'a> {
-        let mut worker = self.exposer.workers();
-        worker.integrate_lights(Some(self.cubature_error));
-        worker
-    }
-
     /// The blur of a film, with its dependence on the point of the pinhole from a coarse lattice.
     fn blur<'f>(&self, film: &'f UnblurredFilm, sparse: &Sparse) -> PinholeBlur<'f> {
         let lattice = &sparse.lattice;
@@ -559,29 +454,6 @@ impl<'a> AdaptiveSampler<'a> {
         let Some(FilmRay { ray, passage }) = film.ray(rays, pixel, [0.5; 2], on_pinhole) else { return 0.0 };
         worker.count(self.counted(passage));
         ray.cos4 * radiance(worker, ray_number(number, 0), (rays, number), &ray, weights)
-    }
-
-    /// One interpolated pixel of each square.
-    fn audited_pixels(&self, sparse: &Sparse, round: u32) -> Vec<usize> {
-        let columns = sparse.lattice.columns();
-        let rows = sparse.nodes.len() / columns;
-        let seed = self.exposer.rays.seed();
-        let of_square = |(x, y): (usize, usize)| {
-            let number = RESERVED_NUMBER - 1 - (y * columns + x) as u64;
-            let u = RaySampler::new(seed, number).take(DimensionSet::render(round));
-            let [x, y] = [(x, u[0]), (y, u[1])].map(|(first, u)| first + (u * AUDIT_SIDE as f64) as usize);
-            (x < columns && y < rows).then_some(y * columns + x)
-        };
-        let squares = (0..rows).step_by(AUDIT_SIDE).flat_map(|y| (0..columns).step_by(AUDIT_SIDE).map(move |x| (x, y)));
-        squares.filter_map(of_square).filter(|pixel| self.is_estimated(sparse, *pixel)).collect()
-    }
-
-    /// Whether a pixel of the film is in the picture, and not exposed itself.
-    fn is_estimated(&self, sparse: &Sparse, pixel: usize) -> bool {
-        match &self.film {
-            Some(film) => film.in_picture(pixel).is_some(),
-            None => sparse.nodes[pixel] == 0,
-        }
     }
 }
 
