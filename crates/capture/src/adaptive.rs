@@ -10,6 +10,7 @@
 //! around each pixel, since smooth regions converge faster than edges.
 
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
+use crate::film_images::FilmImages;
 use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
 use crate::shared_film::{FilmRecord, SharedFilm};
@@ -124,14 +125,24 @@ impl Exposer<'_> {
     }
 }
 
+/// How the light of images is exposed.
+#[derive(Debug)]
+pub(crate) enum ImagesApart {
+    /// With all other light.
+    No,
+    /// Apart, in the pixels that see images ([`ImageLight`](crate::image_light::ImageLight)).
+    ByPixel,
+    /// Apart, for all pixels at once ([`FilmImageLight`](crate::film_image_light::FilmImageLight)).
+    OnFilm(Arc<FilmImages>),
+}
+
 pub(crate) struct AdaptiveSampler<'a> {
     pub(crate) exposer: &'a Exposer<'a>,
     /// Number of separate bands; 0 where bands are added up.
     pub(crate) bands: usize,
     pub(crate) images: PixelImages,
-    /// Whether pixels that see images are exposed without their light
-    /// ([`ImageLight`](crate::image_light::ImageLight)).
-    pub(crate) images_apart: bool,
+    /// Whether rays are exposed without the light of images.
+    pub(crate) images_apart: ImagesApart,
     /// What is exposed instead of the picture.
     pub(crate) film: Option<Arc<UnblurredFilm>>,
     pub(crate) shared: SharedFilm<'a>,
@@ -162,7 +173,7 @@ impl<'a> AdaptiveSampler<'a> {
             exposer,
             bands: bands_apart(exposer.rays, exposer.weights),
             images: images(exposer),
-            images_apart: false,
+            images_apart: ImagesApart::No,
             film: None,
             shared,
             outlines: Vec::new(),
@@ -296,10 +307,21 @@ impl<'a> AdaptiveSampler<'a> {
         Checkpoint(State::Adaptive { state, bands: self.bands })
     }
 
-    /// What a ray counts that passes through a pixel of the picture.
-    pub(crate) fn counted(&self, passage: Option<PixelPassage>) -> CountedLight {
-        let is_apart = self.images_apart && passage.is_some_and(|passage| self.images.are_aimed_at(&passage));
-        if is_apart { CountedLight::WithoutImages } else { CountedLight::All }
+    /// What a ray of a film counts.
+    pub(crate) fn counted_on_film(&self, ray: &FilmRay) -> CountedLight {
+        match &self.images_apart {
+            ImagesApart::OnFilm(images) if images.are_shown_by(ray.pixel, &ray.ray) => CountedLight::WithoutImages,
+            ImagesApart::OnFilm(_) => CountedLight::All,
+            _ => ray.passage.map_or(CountedLight::All, |passage| self.counted(&passage)),
+        }
+    }
+
+    /// What a ray of the picture counts.
+    pub(crate) fn counted(&self, passage: &PixelPassage) -> CountedLight {
+        match &self.images_apart {
+            ImagesApart::ByPixel if self.images.are_aimed_at(passage) => CountedLight::WithoutImages,
+            _ => CountedLight::All,
+        }
     }
 
     /// The point of the unit cube of a pixel's sample. Where radiance is smooth, each point is
@@ -327,16 +349,16 @@ impl<'a> AdaptiveSampler<'a> {
         let Exposer { renderer, rays, .. } = *self.exposer;
         let (ray, weight, counted) = match &self.film {
             Some(film) => {
-                let FilmRay { ray, passage } = film.sampled_ray(rays, pixel, u)?;
-                (ray, 1.0, self.counted(passage))
+                let ray = film.sampled_ray(rays, pixel, u)?;
+                (ray.ray, 1.0, self.counted_on_film(&ray))
             }
-            None if self.images_apart => {
-                let passage = PixelPassage::new(pixel, u);
-                (self.images.plain_ray(rays, &passage)?, 1.0, self.counted(Some(passage)))
-            }
-            None => {
+            None if matches!(self.images_apart, ImagesApart::No) => {
                 let (ray, weight) = self.images.ray((renderer.plan(), rays), (pixel, AIMED), u)?;
                 (ray, weight, CountedLight::All)
+            }
+            None => {
+                let passage = PixelPassage::new(pixel, u);
+                (self.images.plain_ray(rays, &passage)?, 1.0, self.counted(&passage))
             }
         };
         Some(DrawnRay { number, ray, weight, counted })
@@ -501,7 +523,10 @@ pub(crate) fn gain(last: f64, before: f64) -> f64 {
 }
 
 /// Squared error of a pixel times `unit`. `near` is the mean d² around it, scaled to one sample.
-pub(crate) fn unit_error(pixel: &Pixel, near: f64, gain: f64, unit: f64) -> PixelError {
+pub(crate) fn unit_error<S>(pixel: &PixelSamples<S>, near: f64, gain: f64, unit: f64) -> PixelError
+where
+    S: SampleSums<HalfDifference = f64>,
+{
     let pooled = (near / f64::from(pixel.samples)).max(0.25 * pixel.last);
     // Convergence slows down when only edges are left.
     let later = 0.5 * (gain + GAIN_RANGE.1);

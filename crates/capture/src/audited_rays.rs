@@ -6,9 +6,10 @@ use crate::correction::{AllowedErrors, Corrections};
 use crate::lattice::Lattice;
 use crate::neighbourhood::slope;
 use crate::shared_film::KnownFilm;
-use crate::shared_rays::{PinholeBlur, PixelPassage};
+use crate::shared_rays::{FilmRay, PinholeBlur, PixelPassage};
 use crate::sparse_estimate::{Picture, SparseEstimate};
 use radsight_adaptive::ray_number;
+use radsight_render::CountedLight;
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 use std::sync::atomic::Ordering;
@@ -68,9 +69,12 @@ impl<'a> AdaptiveSampler<'a> {
         let (number, u) = self.audit_point(own);
         let ray = match &self.film {
             None => self.drawn(own, number, u),
-            Some(_) => {
-                let counted = self.counted(Some(PixelPassage::new(own, u)));
-                Some(DrawnRay { number, ray: self.exposer.rays.ray(own as u64, u), weight: 1.0, counted })
+            Some(film) => {
+                let passage = PixelPassage::new(own, u);
+                let ray = self.exposer.rays.ray(own as u64, u);
+                let seen = film.pixel_seen(pixel, passage);
+                let counted = seen.map(|pixel| self.counted_on_film(&FilmRay { ray, pixel, passage: Some(passage) }));
+                Some(DrawnRay { number, ray, weight: 1.0, counted: counted.unwrap_or(CountedLight::All) })
             }
         };
         self.summed(worker, own, ray.into_iter()).whole

@@ -9,6 +9,8 @@
 
 use glam::{DMat2, DVec2, DVec3, IVec2};
 use radsight_render::{CountedLight, MirroredLight, Ray, RayWorker};
+use std::collections::HashSet;
+use std::ops::Range;
 
 /// Step of numerical derivatives, as a tangent and in scene units relative to the distance: less
 /// than an image's size, more than rounding errors.
@@ -29,6 +31,9 @@ const FLOOR: f64 = 0.2;
 const AROUND_FRACTION: f64 = 0.05;
 const AROUND: f64 = 3.0;
 
+/// The same with cells instead of a disk: they lie within so many cells of those with a density.
+const CELLS_AROUND: i32 = 5;
+
 /// The image of a light from all points of a pinhole.
 #[derive(Clone, Debug)]
 pub(crate) struct CurvedImage {
@@ -38,6 +43,7 @@ pub(crate) struct CurvedImage {
     /// The tangents to the middle, and from places in the light's plane, in radii, to tangents.
     pub(crate) center: DVec2,
     pub(crate) map: DMat2,
+    inverse: DMat2,
     pub(crate) footprint: Footprint,
 }
 
@@ -111,13 +117,34 @@ impl CurvedImage {
             ray.map_or(0.0, |ray| worker.trace(0, &ray).value.iter().sum())
         });
         worker.count(CountedLight::All);
-        footprint.map(|footprint| CurvedImage { frame, by_origin, center, map, footprint })
+        footprint.map(|footprint| CurvedImage { frame, by_origin, center, map, inverse: map.inverse(), footprint })
     }
 
     /// The tangents of a ray, with the turn that acts like the shift of its origin.
     pub(crate) fn tangents(&self, origin: DVec3, direction: DVec3) -> DVec2 {
-        let shift = origin - self.frame.origin;
-        self.frame.tangents(direction) + DVec2::new(self.by_origin[0].dot(shift), self.by_origin[1].dot(shift))
+        self.frame.tangents(direction) + self.turn(origin)
+    }
+
+    /// The turn, in tangents, that acts like the shift of a ray's origin.
+    fn turn(&self, origin: DVec3) -> DVec2 {
+        self.by_origin.map(|by_origin| by_origin.dot(origin - self.frame.origin)).into()
+    }
+
+    /// The place in the light's plane, in radii, that a ray sees: as on the ray from the middle of the
+    /// pinhole to which it is equivalent.
+    pub(crate) fn place(&self, origin: DVec3, direction: DVec3) -> DVec2 {
+        self.inverse * (self.tangents(origin, direction) - self.center)
+    }
+
+    /// The unit direction in which a place is seen from a point of the pinhole: the inverse of
+    /// [`CurvedImage::place`].
+    pub(crate) fn direction_to(&self, place: DVec2, origin: DVec3) -> DVec3 {
+        self.frame.direction(self.center + self.map * place - self.turn(origin))
+    }
+
+    /// The solid angle of the directions to places, per area in radii.
+    pub(crate) fn solid_angle(&self, direction: DVec3) -> f64 {
+        self.map.determinant().abs() * direction.dot(self.frame.axis).powi(3)
     }
 
     /// The unit direction of the middle.
@@ -137,7 +164,7 @@ impl CurvedImage {
 
     /// Whether the image shows light in a unit direction.
     fn shows(&self, direction: DVec3) -> bool {
-        let place = self.map.inverse() * (self.frame.tangents(direction) - self.center);
+        let place = self.place(self.frame.origin, direction);
         direction.dot(self.frame.axis) > 0.0 && self.footprint.in_cells(place) > 0.0
     }
 }
@@ -202,12 +229,56 @@ impl Footprint {
         if u[0] < AROUND_FRACTION {
             return self.reach() * DVec2::from(radsight_sampling::unit_disk(u[0] / AROUND_FRACTION, u[1]));
         }
-        let chosen = (u[0] - AROUND_FRACTION) / (1.0 - AROUND_FRACTION);
-        let index = self.cells.partition_point(|(_, below)| *below <= chosen).min(self.cells.len() - 1);
-        let before = if index == 0 { 0.0 } else { self.cells[index - 1].1 };
+        self.sample_cells(0..self.cells.len(), [(u[0] - AROUND_FRACTION) / (1.0 - AROUND_FRACTION), u[1]])
+    }
+
+    /// A place in some of the cells for a point of the unit square, with the pdf of
+    /// [`Footprint::in_cells`] relative to their probability.
+    pub(crate) fn sample_cells(&self, among: Range<usize>, u: [f64; 2]) -> DVec2 {
+        let before = |index: usize| if index == 0 { 0.0 } else { self.cells[index - 1].1 };
+        let chosen = before(among.start) + u[0] * self.probability(among.clone());
+        let index = self.cells.partition_point(|(_, below)| *below <= chosen).clamp(among.start, among.end - 1);
         let (cell, below) = self.cells[index];
-        let along = ((chosen - before) / (below - before)).clamp(0.0, 1.0);
+        let along = ((chosen - before(index)) / (below - before(index))).clamp(0.0, 1.0);
         CELL * (cell.as_dvec2() + DVec2::new(along, u[1]) - 0.5)
+    }
+
+    /// The probability of some of the cells.
+    pub(crate) fn probability(&self, among: Range<usize>) -> f64 {
+        let below = |count: usize| if count == 0 { 0.0 } else { self.cells[count - 1].1 };
+        below(among.end) - below(among.start)
+    }
+
+    /// The mean place of some of the cells.
+    pub(crate) fn middle(&self, among: Range<usize>) -> DVec2 {
+        let sum: IVec2 = self.cells[among.clone()].iter().map(|(cell, _)| *cell).sum();
+        CELL * sum.as_dvec2() / among.len() as f64
+    }
+
+    /// The same light, with the cells around those that are known, which share [`AROUND_FRACTION`] of
+    /// the probability evenly. `square_of` gives the square that a place belongs to. The cells of each are
+    /// one part, and those around are another; the parts are ranges of cells.
+    pub(crate) fn in_parts(&self, square_of: impl Fn(DVec2) -> [i32; 2]) -> (Footprint, Vec<Range<usize>>) {
+        let known: HashSet<IVec2> = self.cells.iter().map(|(cell, _)| *cell).collect();
+        let near = known.iter().flat_map(|cell| square(CELLS_AROUND).map(|beside| *cell + beside));
+        let around: HashSet<IVec2> = near.filter(|cell| !known.contains(cell)).collect();
+        let weight_of = |index: usize| (1.0 - AROUND_FRACTION) * self.probability(index..index + 1);
+        let inner = self.cells.iter().enumerate().map(|(index, (cell, _))| (*cell, weight_of(index), false));
+        let each = AROUND_FRACTION / around.len() as f64;
+        let outer = around.iter().map(|cell| (*cell, each, true));
+        let part_of = |cell: IVec2, is_around: bool| (is_around, square_of(CELL * cell.as_dvec2()));
+        let mut cells: Vec<_> =
+            inner.chain(outer).map(|(cell, weight, is_around)| (part_of(cell, is_around), cell, weight)).collect();
+        cells.sort_by_key(|(part, cell, _)| (*part, cell.to_array()));
+        let mut parts: Vec<Range<usize>> = Vec::new();
+        for (index, (part, ..)) in cells.iter().enumerate() {
+            match parts.last_mut() {
+                Some(last) if cells[last.start].0 == *part => last.end = index + 1,
+                _ => parts.push(index..index + 1),
+            }
+        }
+        let weights = cells.into_iter().map(|(_, cell, weight)| (cell, weight));
+        (Footprint::new(weights, self.light / (CELL * CELL)), parts)
     }
 
     /// The pdf of [`Footprint::sample`] per area.
@@ -220,7 +291,8 @@ impl Footprint {
         AROUND_FRACTION * around + (1.0 - AROUND_FRACTION) * self.in_cells(place)
     }
 
-    fn in_cells(&self, place: DVec2) -> f64 {
+    /// The pdf of places in the cells, per area.
+    pub(crate) fn in_cells(&self, place: DVec2) -> f64 {
         let at = (place / CELL).round().as_ivec2() - self.least;
         let is_inside = at.x >= 0 && at.x < self.columns && at.y >= 0;
         let density = || self.density.get((at.y * self.columns + at.x) as usize);

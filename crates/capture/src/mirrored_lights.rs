@@ -63,6 +63,11 @@ impl PixelImages {
         self.images.is_empty() && self.plane.is_empty()
     }
 
+    /// The images in curved mirrors; `None` if there are others.
+    pub(crate) fn curved_alone(&self) -> Option<&[CurvedImage]> {
+        self.plane.is_empty().then_some(&self.curved)
+    }
+
     /// Whether a pixel sees an image.
     pub(crate) fn sees_any(&self, pixel: usize) -> bool {
         self.images.get(pixel).is_some_and(|images| !images.is_empty()) || self.plane.sees_any(pixel)

@@ -40,7 +40,7 @@ const MAX_FOCAL_RATIO: f64 = 0.03;
 
 /// Error of what the derivatives by the point of the pinhole change, relative to it: 0.27 in Figure
 /// 10, where cones end.
-const DERIVATIVE_ERROR: f64 = 0.25;
+pub(crate) const DERIVATIVE_ERROR: f64 = 0.25;
 
 /// Points of the pinhole for the weights of the convolution.
 const KERNEL_POINTS: u32 = 1 << 14;
@@ -68,6 +68,8 @@ pub(crate) struct UnblurredFilm {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FilmRay {
     pub(crate) ray: CameraRay,
+    /// The pixel of the film that it sees.
+    pub(crate) pixel: usize,
     /// The pixel of the picture through which it passes, if any, and where.
     pub(crate) passage: Option<PixelPassage>,
 }
@@ -191,14 +193,13 @@ impl UnblurredFilm {
     /// the pinhole, in its radii.
     pub(crate) fn ray(&self, rays: &Rays, pixel: usize, place: [f64; 2], on_pinhole: DVec2) -> Option<FilmRay> {
         let film = DVec2::new((pixel % self.columns) as f64, (pixel / self.columns) as f64);
-        let margin = DVec2::new(self.margin[0] as f64, self.margin[1] as f64);
-        let place = film - margin + DVec2::from(place) - self.shift * on_pinhole;
+        let place = film - self.margins() + DVec2::from(place) - self.shift * on_pinhole;
         let ray = rays.ray_through(0, place.into(), on_pinhole.into())?;
         let [columns, rows] = self.picture_size();
         let is_inside = place.cmpge(DVec2::ZERO).all() && place.x < columns as f64 && place.y < rows as f64;
-        let pixel = || place.y as usize * columns + place.x as usize;
-        let passage = is_inside.then(|| PixelPassage { pixel: pixel(), on_pixel: place.fract(), on_pinhole });
-        Some(FilmRay { ray, passage })
+        let own = || place.y as usize * columns + place.x as usize;
+        let passage = is_inside.then(|| PixelPassage { pixel: own(), on_pixel: place.fract(), on_pinhole });
+        Some(FilmRay { ray, pixel, passage })
     }
 
     /// The same for a point of the unit cube.
@@ -210,7 +211,34 @@ impl UnblurredFilm {
     /// index on the film.
     pub(crate) fn pixel_seen(&self, pixel: usize, passage: PixelPassage) -> Option<usize> {
         let film = DVec2::new((pixel % self.columns) as f64, (pixel / self.columns) as f64);
-        let place = film + passage.on_pixel + self.shift * passage.on_pinhole;
+        self.pixel_at(film + passage.on_pixel + self.shift * passage.on_pinhole)
+    }
+
+    /// The same for a point of the picture, in pixels from its left and its top.
+    pub(crate) fn pixel_seen_from(&self, at: DVec2, on_pinhole: DVec2) -> Option<usize> {
+        self.pixel_at(at + self.margins() + self.shift * on_pinhole)
+    }
+
+    /// The pixels of the film within a distance along each axis from a point of the picture.
+    pub(crate) fn pixels_around(&self, at: DVec2, reach: DVec2) -> impl Iterator<Item = usize> {
+        let (at, columns) = (at + self.margins(), self.columns);
+        // Negative numbers become 0.
+        let along =
+            |at: f64, reach: f64, count: usize| (at - reach) as usize..((at + reach).ceil() as usize).min(count);
+        let across = along(at.x, reach.x, self.columns);
+        along(at.y, reach.y, self.rows).flat_map(move |row| across.clone().map(move |column| row * columns + column))
+    }
+
+    /// Shift of a film point per radius of the pinhole, pixels along columns and rows.
+    pub(crate) fn shift(&self) -> DVec2 {
+        self.shift
+    }
+
+    fn margins(&self) -> DVec2 {
+        DVec2::new(self.margin[0] as f64, self.margin[1] as f64)
+    }
+
+    fn pixel_at(&self, place: DVec2) -> Option<usize> {
         let is_inside = place.cmpge(DVec2::ZERO).all() && place.x < self.columns as f64 && place.y < self.rows as f64;
         is_inside.then(|| place.y as usize * self.columns + place.x as usize)
     }

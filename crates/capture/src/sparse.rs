@@ -9,14 +9,17 @@
 //! An audit finds the remaining errors: rays of some interpolated pixels, which are unbiased, must
 //! agree on average with the interpolation. The position of the lattice depends on the seed.
 
-use crate::adaptive::{AdaptiveSampler, Estimate, MAX_PASSES, Pixel, RESERVED_NUMBER, SELECTION_BIAS, Sums};
+use crate::adaptive::{
+    AdaptiveSampler, Estimate, ImagesApart, MAX_PASSES, Pixel, RESERVED_NUMBER, SELECTION_BIAS, Sums,
+};
 use crate::audit::Audit;
 use crate::checkpoint::AdaptiveState;
 use crate::edges::{Edges, SearchedFilm};
+use crate::film_images::FilmImages;
 use crate::fixed::radiance;
-use crate::image_light::{ExposedImages, IMAGE_FRACTION, ImageLight};
+use crate::image_light::{ApartImages, ExposedImages, IMAGE_FRACTION};
 use crate::lattice::{Lattice, STRIDE};
-use crate::shared_rays::{FilmRay, PinholeBlur, PinholeDerivatives, PinholeProbe, UnblurredFilm};
+use crate::shared_rays::{PinholeBlur, PinholeDerivatives, PinholeProbe, UnblurredFilm};
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::{Exposer, Workers};
 use glam::DVec2;
@@ -149,22 +152,16 @@ impl<'a> AdaptiveSampler<'a> {
         if self.shared.known().is_some_and(|known| known.record.is_empty()) {
             return None;
         }
-        self.images_apart = self.is_plain() && !self.images.is_empty();
-        let mut images = ImageLight::begin(self);
-        let found = self.interpolated_rest(state, target, &mut images);
-        self.images_apart = false;
-        if found.is_none() {
-            self.discarded.fetch_add(images.map_or(0, |images| images.samples()), Ordering::Relaxed);
-        }
+        let found = self.interpolated_film(state, target);
+        self.images_apart = ImagesApart::No;
         found
     }
 
-    /// The same, with the light of images exposed apart.
-    fn interpolated_rest(
+    /// The same, until images are no longer exposed apart.
+    fn interpolated_film(
         &mut self,
         state: &mut AdaptiveState,
         target: ErrorTarget,
-        images: &mut Option<ImageLight>,
     ) -> Option<(Estimate, Option<Stop>)> {
         self.film = self.unblurred_film();
         let known = self.shared.known().map(|known| known.record.film.is_some());
@@ -173,7 +170,7 @@ impl<'a> AdaptiveSampler<'a> {
         }
         if let Some(film) = &self.film {
             let mut film_state = AdaptiveState::new(film.pixel_count());
-            let found = self.on_lattice(&mut film_state, target, images);
+            let found = self.on_lattice(&mut film_state, target);
             self.film = None;
             if found.is_some() {
                 *state = film_state;
@@ -183,21 +180,32 @@ impl<'a> AdaptiveSampler<'a> {
                 return None;
             }
         }
-        self.on_lattice(state, target, images)
+        self.on_lattice(state, target)
     }
 
     /// Finds the lattice and exposes it.
-    fn on_lattice(
-        &mut self,
-        state: &mut AdaptiveState,
-        target: ErrorTarget,
-        images: &mut Option<ImageLight>,
-    ) -> Option<(Estimate, Option<Stop>)> {
-        let (sparse, outlines) = self.lattice()?;
-        self.outlines = outlines;
-        let found = self.sparse(state, target, images, sparse);
+    fn on_lattice(&mut self, state: &mut AdaptiveState, target: ErrorTarget) -> Option<(Estimate, Option<Stop>)> {
+        self.images_apart = self.images_apart();
+        let mut images = ApartImages::begin(self);
+        let found = self.lattice().and_then(|(sparse, outlines)| {
+            self.outlines = outlines;
+            self.sparse(state, target, images.as_mut(), sparse)
+        });
         self.outlines = Vec::new();
+        if found.is_none() {
+            self.discarded.fetch_add(images.map_or(0, |images| images.samples()), Ordering::Relaxed);
+        }
         found
+    }
+
+    /// How the light of images is exposed with the film, if there is one.
+    fn images_apart(&self) -> ImagesApart {
+        let on_film = || FilmImages::new(self.exposer, self.film.as_deref()?, self.images.curved_alone()?);
+        match self.is_plain().then(on_film) {
+            Some(Some(images)) => ImagesApart::OnFilm(Arc::new(images)),
+            Some(None) if !self.images.is_empty() => ImagesApart::ByPixel,
+            _ => ImagesApart::No,
+        }
     }
 
     fn unblurred_film(&self) -> Option<Arc<UnblurredFilm>> {
@@ -225,7 +233,7 @@ impl<'a> AdaptiveSampler<'a> {
         &self,
         state: &mut AdaptiveState,
         target: ErrorTarget,
-        images: &mut Option<ImageLight>,
+        images: Option<&mut ApartImages>,
         mut sparse: Sparse,
     ) -> Option<(Estimate, Option<Stop>)> {
         let most = target.most_samples.min(MAX_SAMPLES);
@@ -241,7 +249,7 @@ impl<'a> AdaptiveSampler<'a> {
                 return None;
             }
             let estimate = sparse.estimate(state, self.film.as_deref());
-            let of_images = images.as_ref().map_or(0.0, ImageLight::sum) / estimate.pixel_count as f64;
+            let of_images = images.as_ref().map_or(0.0, |images| images.sum()) / estimate.pixel_count as f64;
             let mean = estimate.mean() + of_images;
             if mean <= 0.0 {
                 break;
@@ -288,7 +296,7 @@ impl<'a> AdaptiveSampler<'a> {
                 let (mut estimate, mut picture) = (estimate, picture);
                 let estimates = (&mut estimate, picture.as_mut());
                 self.correct(estimates, (&sparse.lattice, &sparse.nodes), (&audited, blur.as_ref()), requested);
-                let images = images.as_mut().map(|images| images.expose(self, squared, most));
+                let images = images.map(|images| images.expose(self, squared, most));
                 return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(Stop::Rays)));
             }
             sparse.refine(refined);
@@ -368,7 +376,7 @@ impl<'a> AdaptiveSampler<'a> {
             return None;
         }
         let [x, y, ..] = RaySampler::new(exposer.rays.seed(), RESERVED_NUMBER).take(DimensionSet::CAMERA);
-        let images = (!self.images_apart).then_some(&self.images);
+        let images = matches!(self.images_apart, ImagesApart::No).then_some(&self.images);
         let film = SearchedFilm { exposer, images, unblurred: self.film.as_deref(), known: self.shared.known() };
         let [columns, rows] = film.size().map(|count| count as u32);
         let lattice = Lattice::new(columns, rows, [x, y])?;
@@ -451,9 +459,9 @@ impl<'a> AdaptiveSampler<'a> {
     fn light_of_film(&self, worker: &mut Workers<'a>, film: &UnblurredFilm, pixel: usize, on_pinhole: DVec2) -> f64 {
         let Exposer { rays, weights, .. } = *self.exposer;
         let number = pixel as u64;
-        let Some(FilmRay { ray, passage }) = film.ray(rays, pixel, [0.5; 2], on_pinhole) else { return 0.0 };
-        worker.count(self.counted(passage));
-        ray.cos4 * radiance(worker, ray_number(number, 0), (rays, number), &ray, weights)
+        let Some(ray) = film.ray(rays, pixel, [0.5; 2], on_pinhole) else { return 0.0 };
+        worker.count(self.counted_on_film(&ray));
+        ray.ray.cos4 * radiance(worker, ray_number(number, 0), (rays, number), &ray.ray, weights)
     }
 }
 

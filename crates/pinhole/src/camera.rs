@@ -546,6 +546,14 @@ impl PinholeCamera {
         cos2 * cos2
     }
 
+    /// Number of pixels per solid angle of rays in a unit direction.
+    #[must_use]
+    pub fn pixels_per_solid_angle(&self, direction: DVec3) -> f64 {
+        let [x, y] = self.pixel_pitch_m;
+        let focal_distance = self.focal_distance_m();
+        focal_distance * focal_distance / (direction.dot(self.direction()).powi(3) * x * y)
+    }
+
     /// The position of a point of a pixel on the upright image, metres right of and above the axis,
     /// one focal distance in front of the pinhole. The sensor point itself is behind the pinhole,
     /// at the negative position. `u` runs from the left edge of the pixel, `v` from its top.
@@ -562,6 +570,16 @@ impl PinholeCamera {
         [
             (column - 0.5 * f64::from(self.pixels[0])) * self.pixel_pitch_m[0],
             (0.5 * f64::from(self.pixels[1]) - row) * self.pixel_pitch_m[1],
+        ]
+    }
+
+    /// The point of the sensor's plane at a position on the upright image: the inverse of
+    /// [`PinholeCamera::on_plane`].
+    #[inline]
+    pub(crate) fn in_pixels(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [
+            0.5 * f64::from(self.pixels[0]) + x / self.pixel_pitch_m[0],
+            0.5 * f64::from(self.pixels[1]) - y / self.pixel_pitch_m[1],
         ]
     }
 }

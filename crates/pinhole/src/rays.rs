@@ -236,6 +236,21 @@ impl Rays {
         }
     }
 
+    /// The point of the picture that the rays with this direction through a point of the pinhole pass,
+    /// in pixels from its left and its top: the inverse of [`Rays::ray_through`]. `None` behind the
+    /// pinhole and unless [`PinholeCamera::is_plain_pinhole`].
+    #[must_use]
+    pub fn picture_point(&self, direction: DVec3, pinhole_point: [f64; 2]) -> Option<[f64; 2]> {
+        let camera = &self.camera;
+        let forward = direction.dot(camera.direction());
+        if self.general.is_some() || self.own.is_some() || forward <= 0.0 {
+            return None;
+        }
+        let far = camera.focal_distance_m() / forward;
+        let [a, b] = pinhole_point.map(|at| at * self.radius_m);
+        Some(camera.in_pixels([far * direction.dot(camera.right()) - a, far * direction.dot(camera.up()) - b]))
+    }
+
     fn plain_ray(&self, pixel: u64, [u, v]: [f64; 2], (a, b): (f64, f64)) -> CameraRay {
         let camera = &self.camera;
         let [x, y] = camera.on_image(pixel, u, v);
@@ -293,6 +308,20 @@ mod tests {
         assert!((ray.origin - camera.position_m()).length() <= 0.05e-3 + 1e-15);
         assert!((ray.direction - (ray.origin - sensor_point).normalize()).length() < 1e-14);
         assert!((ray.cos4 - ray.direction.dot(camera.direction()).powi(4)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_picture_point_of_a_ray_is_that_through_which_it_passes() {
+        let camera = paper_camera();
+        let rays = Rays::new(&camera, 1, 0);
+        for (place, on_pinhole) in
+            [([0.5, 0.5], [0.0, 0.0]), ([180.3, 17.9], [0.6, -0.7]), ([-4.0, 170.0], [-0.9, 0.1])]
+        {
+            let ray = rays.ray_through(0, place, on_pinhole).unwrap();
+            let found = rays.picture_point(ray.direction, on_pinhole).unwrap();
+            assert!(found.iter().zip(place).all(|(found, place)| (found - place).abs() < 1e-9), "{found:?}");
+            assert!(rays.picture_point(-ray.direction, on_pinhole).is_none());
+        }
     }
 
     #[test]

@@ -1,0 +1,260 @@
+//! The light of images, exposed for all pixels of the pinhole's disk at once ([`FilmImages`]).
+
+use crate::adaptive::{AdaptiveSampler, MAX_PASSES, gain, unit_error};
+use crate::disk_overlap::DiskOverlap;
+use crate::film_images::{FilmImages, ImagePart, PartRay};
+use crate::fixed::radiance;
+use crate::image_light::ExposedImages;
+use crate::shared_rays::{DERIVATIVE_ERROR, UnblurredFilm};
+use crate::{Exposer, Workers};
+use glam::DVec2;
+use radsight_adaptive::{
+    ErrorEstimate, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState,
+    Selection, begin, ray_number, refine,
+};
+use radsight_render::CountedLight;
+use radsight_sampling::{DimensionSet, RaySampler};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Ray numbers begin at this pixel, so that their samples are independent of others.
+const FIRST_PIXEL: u64 = 1 << 42;
+
+/// The light of the images of a film.
+#[derive(Debug)]
+pub(crate) struct FilmImageLight {
+    images: Arc<FilmImages>,
+    film: Arc<UnblurredFilm>,
+    /// A "pixel" is a part of an image.
+    state: SamplingState<PartSums>,
+}
+
+/// Sums over some rays to a part of an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct PartSums {
+    /// The light, summed over the pixels of the picture and beyond.
+    light: f64,
+    /// The light times the point of the picture at which it is seen through the middle of the pinhole.
+    center: DVec2,
+    /// The light times the point of the pinhole, and that point.
+    on_pinhole: DVec2,
+    unlit_on_pinhole: DVec2,
+}
+
+impl SampleSums for PartSums {
+    /// Squared.
+    type HalfDifference = f64;
+    type Mean = f64;
+
+    fn add(&mut self, other: &PartSums) {
+        self.light += other.light;
+        self.center += other.center;
+        self.on_pinhole += other.on_pinhole;
+        self.unlit_on_pinhole += other.unlit_on_pinhole;
+    }
+
+    fn half_difference(first: &PartSums, second: &PartSums, samples: u32) -> f64 {
+        ((second.light - first.light) / f64::from(2 * samples)).powi(2)
+    }
+
+    fn mean(&self, samples: u32) -> f64 {
+        self.light / f64::from(samples)
+    }
+}
+
+type Part = PixelSamples<PartSums>;
+
+impl FilmImageLight {
+    /// With the first samples.
+    pub(crate) fn begin(sampler: &AdaptiveSampler<'_>, images: &Arc<FilmImages>, film: &Arc<UnblurredFilm>) -> Self {
+        let (images, film) = (images.clone(), film.clone());
+        let mut state = SamplingState::new(images.parts().len());
+        begin(&PartSource { sampler, images: &images, film: &film }, &mut state);
+        FilmImageLight { images, film, state }
+    }
+
+    /// Sum over all pixels of the picture, in units of radiance.
+    pub(crate) fn sum(&self) -> f64 {
+        self.images.parts().iter().zip(&self.state.pixels).map(|(part, samples)| part.visible * samples.mean()).sum()
+    }
+
+    /// Number of rays.
+    pub(crate) fn samples(&self) -> u64 {
+        self.state.pixels.iter().map(|part| u64::from(part.samples)).sum()
+    }
+
+    /// Refines the images to a sum of squared errors over all pixels.
+    pub(crate) fn expose(&mut self, sampler: &AdaptiveSampler<'_>, squared: f64, most_samples: u32) -> ExposedImages {
+        let FilmImageLight { images, film, state } = self;
+        let target = NoiseTarget {
+            most_samples: most_samples.min(MAX_SAMPLES),
+            most_passes: MAX_PASSES,
+            ..NoiseTarget::new(squared / state.pixels.len() as f64, Selection::FractionOrFirst)
+        };
+        let source = PartSource { sampler, images, film };
+        let estimate = |samples: &[Part]| PartErrors::new(images.parts(), samples);
+        let (errors, _) = refine(&source, state, &target, estimate);
+        self.spread(sampler, &errors)
+    }
+
+    /// The light of the pixels, with its errors.
+    fn spread(&self, sampler: &AdaptiveSampler<'_>, errors: &PartErrors) -> ExposedImages {
+        let mut pixels: BTreeMap<usize, PixelLight> = BTreeMap::new();
+        for parts in self.images.by_image() {
+            let slope = self.slope(parts.clone(), errors);
+            for index in parts {
+                let known = &self.images.parts()[index];
+                let part = PartLight::new(known, &self.state.pixels[index], errors.of_light(index), slope);
+                self.images.for_each_pixel(sampler.exposer.rays, (index, part.center), |pixel, overlap| {
+                    pixels.entry(pixel).or_default().add(&part, overlap);
+                });
+            }
+        }
+        // The samples are those of all pixels together.
+        let each = self.samples() as f64 / pixels.len().max(1) as f64;
+        let error = |light: &PixelLight| PixelError {
+            squared: light.noise + (DERIVATIVE_ERROR * light.by_slope).powi(2),
+            gain: 0.5,
+            samples: each.round() as u32,
+        };
+        ExposedImages { pixels: pixels.iter().map(|(pixel, light)| (*pixel, light.value, error(light))).collect() }
+    }
+
+    /// Relative derivative of the light of some parts by the point of the pinhole, per radius. An
+    /// estimate within its noise is shrunk (James and Stein 1961).
+    fn slope(&self, parts: Range<usize>, errors: &PartErrors) -> DVec2 {
+        let [mut light, mut noise] = [0.0; 2];
+        let mut moment = DVec2::ZERO;
+        for index in parts {
+            let Part { sums, samples, .. } = &self.state.pixels[index];
+            let samples = f64::from(*samples);
+            let mean = sums.light / samples;
+            light += mean;
+            noise += errors.of_light(index);
+            moment += (sums.on_pinhole - mean * sums.unlit_on_pinhole) / samples;
+        }
+        // Over the unit disk the mean of p·pᵀ is ¼.
+        let slope = 4.0 * moment / light;
+        let of_noise = 8.0 * noise / (light * light);
+        let kept = 1.0 - of_noise / slope.length_squared();
+        if kept > 0.0 && slope.is_finite() { kept * slope } else { DVec2::ZERO }
+    }
+}
+
+/// The light of a part of an image.
+struct PartLight {
+    light: f64,
+    center: DVec2,
+    slope: DVec2,
+    /// Squared error of the light.
+    squared: f64,
+}
+
+impl PartLight {
+    fn new(part: &ImagePart, samples: &Part, squared: f64, slope: DVec2) -> PartLight {
+        let light = samples.mean();
+        let center = if light > 0.0 { samples.sums.center / samples.sums.light } else { part.center };
+        PartLight { light, center, slope, squared }
+    }
+}
+
+/// The light of images in a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct PixelLight {
+    value: f64,
+    /// Squared error due to noise.
+    noise: f64,
+    /// What the dependence on the point of the pinhole adds.
+    by_slope: f64,
+}
+
+impl PixelLight {
+    fn add(&mut self, part: &PartLight, overlap: DiskOverlap) {
+        let by_slope = part.light * part.slope.dot(overlap.moment);
+        self.value += part.light * overlap.area + by_slope;
+        self.by_slope += by_slope;
+        self.noise += part.squared * overlap.area * overlap.area;
+    }
+}
+
+/// The errors of the parts, summed over the picture.
+struct PartErrors(Vec<PixelError>, Vec<f64>);
+
+impl PartErrors {
+    /// The noise of single parts is uncertain, so the relative noise of all is pooled. Where a part has
+    /// shown no light yet, it may have what its cells make expect.
+    fn new(parts: &[ImagePart], samples: &[Part]) -> PartErrors {
+        let sum = |of_part: &dyn Fn(&ImagePart, &Part) -> f64| -> f64 {
+            parts.iter().zip(samples).map(|(part, samples)| of_part(part, samples)).sum()
+        };
+        // Of one sample.
+        let last = sum(&|_, samples| samples.last * f64::from(samples.samples));
+        let before = sum(&|_, samples| samples.before * f64::from(samples.samples));
+        let expected = |part: &ImagePart| part.expected * part.expected;
+        let relative = last / sum(&|part, _| expected(part)).max(f64::MIN_POSITIVE);
+        let gain = gain(last, before);
+        let of_part = |(part, samples): (&ImagePart, &Part)| {
+            unit_error(samples, relative * expected(part), gain, part.squared_weights)
+        };
+        let weights = parts.iter().map(|part| part.squared_weights).collect();
+        PartErrors(parts.iter().zip(samples).map(of_part).collect(), weights)
+    }
+
+    /// The squared error of a part's light.
+    fn of_light(&self, part: usize) -> f64 {
+        self.0[part].squared / self.1[part]
+    }
+}
+
+impl ErrorEstimate for PartErrors {
+    fn pixels(&self) -> &[PixelError] {
+        &self.0
+    }
+}
+
+/// Traces rays to the parts of images.
+struct PartSource<'s, 'a> {
+    sampler: &'s AdaptiveSampler<'a>,
+    images: &'s FilmImages,
+    film: &'s UnblurredFilm,
+}
+
+impl<'a> PixelSource for PartSource<'_, 'a> {
+    type Sums = PartSums;
+    type Worker = Workers<'a>;
+
+    fn worker(&self) -> Workers<'a> {
+        let mut worker = self.sampler.exposer.workers();
+        worker.count(CountedLight::Images);
+        worker
+    }
+
+    fn sums(&self, worker: &mut Workers<'a>, part: usize, samples: Range<u32>) -> PartSums {
+        let Exposer { rays, weights, .. } = *self.sampler.exposer;
+        let mut sums = PartSums::default();
+        for sample in samples {
+            let index = ray_number(FIRST_PIXEL + part as u64, sample);
+            let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
+            sums.unlit_on_pinhole += DVec2::from(radsight_sampling::unit_disk(u[2], u[3]));
+            if let Some(PartRay { ray, center, on_pinhole, weight }) = self.images.ray(rays, self.film, part, u) {
+                let light = weight * ray.cos4 * radiance(worker, index, (rays, 0), &ray, weights);
+                sums.add(&PartSums {
+                    light,
+                    center: light * center,
+                    on_pinhole: light * on_pinhole,
+                    unlit_on_pinhole: DVec2::ZERO,
+                });
+            }
+        }
+        sums
+    }
+
+    fn stops(&self) -> bool {
+        self.sampler.progress.stops()
+    }
+
+    fn traced(&self, samples: u32) {
+        self.sampler.report(samples);
+    }
+}

@@ -1,0 +1,241 @@
+//! Images of lights in curved mirrors, behind a finite pinhole.
+//!
+//! Through each point of a pinhole an image appears at another point of the picture: at x + B·p
+//! through the point p, in radii. What is seen of the light changes little with p. So a ray that shows
+//! a place of the image tells the light of all rays to this place, and counts for all pixels of the
+//! disk. An image behind a disk of fifty pixels needs about a fiftieth of the rays that these pixels
+//! need by themselves.
+//!
+//! Which rays show an image is defined for the ray alone, so that the light of an image is neither
+//! lost nor counted twice: the rest of the picture is exposed without the light of these rays.
+
+use crate::Exposer;
+use crate::curved_image::CurvedImage;
+use crate::disk_overlap::DiskOverlap;
+use crate::shared_rays::UnblurredFilm;
+use glam::{DMat2, DVec2, DVec3};
+use radsight_pinhole::{CameraRay, Rays};
+use std::ops::Range;
+
+/// Parts of an image along each axis of a pixel: the light of a part is blurred as if it were all seen
+/// at one point.
+const PARTS_PER_PIXEL: f64 = 8.0;
+
+/// The images that a film shows.
+#[derive(Debug)]
+pub(crate) struct FilmImages {
+    images: Vec<FilmImage>,
+    /// In the order of their images.
+    parts: Vec<ImagePart>,
+    /// By pixel of the film: the images that its rays may show.
+    near: Vec<Vec<u32>>,
+}
+
+/// An image on the film.
+#[derive(Debug)]
+struct FilmImage {
+    curved: CurvedImage,
+    blur: ImageBlur,
+    /// From places in the light's plane, in radii of the light, to pixels.
+    by_place: DMat2,
+}
+
+/// How the light of an image is spread over the picture.
+#[derive(Clone, Copy, Debug)]
+struct ImageBlur {
+    /// The point of the picture at which the middle of the image is seen through the middle of the
+    /// pinhole, pixels from the left and the top.
+    center: DVec2,
+    /// Shift of that point per radius of the pinhole, pixels.
+    by_pinhole: DMat2,
+    inverse: DMat2,
+}
+
+/// A part of an image that is small on the picture.
+#[derive(Clone, Debug)]
+pub(crate) struct ImagePart {
+    /// Index of the image.
+    image: usize,
+    /// Of the image's footprint.
+    cells: Range<usize>,
+    /// The point of the picture at which its middle is seen through the middle of the pinhole.
+    pub(crate) center: DVec2,
+    /// The light that it has by the image's cells, up to a factor that all have in common.
+    pub(crate) expected: f64,
+    /// Fraction of its light that falls on the picture.
+    pub(crate) visible: f64,
+    /// Sum over the pixels of the squared fractions of its light.
+    pub(crate) squared_weights: f64,
+}
+
+/// What a ray shows of a part of an image.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PartRay {
+    pub(crate) ray: CameraRay,
+    /// The point of the picture at which its place is seen through the middle of the pinhole.
+    pub(crate) center: DVec2,
+    pub(crate) on_pinhole: DVec2,
+    /// Sum over the pixels of radiance·cos⁴, per that of the ray.
+    pub(crate) weight: f64,
+}
+
+impl FilmImages {
+    /// `None` where the film shows no image.
+    pub(crate) fn new(exposer: &Exposer<'_>, film: &UnblurredFilm, curved: &[CurvedImage]) -> Option<FilmImages> {
+        let rays = exposer.rays;
+        let mut found =
+            FilmImages { images: Vec::new(), parts: Vec::new(), near: vec![Vec::new(); film.pixel_count()] };
+        for image in curved.iter().filter_map(|curved| FilmImage::new(rays, curved)) {
+            found.add(rays, film, image);
+        }
+        (!found.parts.is_empty()).then_some(found)
+    }
+
+    /// Adds an image if the picture shows any of it.
+    fn add(&mut self, rays: &Rays, film: &UnblurredFilm, mut image: FilmImage) {
+        let (footprint, ranges) = image.curved.footprint.in_parts(|place| image.square_of(place));
+        let light = image.curved.light();
+        let index = self.images.len();
+        let part = |cells: Range<usize>| {
+            let center = image.blur.center + image.by_place * footprint.middle(cells.clone());
+            let mut part = ImagePart {
+                image: index,
+                expected: light * footprint.probability(cells.clone()),
+                cells,
+                center,
+                visible: 0.0,
+                squared_weights: 0.0,
+            };
+            image.blur.for_each_pixel(rays, center, |_, overlap| {
+                part.visible += overlap.area;
+                part.squared_weights += overlap.area * overlap.area;
+            });
+            (part.visible > 0.0).then_some(part)
+        };
+        let parts: Vec<ImagePart> = ranges.into_iter().filter_map(part).collect();
+        if parts.is_empty() {
+            return;
+        }
+        self.parts.extend(parts);
+        image.curved.footprint = footprint;
+        for pixel in film.pixels_around(image.blur.center, image.reach(film)) {
+            self.near[pixel].push(index as u32);
+        }
+        self.images.push(image);
+    }
+
+    pub(crate) fn parts(&self) -> &[ImagePart] {
+        &self.parts
+    }
+
+    /// Whether a ray of a pixel of the film shows an image.
+    pub(crate) fn are_shown_by(&self, film_pixel: usize, ray: &CameraRay) -> bool {
+        self.image_of(film_pixel, ray).is_some()
+    }
+
+    /// The image of which a ray shows a place: the one with the highest density of rays there.
+    fn image_of(&self, film_pixel: usize, ray: &CameraRay) -> Option<usize> {
+        let near = self.near[film_pixel].iter().map(|image| *image as usize);
+        let with_density = near.map(|image| (image, self.images[image].density(ray)));
+        let shown = with_density.filter(|(_, density)| *density > 0.0);
+        shown.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(image, _)| image)
+    }
+
+    /// The ray to a part of an image for a point of the unit cube; `None` if it shows another image.
+    pub(crate) fn ray(&self, rays: &Rays, film: &UnblurredFilm, part: usize, u: [f64; 4]) -> Option<PartRay> {
+        let part = &self.parts[part];
+        let FilmImage { curved, blur, .. } = &self.images[part.image];
+        let place = curved.footprint.sample_cells(part.cells.clone(), [u[0], u[1]]);
+        let density = curved.footprint.in_cells(place) / curved.footprint.probability(part.cells.clone());
+        let on_pinhole = radsight_sampling::unit_disk(u[2], u[3]);
+        let origin = rays.ray_through(0, [0.5; 2], on_pinhole.into())?.origin;
+        let direction = curved.direction_to(place, origin);
+        let at = rays.picture_point(direction, on_pinhole.into())?;
+        let ray = rays.ray_through(0, at, on_pinhole.into())?;
+        let (at, on_pinhole) = (DVec2::from(at), DVec2::from(on_pinhole));
+        let film_pixel = film.pixel_seen_from(at, on_pinhole)?;
+        if self.image_of(film_pixel, &ray) != Some(part.image) {
+            return None;
+        }
+        let weight = curved.solid_angle(direction) * rays.camera().pixels_per_solid_angle(direction) / density;
+        Some(PartRay { ray, center: at - blur.by_pinhole * on_pinhole, on_pinhole, weight })
+    }
+
+    /// The pixels of the picture over which the light of a part is spread that is seen at a point through
+    /// the middle of the pinhole, each with the points of the pinhole through which it is seen there.
+    pub(crate) fn for_each_pixel(
+        &self,
+        rays: &Rays,
+        (part, center): (usize, DVec2),
+        of_pixel: impl FnMut(usize, DiskOverlap),
+    ) {
+        self.images[self.parts[part].image].blur.for_each_pixel(rays, center, of_pixel);
+    }
+
+    /// The parts of each image.
+    pub(crate) fn by_image(&self) -> impl Iterator<Item = Range<usize>> {
+        let start = |image: usize| self.parts.partition_point(move |part| part.image < image);
+        (0..self.images.len()).map(move |image| start(image)..start(image + 1))
+    }
+}
+
+impl FilmImage {
+    /// `None` where the map to the picture is singular.
+    fn new(rays: &Rays, curved: &CurvedImage) -> Option<FilmImage> {
+        let at = |place: DVec2, on_pinhole: DVec2| {
+            let origin: DVec3 = rays.ray_through(0, [0.5; 2], on_pinhole.into())?.origin;
+            rays.picture_point(curved.direction_to(place, origin), on_pinhole.into()).map(DVec2::from)
+        };
+        let across = |of_side: &dyn Fn(DVec2) -> Option<DVec2>| {
+            let [x, y] = [DVec2::X, DVec2::Y].map(|side| Some(0.5 * (of_side(side)? - of_side(-side)?)));
+            Some(DMat2::from_cols(x?, y?))
+        };
+        let by_place = across(&|place| at(place, DVec2::ZERO))?;
+        let by_pinhole = across(&|on_pinhole| at(DVec2::ZERO, on_pinhole))?;
+        let blur = ImageBlur { center: at(DVec2::ZERO, DVec2::ZERO)?, by_pinhole, inverse: by_pinhole.inverse() };
+        let is_regular = blur.inverse.is_finite() && blur.center.is_finite() && by_place.is_finite();
+        is_regular.then(|| FilmImage { curved: curved.clone(), blur, by_place })
+    }
+
+    /// The square of the picture in which a place is seen through the middle of the pinhole.
+    fn square_of(&self, place: DVec2) -> [i32; 2] {
+        ((self.blur.center + self.by_place * place) * PARTS_PER_PIXEL).floor().as_ivec2().into()
+    }
+
+    /// Density of rays to the place that a ray shows, per solid angle. 0 outside of the cells.
+    fn density(&self, ray: &CameraRay) -> f64 {
+        let density = self.curved.footprint.in_cells(self.curved.place(ray.origin, ray.direction));
+        if density > 0.0 { density / self.curved.solid_angle(ray.direction) } else { 0.0 }
+    }
+
+    /// The farthest point of the film from the middle at which the image is seen, pixels along each
+    /// axis.
+    fn reach(&self, film: &UnblurredFilm) -> DVec2 {
+        let extent = |map: DMat2| DVec2::new(map.row(0).length(), map.row(1).length());
+        // At the depth of the film the image would not move on it.
+        let by_depth = self.blur.by_pinhole + DMat2::from_diagonal(film.shift());
+        self.curved.footprint.reach() * extent(self.by_place) + extent(by_depth) + 1.0
+    }
+}
+
+impl ImageBlur {
+    fn for_each_pixel(&self, rays: &Rays, center: DVec2, mut of_pixel: impl FnMut(usize, DiskOverlap)) {
+        let camera = rays.camera();
+        let [columns, rows] = [camera.columns(), camera.rows()].map(|count| count as usize);
+        let extent = DVec2::new(self.by_pinhole.row(0).length(), self.by_pinhole.row(1).length());
+        let pixels = |at: f64, extent: f64, count: usize| {
+            // Negative numbers become 0.
+            ((at - extent).floor() as usize)..((at + extent).ceil() as usize).min(count)
+        };
+        for row in pixels(center.y, extent.y, rows) {
+            for column in pixels(center.x, extent.x, columns) {
+                let corner = DVec2::new(column as f64, row as f64) - center;
+                let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
+                let overlap = DiskOverlap::new(&corners.map(|side| self.inverse * (corner + side)));
+                if overlap.area > 0.0 {
+                    of_pixel(row * columns + column, overlap);
+                }
+            }
+        }
+    }
+}
