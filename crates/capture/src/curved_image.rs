@@ -365,6 +365,28 @@ mod tests {
     }
 
     #[test]
+    fn the_parts_of_a_footprint_make_up_its_light() {
+        let known = Footprint::filled(light).expect("there is light in the middle");
+        let (footprint, parts) = known.in_parts(|place| place.floor().as_ivec2().into());
+        assert!(parts.len() > 8 && parts.iter().map(ExactSizeIterator::len).sum::<usize>() == footprint.cells.len());
+        assert!((footprint.probability(0..footprint.cells.len()) - 1.0).abs() < 1e-12);
+        let of_part = |part: &Range<usize>| {
+            let of_point = |u| {
+                let place = footprint.sample_cells(part.clone(), u);
+                let density = footprint.in_cells(place);
+                // A place on the side of a cell may be rounded to its neighbour.
+                if density > 0.0 { light(place) * footprint.probability(part.clone()) / density } else { 0.0 }
+            };
+            points(1 << 14).map(of_point).sum::<f64>() / f64::from(1 << 14)
+        };
+        let found: f64 = parts.iter().map(of_part).sum();
+        assert!((found - 6.4).abs() < 0.02, "{found}");
+        // All known cells, and then those around them.
+        let around = footprint.cells.len() - known.cells.len();
+        assert!(around > 100 && (footprint.probability(0..known.cells.len()) - 1.0 + AROUND_FRACTION).abs() < 1e-12);
+    }
+
+    #[test]
     fn without_light_there_is_no_footprint() {
         assert!(Footprint::filled(|_| 0.0).is_none());
     }
