@@ -3,7 +3,7 @@
 //! on Interactive Ray Tracing, 2007). The splits make a binary tree.
 
 use crate::hierarchy_child::{Child, MAX_LEAF_ITEMS};
-use crate::hierarchy_part::{BOX_COST, Leaves, Part};
+use crate::hierarchy_part::{Leaves, Part};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
 /// The bounding box of an item; the fourth component of `low` holds the bits of the item's number.
@@ -117,18 +117,29 @@ impl Range {
         if depth >= MAX_SAH_DEPTH || !(BINS as f32 / widest).is_finite() {
             return (count > MAX_LEAF_ITEMS).then(|| halves(items, count / 2));
         }
+        if count == 2 {
+            return self.pair(items, leaves);
+        }
         let choice = match count {
             ..=4 => self.cheapest::<4>(items, leaves),
-            5..=8 => self.cheapest::<8>(items, leaves),
+            5..=16 => self.cheapest::<8>(items, leaves),
             _ => self.cheapest::<BINS>(items, leaves),
         };
         let area = self.hull.half_area();
-        if count <= MAX_LEAF_ITEMS && leaves.cost(count as u32) * area <= BOX_COST * area + choice.cost {
+        if count <= MAX_LEAF_ITEMS && leaves.cost(count as u32) * area <= leaves.box_cost() * area + choice.cost {
             return None;
         }
         let is_left = |item: &Item| choice.grid.bins_of(item)[choice.axis] < choice.first_right;
         let left = if choice.cost.is_finite() { partition(items, is_left) } else { count / 2 };
         Some(halves(items, left))
+    }
+
+    /// Splits two items; `None` if a leaf is cheaper.
+    fn pair(&self, items: &[Item], leaves: Leaves) -> Option<[Range; 2]> {
+        let area = self.hull.half_area();
+        let [left, right] = halves(items, 1);
+        let split = leaves.cost(1) * (left.hull.half_area() + right.hull.half_area());
+        (leaves.cost(2) * area > leaves.box_cost() * area + split).then_some([left, right])
     }
 
     /// The cheapest split between bins.
