@@ -30,7 +30,7 @@ fn radiances(functions: &str) -> String {
     let folder = Folder::new();
     folder.file("table.dat", TABLE);
     folder.file("own.cal", include_str!("../../crates/cal/library/source.cal"));
-    folder.file("lamp.rad", &LUMINAIRE.replace("FUNCTIONS", functions));
+    folder.file("lamp.rad", LUMINAIRE.replace("FUNCTIONS", functions));
     folder.file("room.rad", ROOM);
     let rays: String = (0..900)
         .map(|ray| {
