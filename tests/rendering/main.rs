@@ -12,6 +12,7 @@ mod coincident;
 mod furnace;
 mod interpolated_pictures;
 mod light;
+mod luminaires;
 mod patterns;
 mod plugin_pictures;
 mod radiance;

@@ -109,8 +109,7 @@ impl Hierarchy {
         let radius = 0.5 * (bounds.max - bounds.min).length();
         let padding = DVec3::splat(BOX_PADDING * radius);
         let triangles = (0..count).filter(|item| triangle_of(*item).is_some()).count();
-        // Blocks do not pay with few triangles among other items.
-        let leaves = if 2 * triangles > count { Leaves::Blocks } else { Leaves::Slots };
+        let leaves = Leaves::of(triangles, count);
         let box_of = |item: usize| {
             let Bounds { min, max } = bounds_of(item);
             [(min - center - padding).as_vec3(), (max - center + padding).as_vec3()]
@@ -128,7 +127,7 @@ impl Hierarchy {
         drop(parts);
         let mut hierarchy =
             Hierarchy { nodes, blocks: Vec::new(), root, bounds, center, radius, processor: Processor::default() };
-        if leaves == Leaves::Blocks {
+        if leaves != Leaves::Slots {
             hierarchy.pack(|slot| {
                 let triangle = triangle_of(order[slot as usize] as usize)?;
                 Some(triangle.map(|corner| corner - center))

@@ -3,7 +3,7 @@
 //! on Interactive Ray Tracing, 2007). The splits make a binary tree.
 
 use crate::hierarchy_child::{Child, MAX_LEAF_ITEMS};
-use crate::hierarchy_part::{BOX_COST, Leaves, Part};
+use crate::hierarchy_part::{Leaves, Part};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
 /// The bounding box of an item; the fourth component of `low` holds the bits of the item's number.
@@ -117,39 +117,37 @@ impl Range {
         if depth >= MAX_SAH_DEPTH || !(BINS as f32 / widest).is_finite() {
             return (count > MAX_LEAF_ITEMS).then(|| halves(items, count / 2));
         }
+        if count == 2 {
+            return self.pair(items, leaves);
+        }
         let choice = match count {
             ..=4 => self.cheapest::<4>(items, leaves),
-            5..=8 => self.cheapest::<8>(items, leaves),
+            5..=16 => self.cheapest::<8>(items, leaves),
             _ => self.cheapest::<BINS>(items, leaves),
         };
         let area = self.hull.half_area();
-        if count <= MAX_LEAF_ITEMS && leaves.cost(count as u32) * area <= BOX_COST * area + choice.cost {
+        if count <= MAX_LEAF_ITEMS && leaves.cost(count as u32) * area <= leaves.box_cost() * area + choice.cost {
             return None;
         }
-        let is_left = |item: &Item| choice.grid.bins_of(item)[choice.axis] < choice.first_right;
+        let is_left = |item: &Item| choice.grid.bin_of(item, choice.axis) < choice.first_right;
         let left = if choice.cost.is_finite() { partition(items, is_left) } else { count / 2 };
         Some(halves(items, left))
+    }
+
+    /// Splits two items; `None` if a leaf is cheaper.
+    fn pair(&self, items: &[Item], leaves: Leaves) -> Option<[Range; 2]> {
+        let area = self.hull.half_area();
+        let [left, right] = halves(items, 1);
+        let split = leaves.cost(1) * (left.hull.half_area() + right.hull.half_area());
+        (leaves.cost(2) * area > leaves.box_cost() * area + split).then_some([left, right])
     }
 
     /// The cheapest split between bins.
     fn cheapest<const N: usize>(&self, items: &[Item], leaves: Leaves) -> Choice {
         let grid = Grid::over(&self.centers, N);
-        let mut bins = [[Bin::EMPTY; N]; 3];
-        let mut count = |item: &Item| {
-            for (bins, place) in bins.iter_mut().zip(grid.bins_of(item)) {
-                bins[place % N].add(item.low, item.high, 1);
-            }
-        };
-        if items.len() > MAX_BINNED {
-            // Steps of the golden ratio avoid resonance with regular arrangements of items.
-            let places = (0..SAMPLE).map(|k| (k as u32).wrapping_mul(0x9e37_79b9));
-            places.for_each(|place| count(&items[((u64::from(place) * items.len() as u64) >> 32) as usize]));
-        } else {
-            items.iter().for_each(count);
-        }
         let mut best = Choice { grid, axis: 0, first_right: 0, cost: f32::INFINITY };
-        for (axis, bins) in bins.iter().enumerate() {
-            let (first_right, cost) = cheapest(bins, leaves);
+        for axis in grid.tried_axes() {
+            let (first_right, cost) = cheapest(&grid.bins::<N>(items, axis), leaves);
             if cost < best.cost {
                 best = Choice { axis, first_right, cost, ..best };
             }
@@ -202,13 +200,33 @@ impl Grid {
         Grid { low: centers.low, scale: scale.extend(0.0) }
     }
 
-    /// The bins of an item along the axes.
+    /// The axes along which centres differ enough.
+    fn tried_axes(&self) -> impl Iterator<Item = usize> + use<> {
+        let scale = self.scale;
+        (0..3).filter(move |axis| scale[*axis] > 0.0)
+    }
+
+    /// The content of the bins along an axis; of a sample, if there are many items.
     #[inline]
-    fn bins_of(&self, item: &Item) -> [usize; 3] {
+    fn bins<const N: usize>(&self, items: &[Item], axis: usize) -> [Bin; N] {
+        let mut bins = [Bin::EMPTY; N];
+        let mut count = |item: &Item| bins[self.bin_of(item, axis) % N].add(item.low, item.high, 1);
+        if items.len() > MAX_BINNED {
+            // Steps of the golden ratio avoid resonance with regular arrangements of items.
+            let places = (0..SAMPLE).map(|k| (k as u32).wrapping_mul(0x9e37_79b9));
+            places.for_each(|place| count(&items[((u64::from(place) * items.len() as u64) >> 32) as usize]));
+        } else {
+            items.iter().for_each(count);
+        }
+        bins
+    }
+
+    /// The bin of an item along an axis.
+    #[inline]
+    fn bin_of(&self, item: &Item, axis: usize) -> usize {
         // From 128 to twice that, the last sixteen bits of a float are its fractional part.
-        let places = (item.center() - self.low) * self.scale + Vec4::splat(128.0);
-        let [x, y, z, _] = places.to_array().map(|place| (place.to_bits() >> 16) as usize % BINS);
-        [x, y, z]
+        let place = (item.low[axis] + item.high[axis] - self.low[axis]) * self.scale[axis] + 128.0;
+        (place.to_bits() >> 16) as usize % BINS
     }
 }
 

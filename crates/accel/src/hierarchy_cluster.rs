@@ -6,7 +6,7 @@
 //! tree.
 
 use crate::hierarchy_child::{Child, MAX_LEAF_ITEMS};
-use crate::hierarchy_part::{BOX_COST, Leaves, Part};
+use crate::hierarchy_part::{Leaves, Part};
 use glam::Vec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -55,7 +55,7 @@ fn leaf_choices(tree: &Bvh2, leaves: Leaves) -> Vec<bool> {
         }
         let children = [node.first_index as usize, node.first_index as usize + 1];
         let count = counts[children[0]].saturating_add(counts[children[1]]);
-        let opened = BOX_COST * area + costs[children[0]] + costs[children[1]];
+        let opened = leaves.box_cost() * area + costs[children[0]] + costs[children[1]];
         let closed = if usize::from(count) > MAX_LEAF_ITEMS { f32::INFINITY } else { leaves.cost(count.into()) * area };
         is_leaf[index] = closed <= opened;
         counts[index] = count;

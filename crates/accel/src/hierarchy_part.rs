@@ -4,7 +4,7 @@ use crate::hierarchy_child::{Child, MAX_LEAF_ITEMS};
 use glam::Vec3;
 
 /// Cost of opening a box, in tests.
-pub(crate) const BOX_COST: f32 = 0.5;
+const BOX_COST: f32 = 0.5;
 
 /// The kind of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,15 +13,35 @@ pub(crate) enum Leaves {
     Slots,
     /// Up to four triangles that are tested at once.
     Blocks,
+    /// The same, with other items among them that are tested one by one.
+    MixedBlocks,
 }
 
 impl Leaves {
+    /// The leaves of a hierarchy of `count` items, so many of which are triangles.
+    pub(crate) fn of(triangles: usize, count: usize) -> Leaves {
+        // Blocks do not pay with few triangles among other items.
+        if 2 * triangles <= count {
+            return Leaves::Slots;
+        }
+        if triangles == count { Leaves::Blocks } else { Leaves::MixedBlocks }
+    }
+
+    /// Cost of opening a box, in tests. Small boxes pay where a test may include single items.
+    #[inline]
+    pub(crate) fn box_cost(self) -> f32 {
+        match self {
+            Leaves::Slots | Leaves::Blocks => BOX_COST,
+            Leaves::MixedBlocks => 0.0,
+        }
+    }
+
     /// Cost of testing this number of items, in tests.
     #[inline]
     pub(crate) fn cost(self, count: u32) -> f32 {
         match self {
             Leaves::Slots => count as f32,
-            Leaves::Blocks => count.div_ceil(MAX_LEAF_ITEMS as u32) as f32,
+            Leaves::Blocks | Leaves::MixedBlocks => count.div_ceil(MAX_LEAF_ITEMS as u32) as f32,
         }
     }
 }

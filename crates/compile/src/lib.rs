@@ -15,6 +15,7 @@ mod compile_scatter;
 mod compile_steps;
 mod direct_threshold;
 mod emission;
+mod emission_cone;
 mod first_hit;
 mod function_faults;
 mod hierarchy_choice;

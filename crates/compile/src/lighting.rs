@@ -1,5 +1,6 @@
 //! Collects the lights of a scene, and their virtual images in plane mirrors and prisms.
 
+use crate::emission_cone::emission_cone;
 use crate::prism::PrismKind;
 use crate::prism_image::PrismInteraction;
 use crate::shader::{Kind, Shader};
@@ -76,6 +77,7 @@ fn real_light(scene: &Scene, handle: SurfaceHandle, primitive: Option<PrimitiveI
         center,
         radius,
         cone,
+        dark_beyond: emission_cone(scene, surface.modifier),
         profile: None,
         max_distance,
         focal_distance,
@@ -149,8 +151,10 @@ impl VirtualSourceSurface<'_> {
             };
             // Behind a prism the cone has no sharp boundary at one point: the radiance at the prism
             // decides.
-            let cone = light.cone.filter(|_| redirection.is_none());
-            let cone = cone.map(|cone| LightCone::new(virtual_source.image_of_direction(cone.axis), cone.half_angle));
+            let [cone, dark_beyond] = [light.cone, light.dark_beyond].map(|cone| {
+                let cone = cone.filter(|_| redirection.is_none())?;
+                Some(LightCone::new(virtual_source.image_of_direction(cone.axis), cone.half_angle))
+            });
             let radius = if redirection.is_some() { light.radius * (1.0 + shift.length()) } else { light.radius };
             let prism = self.prism.map(|prism| PrismInteraction { prism, middle: self.middle, normal });
             let image = prism.zip(redirection).and_then(|(prism, redirection)| prism.image(&light.form, &redirection));
@@ -159,7 +163,7 @@ impl VirtualSourceSurface<'_> {
             virtual_sources.extend_from_slice(&light.virtual_sources);
             // Earlier mirrors are seen through this one. Rays are unfolded one mirror at a time, so
             // their planes stay.
-            Light { form, center, radius, cone, virtual_sources, ..light.clone() }
+            Light { form, center, radius, cone, dark_beyond, virtual_sources, ..light.clone() }
         })
     }
 

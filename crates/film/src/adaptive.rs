@@ -102,7 +102,7 @@ impl<'r> Film<'r> {
             budget,
             strata,
             drawn_lights,
-            state: SamplingState::new(pixels),
+            state: SamplingState::new(if let SamplingBudget::Samples(_) = budget { pixels } else { 0 }),
             noise: PixelNoise::new(&[], camera.columns()),
             finished,
             errors: Vec::new(),

@@ -43,8 +43,10 @@ const MOST_COVERED: f64 = 0.995;
 /// The drawn lights of a picture.
 #[derive(Debug, Default)]
 pub(crate) struct DrawnLights {
-    /// By the number of a pixel.
-    pixels: HashMap<usize, DrawnPixel>,
+    /// With the number of each pixel.
+    pixels: Vec<(usize, DrawnPixel)>,
+    /// By the number of a pixel: one more than its index in `pixels`, or 0. Empty without lights.
+    places: Vec<u32>,
 }
 
 /// The lights in a pixel.
@@ -94,7 +96,16 @@ impl DrawnLights {
             Some((pixel, search.drawn(worker, pieces)?))
         };
         let pixels = by_pixel.into_par_iter().map_init(|| renderer.worker(), drawn).flatten_iter().collect();
-        DrawnLights { pixels }
+        DrawnLights::of_pixels(pixels, camera.columns() * camera.rows())
+    }
+
+    /// The lights of some pixels of a picture of `count`.
+    fn of_pixels(pixels: Vec<(usize, DrawnPixel)>, count: usize) -> DrawnLights {
+        let mut places = vec![0; if pixels.is_empty() { 0 } else { count }];
+        for (place, (pixel, _)) in pixels.iter().enumerate() {
+            places[*pixel] = place as u32 + 1;
+        }
+        DrawnLights { pixels, places }
     }
 
     /// The ray of a sample of a pixel.
@@ -124,7 +135,8 @@ impl DrawnLights {
     }
 
     fn of(&self, camera: &ViewCamera, column: usize, row: usize) -> Option<&DrawnPixel> {
-        if self.pixels.is_empty() { None } else { self.pixels.get(&(row * camera.columns() + column)) }
+        let place = *self.places.get(row * camera.columns() + column)?;
+        self.pixels.get((place as usize).checked_sub(1)?).map(|(_, drawn)| drawn)
     }
 
     /// Adds the lights to the pixels of some rows.

@@ -228,12 +228,12 @@ impl Block<'_> {
                     let (columns, rows) = cell.parts();
                     let noise = if self.is_noisy(&cell) { Noise::High } else { Noise::Low };
                     let pixels = rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row)));
+                    let pixels = pixels.filter(|pixel| self.sampled(*pixel).is_none());
                     wanted.extend(pixels.map(|pixel| Wanted { pixel, noise, cell: Some(cell) }));
                     divided.extend(cell.divided());
                 }
             }
             finer = (finer / 2).max(1);
-            wanted.retain(|wanted| self.samples[self.at(wanted.pixel)].is_none());
             // A pixel between cells counts as noisy if one of them is.
             wanted.sort_by_key(|Wanted { pixel: (column, row), noise, .. }| (*row, *column, *noise));
             wanted.dedup_by_key(|wanted| wanted.pixel);
@@ -291,7 +291,7 @@ impl Block<'_> {
     /// Traces the rays of pixels of a grid; `stream` numbers them.
     fn trace(&mut self, pixels: Vec<Wanted>, (spacing, stream): (usize, usize)) {
         let (renderer, block) = (self.renderer, &*self);
-        let samples: Vec<(Sample, Option<DirectRecord>)> = pixels
+        let samples: Vec<(Sample, Option<Arc<DirectRecord>>)> = pixels
             .par_iter()
             .with_min_len(16)
             .map_init(|| renderer.worker(), |worker, wanted| block.sample_of(worker, wanted, (spacing, stream)))
@@ -300,8 +300,8 @@ impl Block<'_> {
             let at = self.at(pixel);
             self.samples[at] = Some(sample);
             self.spacing[at] = spacing as u8;
-            if let Some(record) = record {
-                self.records[at] = Some(Arc::new(record));
+            if record.is_some() {
+                self.records[at] = record;
             }
         }
     }
@@ -314,7 +314,7 @@ impl Block<'_> {
         worker: &mut RayWorker<'_>,
         wanted: &Wanted,
         (spacing, stream): (usize, usize),
-    ) -> (Sample, Option<DirectRecord>) {
+    ) -> (Sample, Option<Arc<DirectRecord>>) {
         let (column, row) = (wanted.pixel.0, wanted.pixel.1 + self.first_row);
         let (first, most) = rays_of(spacing, wanted.noise);
         let near = self.records_around(wanted);
@@ -337,7 +337,7 @@ impl Block<'_> {
             let sample = tally.sample();
             let is_exact = sample.variance.sqrt() <= self.allowed_noise(&sample) + self.darkness;
             if wanted >= most || sample.surface.key == SEVERAL || is_exact {
-                return (sample, record);
+                return (sample, record.map(Arc::new));
             }
             wanted = (2 * wanted).min(most);
         }

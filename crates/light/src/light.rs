@@ -32,6 +32,8 @@ pub struct Light {
     pub radius: f64,
     /// Cone outside of which the light is dark.
     pub cone: Option<LightCone>,
+    /// Cone outside of which a measured distribution is zero; it says nothing about the inside.
+    pub dark_beyond: Option<LightCone>,
     /// Emission profile of a narrow distribution; virtual images have none.
     pub profile: Option<Arc<EmissionProfile>>,
     /// Distance beyond which the light gives nothing (a glow's radius), scene units.
@@ -292,7 +294,18 @@ impl Light {
         if self.virtual_sources.first().is_some_and(is_behind) {
             return true;
         }
-        let Some(cone) = &self.cone else { return self.shows_its_back(receiver) };
+        match &self.cone {
+            Some(cone) => self.is_beyond(cone, receiver),
+            None => {
+                self.shows_its_back(receiver)
+                    || self.dark_beyond.as_ref().is_some_and(|cone| self.is_beyond(cone, receiver))
+            }
+        }
+    }
+
+    /// Whether a receiver is outside the cones from all points of the light.
+    #[inline]
+    fn is_beyond(&self, cone: &LightCone, receiver: DVec3) -> bool {
         if self.radius.is_infinite() {
             return false;
         }

@@ -365,6 +365,7 @@ mod tests {
             center,
             radius,
             cone: None,
+            dark_beyond: None,
             profile: None,
             max_distance: f64::INFINITY,
             focal_distance: 0.0,

@@ -23,6 +23,7 @@ fn light(scene: &mut Scene, shape: Shape) -> Light {
         center,
         radius,
         cone: None,
+        dark_beyond: None,
         profile: None,
         max_distance: f64::INFINITY,
         focal_distance: 0.0,

@@ -42,6 +42,7 @@ mod renderer;
 mod retrace;
 mod saved_cache;
 mod shadow;
+mod shadow_blockers;
 mod shadow_selection;
 mod specular_chain;
 mod specular_return;

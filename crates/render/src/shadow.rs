@@ -8,6 +8,7 @@
 
 use crate::direct::DirectSampler;
 use crate::ray_tree::{BounceType, Image};
+use crate::shadow_blockers::opaque_member;
 use crate::subtraction::{AntimatterEvent, SubtractionId};
 use crate::trace::PathIntegrator;
 use glam::DVec3;
@@ -336,9 +337,14 @@ impl DirectSampler<'_> {
         let plan = tracer.plan;
         let mut through = [1.0; BANDS];
         let travelled = self.travelled;
-        let scratch = &mut tracer.workspace.scratch;
         // A surface coincident with the target may hide it.
         let tolerance = plan.geometry.tolerance();
+        let is_searched = *between == VisibilityClass::Anything;
+        if is_searched && tracer.is_blocked_again(ray, from, distance - tolerance, target) {
+            return [0.0; BANDS];
+        }
+        let mut blocker = None;
+        let scratch = &mut tracer.workspace.scratch;
         let mut passed = plan.see_through.then(Passed::default);
         let mut is_blocked = false;
         let mut block = |crossing: Crossing| {
@@ -362,7 +368,10 @@ impl DirectSampler<'_> {
                 None if plan.is_veiled(ray, from, &crossing) => {
                     passed.get_or_insert_default().is_tied = true;
                 }
-                None => is_blocked = true,
+                None => {
+                    blocker = Some(crossing);
+                    is_blocked = true;
+                }
             }
             is_blocked
         };
@@ -381,6 +390,9 @@ impl DirectSampler<'_> {
             VisibilityClass::Anything => {
                 plan.geometry.any_between(&plan.scene, ray, from, end, block);
             }
+        }
+        if is_searched {
+            tracer.shadow_blockers.note(target, blocker.and_then(|crossing| opaque_member(plan, &crossing)));
         }
         if is_blocked {
             return [0.0; BANDS];

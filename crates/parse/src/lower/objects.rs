@@ -48,6 +48,8 @@ struct Heads {
     text: String,
     /// The string arguments of the object written last.
     strings: Vec<Word>,
+    /// The last type and its name: most objects have the type of the one before.
+    last_kind: Option<(Kind, Vec<u8>)>,
 }
 
 impl Heads {
@@ -69,7 +71,7 @@ impl Heads {
         }
         let integers = self.count(0, '\n');
         let reals = self.count(object.reals.len(), '\n');
-        let Some(kind) = Kind::from_word(&object.kind) else {
+        let Some(kind) = self.kind(&object.kind) else {
             let word = String::from_utf8_lossy(&object.kind).into_owned();
             return Err(SyntaxError::unknown_type(kind_word.place(), word));
         };
@@ -85,6 +87,17 @@ impl Heads {
             counts: [strings, integers, reals],
             end: reals.end,
         }))
+    }
+
+    fn kind(&mut self, word: &[u8]) -> Option<Kind> {
+        if let Some((kind, name)) = &self.last_kind
+            && name == word
+        {
+            return Some(*kind);
+        }
+        let kind = Kind::from_word(word)?;
+        self.last_kind = Some((kind, word.to_vec()));
+        Some(kind)
     }
 
     /// An alias without a string argument has its modifier as target.

@@ -25,6 +25,7 @@ use crate::direct_record::DirectRecorder;
 use crate::model_batch::ModelBatch;
 use crate::path_guide::PathGuide;
 use crate::ray_tree::{BounceType, NodeId, RayTree};
+use crate::shadow_blockers::ShadowBlockers;
 use crate::specular_chain::SpecularChain;
 use crate::subtraction::{AntimatterEvent, Subtraction, SubtractionId};
 use crate::unshadowed_sample::UnshadowedSample;
@@ -108,6 +109,8 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) cuts: Vec<Subtraction>,
     /// Light samples of a point, before their shadow rays.
     pub(crate) unshadowed: Vec<UnshadowedSample<'p, BANDS>>,
+    /// What blocked the last shadow rays.
+    pub(crate) shadow_blockers: ShadowBlockers,
     /// Records the direct light of the current ray; `None` if not requested.
     pub(crate) recorder: Option<Box<DirectRecorder>>,
     pub(crate) radiance: [f64; BANDS],
@@ -151,6 +154,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             media: vec![plan.global_medium()],
             cuts: vec![Subtraction::default()],
             unshadowed: Vec::new(),
+            shadow_blockers: ShadowBlockers::default(),
             recorder: None,
             radiance: [0.0; BANDS],
             first_hit: None,

@@ -1,0 +1,50 @@
+//! The surfaces that blocked the last shadow rays, by target.
+//!
+//! Neighbouring points are often in the shadow of the same surface. Testing that surface first
+//! leaves out the search of the hierarchy where it blocks the ray again. Only opaque surfaces are
+//! remembered, so the result is that of the search.
+
+use crate::trace::PathIntegrator;
+use radsight_accel::{Crossing, MemberId, PrimitiveId, Ray, RayFrame};
+use radsight_compile::{Kind, RenderPlan, Shader};
+
+/// Number of targets that are told apart; others share a place.
+const PLACES: usize = 32;
+
+/// The last blocker of each target.
+#[derive(Debug, Default)]
+pub(crate) struct ShadowBlockers {
+    of_target: [Option<MemberId>; PLACES],
+}
+
+impl ShadowBlockers {
+    fn place(target: PrimitiveId) -> usize {
+        target.0 as usize % PLACES
+    }
+
+    /// Remembers what blocked a ray to a target; `None` if nothing did, or it is not opaque.
+    #[inline]
+    pub(crate) fn note(&mut self, target: PrimitiveId, blocker: Option<MemberId>) {
+        self.of_target[ShadowBlockers::place(target)] = blocker;
+    }
+}
+
+/// The surface of a crossing, if it blocks every shadow ray that crosses it.
+#[inline]
+pub(crate) fn opaque_member(plan: &RenderPlan, crossing: &Crossing) -> Option<MemberId> {
+    let is_opaque = |shader: &Shader| !matches!(shader.kind, Kind::Transparent) && !shader.lets_light_through();
+    let member = (crossing.primitive.0 < plan.geometry.len() as u64).then(|| crossing.primitive.member())?;
+    let is_kept = plan.geometry.is_plain(member) && is_opaque(plan.shader(plan.geometry.surface_of(member)));
+    is_kept.then_some(member)
+}
+
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
+    /// Whether the last blocker of a target blocks this ray before `end` as well.
+    #[inline]
+    pub(crate) fn is_blocked_again(&self, ray: &Ray, from: Option<PrimitiveId>, end: f64, target: PrimitiveId) -> bool {
+        let Some(member) = self.shadow_blockers.of_target[ShadowBlockers::place(target)] else { return false };
+        let plan = self.plan;
+        let blocks = |crossing: Crossing| crossing.primitive != target && !plan.is_veiled(ray, from, &crossing);
+        plan.geometry.any_of_member(&plan.scene, member, (ray, &RayFrame::new(ray)), from, end, blocks)
+    }
+}
