@@ -56,6 +56,11 @@ impl PixelNoise {
         std::array::from_fn(|band| mean[band].hypot(self.floors[band]).max(f64::MIN_POSITIVE.sqrt()))
     }
 
+    /// The part of [`PixelNoise::units`] that does not depend on the pixel's value.
+    pub(crate) fn floors(&self) -> [f64; 3] {
+        self.floors
+    }
+
     /// The errors of some rows of pixels, estimated from these rows alone.
     #[must_use]
     pub fn of_rows(&self, pixels: &[Pixel], range: &Range<usize>) -> PixelErrors {
@@ -109,7 +114,9 @@ impl PixelNoise {
         for y in row.saturating_sub(1).max(first)..=(row + 1).min(last) {
             for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
                 let other = &pixels[y * columns + x];
-                let weight = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
+                let near = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
+                // A neighbour with fewer samples knows less than this pixel does itself.
+                let weight = near * (f64::from(other.samples) / samples).min(1.0);
                 // Scaled to the number of samples of this pixel.
                 let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
                 for (band, sum) in sums.iter_mut().enumerate() {

@@ -2,16 +2,21 @@
 //!
 //! In some pixels camera rays are traced twice: with cached irradiance, and as independent paths,
 //! which are unbiased. The mean D of the differences is an unbiased estimate of the noise and
-//! interpolation bias of the cache in a pixel. It consists of two halves A and B of independent
-//! rays, so `E[A·B]` is the squared error of the cache, whatever the noise of A and B. The same
-//! holds for the error that is left after a correction m that is independent of A and B, such as
-//! one made from the surrounding pixels: `E[(A − m)(B − m)]`.
+//! interpolation bias of the cache in a pixel. It consists of batches of independent rays. For two
+//! of them, A and B, `E[A·B]` is the squared error of the cache, whatever their noise. The mean of
+//! the products of all pairs of batches, a U-statistic (Hoeffding 1948), is known better than that
+//! of one pair. The same holds for the error that is left after a correction m that is independent
+//! of A and B, such as one made from the surrounding pixels: `E[(A − m)(B − m)]`.
 //!
 //! A pixel's correction is `w·D + (1 − w)·m`. m is either a mean of D over surrounding pixels or 0,
 //! whichever leaves less error there. w minimises the squared error `(1 − w)²·(A − m)(B − m) +
 //! w²·Var D`. Both are chosen from the surrounding pixels alone, so the estimate of the error that
 //! is left is unbiased (as in Stein's method). Where the cache is good, pixels remain unchanged;
 //! where it is not, they become means of independent paths.
+//!
+//! Errors are relative to the true value of a pixel. Where the cache is wrong, that is not the
+//! pixel's value: a pixel that is three halves as bright as the truth has an error of a half, not of
+//! a third. So the pixel's value plus D is the unit, with D reduced by its standard error.
 //!
 //! Rays are allocated where they lower the estimated error or its uncertainty most. Large blocks of
 //! pixels are divided into cells; one pixel represents each cell until more are needed.
@@ -26,8 +31,11 @@ use std::ops::Range;
 /// Approximate number of pixels of a block that get the first rays.
 const FIRST_PIXELS: usize = 1024;
 
-/// First rays of each half of a pixel.
-const FIRST_RAYS: u32 = 8;
+/// Batches of rays of a pixel, each with its own scramble of the sequence.
+const BATCHES: usize = 4;
+
+/// First rays of each batch of a pixel.
+const FIRST_RAYS: u32 = 4;
 
 /// Radius of the region around a pixel for its statistics, in cells.
 const REGION_RADIUS: usize = 3;
@@ -41,6 +49,11 @@ const CORRECTIONS: usize = CORRECTION_RADII.len() + 1;
 /// Number of standard errors by which the estimate must be below the requested error: rare bright
 /// paths need more than a normal distribution.
 const CERTAINTY_ERRORS: f64 = 2.0;
+
+/// The work ends early where the estimate happens to be low, so what is found at its end is too low
+/// on average, by a part of its standard error. Therefore that is at most this fraction of the
+/// allowed squared error.
+const MAX_DEVIATION: f64 = 0.15;
 
 /// Minimum benefit of a pixel's rays in one round, relative to the largest.
 const MIN_BENEFIT: f64 = 0.1;
@@ -58,41 +71,79 @@ pub(crate) struct Residuals {
     /// Side of a cell, pixels.
     side: usize,
     pixels: Vec<Residual>,
-    /// The values to which errors are relative, in each band of each pixel.
+    /// The values of the pixels, to which residuals are relative, in each band.
     units: Vec<[f64; 3]>,
+    /// The part of the units that does not depend on the pixel's value, added in squares.
+    floors: [f64; 3],
 }
 
 /// The residual of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 struct Residual {
-    /// Sums over the rays of each half.
-    sums: [[f64; 3]; 2],
-    /// Rays of each half.
+    /// Sums over the rays of each batch.
+    sums: [[f64; 3]; BATCHES],
+    /// Rays of each batch.
     rays: u32,
 }
 
+/// Number of pairs of batches, counted in both orders.
+const PAIRS: f64 = (BATCHES * (BATCHES - 1)) as f64;
+
 impl Residual {
-    fn means(&self) -> [[f64; 3]; 2] {
-        self.sums.map(|sum| sum.map(|band| band / f64::from(self.rays.max(1))))
+    /// The mean of a band in each batch.
+    fn means(&self, band: usize) -> [f64; BATCHES] {
+        self.sums.map(|sum| sum[band] / f64::from(self.rays.max(1)))
     }
 
-    /// The mean of both halves.
+    /// The mean of all batches.
     fn mean(&self) -> [f64; 3] {
-        let [a, b] = self.means();
-        std::array::from_fn(|band| 0.5 * (a[band] + b[band]))
+        std::array::from_fn(|band| self.means(band).iter().sum::<f64>() / BATCHES as f64)
     }
 
-    /// Of the mean of both halves, averaged over the bands.
-    fn variance(&self) -> f64 {
-        let [a, b] = self.means();
-        (0..3).map(|band| 0.25 * (a[band] - b[band]).powi(2)).sum::<f64>() / 3.0
+    /// The variances of [`Residual::mean`].
+    fn variances(&self) -> [f64; 3] {
+        std::array::from_fn(|band| {
+            let means = self.means(band);
+            let mean = means.iter().sum::<f64>() / BATCHES as f64;
+            means.iter().map(|batch| (batch - mean).powi(2)).sum::<f64>() / PAIRS
+        })
     }
 
-    /// Unbiased estimate of the squared error after a correction.
-    fn error_after(&self, correction: &[f64; 3]) -> f64 {
-        let [a, b] = self.means();
-        (0..3).map(|band| (a[band] - correction[band]) * (b[band] - correction[band])).sum::<f64>() / 3.0
+    /// Unbiased estimates of the squared errors after a correction.
+    fn errors_after(&self, correction: &[f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|band| {
+            let left = self.means(band).map(|mean| mean - correction[band]);
+            let (sum, squares) =
+                left.iter().fold((0.0, 0.0), |(sum, squares), left| (sum + left, squares + left * left));
+            (sum * sum - squares) / PAIRS
+        })
     }
+
+    /// The squares of the unit of the residuals relative to those of the true value, as far as the
+    /// residual is certain.
+    fn scales(&self, unit: &[f64; 3], floors: &[f64; 3]) -> [f64; 3] {
+        let (mean, variances) = (self.mean(), self.variances());
+        std::array::from_fn(|band| {
+            let certain = (mean[band].abs() - variances[band].sqrt()).max(0.0).copysign(mean[band]);
+            let floor = (floors[band] / unit[band]).powi(2).min(1.0);
+            let value = ((1.0 - floor).sqrt() + certain).max(0.0);
+            1.0 / (value * value + floor).max(LEAST_SCALE)
+        })
+    }
+}
+
+/// The least square of a true value that is distinguished, relative to that of the pixel.
+const LEAST_SCALE: f64 = 1e-4;
+
+/// The mean of a product of bands.
+fn mean_product(one: [f64; 3], other: [f64; 3]) -> f64 {
+    (one[0] * other[0] + one[1] * other[1] + one[2] * other[2]) / 3.0
+}
+
+/// The variance of a mean product of pairs of batches whose mean is `left`, where the mean of all
+/// batches has the variance `noise`.
+fn spread(noise: f64, left: f64) -> f64 {
+    2.0 * (BATCHES as f64 / (BATCHES as f64 - 1.0)) * noise * noise + 4.0 * left * noise
 }
 
 /// Statistics of the surroundings of a pixel, without the pixel itself.
@@ -103,7 +154,7 @@ struct Surroundings {
     chosen: usize,
     /// The squared error after the correction.
     left: f64,
-    /// Variance of the mean of a pixel's two halves, if each has one ray.
+    /// Variance of the mean of a pixel's batches, if each has one ray.
     of_a_ray: f64,
 }
 
@@ -145,6 +196,17 @@ fn sum_of<'p, const N: usize>(values: &[[f64; N]], pixels: impl Iterator<Item = 
     pixels.fold([0.0; N], |sum, pixel| std::array::from_fn(|index| sum[index] + values[*pixel][index]))
 }
 
+/// What the rays of a pixel tell, relative to its true value.
+#[derive(Clone, Copy, Debug)]
+struct KnownError {
+    /// The squared error after each correction.
+    left: [f64; CORRECTIONS],
+    /// The variance of the pixel's residual.
+    noise: f64,
+    /// The square of the pixel's unit relative to that of its true value.
+    scale: f64,
+}
+
 /// The quality of a block with the current corrections.
 #[derive(Debug)]
 pub(crate) struct Assessment {
@@ -155,8 +217,11 @@ pub(crate) struct Assessment {
     pub(crate) variance: f64,
     /// Approximate remaining squared error of each pixel.
     pub(crate) of_pixels: Vec<f64>,
+    /// Factor of each pixel's other squared errors, which are relative to its value, for the true
+    /// value.
+    pub(crate) scales: Vec<f64>,
     options: Vec<Benefit>,
-    /// Rays of each half so far.
+    /// Rays of each batch so far.
     rays: f64,
 }
 
@@ -172,12 +237,12 @@ struct Benefit {
 
 impl Residuals {
     /// The state before the first ray. `units` are the values to which the errors of each pixel are
-    /// relative.
-    pub(crate) fn new(range: Range<usize>, columns: usize, units: Vec<[f64; 3]>) -> Residuals {
+    /// relative; `floors` is the part of them that is the same for all.
+    pub(crate) fn new(range: Range<usize>, columns: usize, units: Vec<[f64; 3]>, floors: [f64; 3]) -> Residuals {
         let rows = range.len() / columns.max(1);
         let side = ((range.len() as f64 / FIRST_PIXELS as f64).sqrt().ceil() as usize).max(1);
         let pixels = vec![Residual::default(); range.len()];
-        Residuals { range, columns, rows, side, pixels, units }
+        Residuals { range, columns, rows, side, pixels, units, floors }
     }
 
     /// One pixel of each cell.
@@ -201,16 +266,16 @@ impl Residuals {
         (pixel % self.columns / self.side, pixel / self.columns / self.side)
     }
 
-    /// Rays so far, of both halves and both techniques.
+    /// Rays so far, of all batches and both techniques.
     pub(crate) fn rays_of(&self, pixel: usize) -> u32 {
-        4 * self.pixels[pixel].rays
+        2 * BATCHES as u32 * self.pixels[pixel].rays
     }
 
     /// Doubles the rays of pixels, or traces their first ones.
     pub(crate) fn trace(&mut self, renderer: &Renderer, camera: &ViewCamera, chosen: &[usize]) {
         let (first, film) = (self.range.start, (camera.columns() * camera.rows()) as u64);
         let (pixels, units) = (&self.pixels, &self.units);
-        let sums: Vec<([[f64; 3]; 2], u32)> = chosen
+        let sums: Vec<([[f64; 3]; BATCHES], u32)> = chosen
             .par_iter()
             .with_max_len(4)
             .map_init(
@@ -219,10 +284,10 @@ impl Residuals {
                     let before = pixels[pixel].rays;
                     let further = if before == 0 { FIRST_RAYS } else { before };
                     let (column, row) = ((first + pixel) % camera.columns(), (first + pixel) / camera.columns());
-                    let half = |half: u64| {
-                        // Each half has its own scramble of the sequence, different from that of
+                    let batch = |batch: usize| {
+                        // Each batch has its own scramble of the sequence, different from that of
                         // the film's pixels.
-                        let stream = (first + pixel) as u64 + (1 + half) * film;
+                        let stream = (first + pixel) as u64 + (1 + batch as u64) * film;
                         let mut sum = [0.0; 3];
                         for sample in before..before + further {
                             let index = ray_number(stream, sample);
@@ -234,7 +299,7 @@ impl Residuals {
                         }
                         sum
                     };
-                    ([0, 1].map(half), further)
+                    (std::array::from_fn(batch), further)
                 },
             )
             .collect();
@@ -284,18 +349,27 @@ impl Residuals {
             let [near, far] = CORRECTION_RADII.map(|radius| self.around(&means, pixel, radius));
             [[0.0; 3], near, far]
         });
-        let left: Vec<[f64; CORRECTIONS]> = (corrections.iter().zip(&self.pixels))
-            .map(|(corrections, pixel)| corrections.map(|correction| pixel.error_after(&correction)))
-            .collect();
-        let statistics = (left.iter().zip(&self.pixels))
-            .map(|(&[none, near, far], pixel)| [none, near, far, pixel.variance() * f64::from(pixel.rays)])
+        let known = self.of_all(|pixel| {
+            let residual = &self.pixels[pixel];
+            let scales = residual.scales(&self.units[pixel], &self.floors);
+            KnownError {
+                left: corrections[pixel].map(|correction| mean_product(scales, residual.errors_after(&correction))),
+                noise: mean_product(scales, residual.variances()),
+                scale: mean_product(scales, [1.0; 3]),
+            }
+        });
+        let statistics = (known.iter().zip(&self.pixels))
+            .map(|(known, pixel)| {
+                let [none, near, far] = known.left;
+                [none, near, far, known.noise * f64::from(pixel.rays)]
+            })
             .collect();
         let statistics = CellSums::new(&cells, statistics);
         let around = self.of_all(|pixel| {
             let [none, near, far, of_a_ray] = self.around(&statistics, pixel, REGION_RADIUS);
             Surroundings::with_least_error(&corrections[pixel], [none, near, far], of_a_ray)
         });
-        self.conclude(&cells, &around, &left, most)
+        self.conclude(&cells, &around, &known, most)
     }
 
     /// A value of each pixel of the block.
@@ -303,38 +377,36 @@ impl Residuals {
         (0..self.pixels.len()).into_par_iter().with_min_len(64).map(of_pixel).collect()
     }
 
-    fn conclude(
-        &self,
-        cells: &[Vec<usize>],
-        around: &[Surroundings],
-        left: &[[f64; CORRECTIONS]],
-        most: u32,
-    ) -> Assessment {
+    fn conclude(&self, cells: &[Vec<usize>], around: &[Surroundings], known: &[KnownError], most: u32) -> Assessment {
         let own_weight = |pixel: usize| {
             let noise = around[pixel].of_a_ray / f64::from(self.pixels[pixel].rays.max(1));
-            let known = around[pixel].left + noise;
-            if self.pixels[pixel].rays == 0 || known <= 0.0 { 0.0 } else { around[pixel].left / known }
+            let both = around[pixel].left + noise;
+            if self.pixels[pixel].rays == 0 || both <= 0.0 { 0.0 } else { around[pixel].left / both }
         };
         let mut assessment = Assessment {
             corrections: vec![[0.0; 3]; self.pixels.len()],
             squared: 0.0,
             variance: 0.0,
             of_pixels: vec![0.0; self.pixels.len()],
+            scales: known.iter().map(|known| known.scale).collect(),
             options: Vec::new(),
             rays: self.pixels.iter().map(|pixel| f64::from(pixel.rays)).sum(),
         };
-        let mut found = vec![0.0; self.pixels.len()];
+        let mut found = vec![[0.0; 2]; self.pixels.len()];
         for (pixel, residual) in self.pixels.iter().enumerate() {
             let (Surroundings { correction, .. }, own) = (around[pixel], own_weight(pixel));
             let (mean, unit) = (residual.mean(), self.units[pixel]);
             assessment.corrections[pixel] =
                 std::array::from_fn(|band| unit[band] * (own * mean[band] + (1.0 - own) * correction[band]));
             assessment.of_pixels[pixel] = (1.0 - own) * around[pixel].left;
-            let left = left[pixel][around[pixel].chosen];
-            found[pixel] = (1.0 - own).powi(2) * left + own * own * residual.variance();
+            let KnownError { left, noise, .. } = known[pixel];
+            let left = left[around[pixel].chosen];
+            let squared = (1.0 - own).powi(2) * left + own * own * noise;
+            let spread = (1.0 - own).powi(4) * spread(noise, left.max(0.0)) + own.powi(4) * noise * noise;
+            found[pixel] = [squared, spread];
         }
         for cell in cells {
-            self.add_cell(cell, (around, left, &found), most, &mut assessment);
+            self.add_cell(cell, (around, known, &found), most, &mut assessment);
         }
         // Scales the estimates of single pixels from their surroundings to the estimate of all.
         let sum: f64 = assessment.of_pixels.iter().sum();
@@ -349,7 +421,7 @@ impl Residuals {
     fn add_cell(
         &self,
         cell: &[usize],
-        (around, left, found): (&[Surroundings], &[[f64; CORRECTIONS]], &[f64]),
+        (around, known, found): (&[Surroundings], &[KnownError], &[[f64; 2]]),
         most: u32,
         assessment: &mut Assessment,
     ) {
@@ -360,22 +432,25 @@ impl Residuals {
         let pixels = rows.flat_map(|y| columns.clone().map(move |x| y * self.columns + x)).collect::<Vec<usize>>();
         let others = (pixels.len() - cell.len()) as f64 / cell.len() as f64;
         for &pixel in cell {
-            let value = found[pixel] + others * left[pixel][around[pixel].chosen];
+            let [own, spread] = found[pixel];
+            let value = own + others * known[pixel].left[around[pixel].chosen];
             assessment.squared += value;
-            assessment.variance += (value - assessment.of_pixels[pixel] - others * around[pixel].left).powi(2);
+            // Where all pixels have rays, only their noise makes the sum uncertain; where some
+            // represent others, so does their difference.
+            let difference = (value - assessment.of_pixels[pixel] - others * around[pixel].left).powi(2);
+            assessment.variance += if others > 0.0 { difference } else { spread };
         }
         for pixel in pixels {
             let rays = self.pixels[pixel].rays;
             let further = if rays == 0 { FIRST_RAYS } else { rays };
-            if rays + further > most {
+            if (rays + further) * BATCHES as u32 / 2 > most {
                 continue;
             }
             let Surroundings { left, of_a_ray, .. } = around[pixel];
             let [now, then] = [rays, rays + further].map(|rays| of_a_ray / f64::from(rays.max(1)));
             let remains = |noise: f64| if left > 0.0 { left * noise / (left + noise) } else { 0.0 };
             let squared = if rays == 0 { left - remains(then) } else { remains(now) - remains(then) };
-            // Each half has twice the variance of both.
-            let spread = |noise: f64| 4.0 * noise * noise + 4.0 * left * noise;
+            let spread = |noise: f64| spread(noise, left);
             let variance = if rays == 0 {
                 let [before, after] = [cell.len(), cell.len() + 1].map(|count| 1.0 / count as f64);
                 (1.0 + others).powi(2) * (cell.len() as f64).powi(2) * (before - after) * (spread(then) + left * left)
@@ -388,15 +463,16 @@ impl Residuals {
 }
 
 impl Assessment {
-    /// Upper bound of the remaining error: the estimate plus some standard errors.
-    pub(crate) fn upper(&self) -> f64 {
-        self.squared.max(0.0) + CERTAINTY_ERRORS * self.variance.sqrt()
+    /// Whether the remaining error is certainly at most `allowed`: the estimate plus some standard
+    /// errors, which are themselves limited.
+    pub(crate) fn is_enough(&self, allowed: f64) -> bool {
+        is_enough(self.squared, self.variance, allowed)
     }
 
-    /// The pixels to trace further until the bound is at most `allowed`, and at least
-    /// [`MIN_GROWTH`] more rays; none if it is already, or if nothing helps.
+    /// The pixels to trace further until the error is low enough, and at least [`MIN_GROWTH`] more
+    /// rays; none if it is already, or if nothing helps.
     pub(crate) fn wanted(&self, allowed: f64) -> Vec<usize> {
-        if self.upper() <= allowed {
+        if self.is_enough(allowed) {
             return Vec::new();
         }
         let deviation = self.variance.sqrt().max(f64::MIN_POSITIVE);
@@ -409,8 +485,7 @@ impl Assessment {
         let (mut squared, mut variance, mut wanted) = (self.squared.max(0.0), self.variance, Vec::new());
         let mut further = 0.0;
         for (benefit, option) in options {
-            let is_enough = squared.max(0.0) + CERTAINTY_ERRORS * variance.max(0.0).sqrt() <= allowed;
-            if benefit < least || is_enough && further >= MIN_GROWTH * self.rays {
+            if benefit < least || is_enough(squared, variance, allowed) && further >= MIN_GROWTH * self.rays {
                 break;
             }
             further += option.rays;
@@ -422,13 +497,20 @@ impl Assessment {
     }
 }
 
+/// Whether a squared error with this variance is certainly at most `allowed`.
+fn is_enough(squared: f64, variance: f64, allowed: f64) -> bool {
+    let deviation = variance.max(0.0).sqrt();
+    squared.max(0.0) + CERTAINTY_ERRORS * deviation <= allowed && deviation <= MAX_DEVIATION * allowed
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     const COLUMNS: usize = 48;
     const PIXELS: usize = 48 * 36;
-    const RAYS: u32 = 16;
+    /// Rays of each batch.
+    const RAYS: u32 = 8;
 
     /// Uniform noise of this standard deviation (SplitMix64).
     fn noise(state: &mut u64, deviation: f64) -> f64 {
@@ -442,14 +524,13 @@ mod tests {
     /// Residuals of a block with the cache error `truth`, from rays of this standard deviation in
     /// one of `every` pixels.
     fn residuals(seed: u64, truth: &[f64], deviation: f64, every: usize) -> Residuals {
-        let mut residuals = Residuals::new(0..PIXELS, COLUMNS, vec![[1.0; 3]; PIXELS]);
+        let mut residuals = Residuals::new(0..PIXELS, COLUMNS, vec![[1.0; 3]; PIXELS], [0.0; 3]);
         let mut state = seed;
         let chosen = if every > 1 { residuals.first_pixels() } else { (0..PIXELS).collect() };
         for pixel in chosen {
             let rays = f64::from(RAYS);
-            let half = |state: &mut u64| [rays * truth[pixel] + rays.sqrt() * noise(state, deviation); 3];
-            let halves = [half(&mut state), half(&mut state)];
-            residuals.pixels[pixel] = Residual { sums: halves, rays: RAYS };
+            let sums = std::array::from_fn(|_| [rays * truth[pixel] + rays.sqrt() * noise(&mut state, deviation); 3]);
+            residuals.pixels[pixel] = Residual { sums, rays: RAYS };
         }
         residuals
     }
@@ -515,7 +596,7 @@ mod tests {
         let uncorrected: f64 = smooth.iter().map(|truth| truth * truth).sum();
         let corrected = left(&residuals(1, &smooth, 0.8, 1).assess(1 << 16), &smooth);
         assert!(corrected < 0.5 * uncorrected, "{corrected} of {uncorrected}");
-        let alone = PIXELS as f64 * 0.8 * 0.8 / f64::from(2 * RAYS);
+        let alone = PIXELS as f64 * 0.8 * 0.8 / f64::from(BATCHES as u32 * RAYS);
         let made = left(&residuals(1, &none, 0.8, 1).assess(1 << 16), &none);
         assert!(made < 0.05 * alone, "{made}, where pixels alone would have {alone}");
     }
@@ -525,7 +606,7 @@ mod tests {
         let [_, _, edge, _] = truths();
         let assessment = residuals(3, &edge, 0.8, 1).assess(1 << 16);
         assert!(assessment.wanted(1e9).is_empty());
-        let wanted = assessment.wanted(assessment.upper() - 1.0);
+        let wanted = assessment.wanted(0.9 * assessment.squared);
         let wrong = wanted.iter().filter(|pixel| **pixel % COLUMNS < 24).count();
         assert!(!wanted.is_empty() && 2 * wrong > wanted.len(), "{wrong} of {}", wanted.len());
         assert!(residuals(3, &edge, 0.8, 1).assess(RAYS).wanted(0.0).is_empty());
