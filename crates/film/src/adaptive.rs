@@ -30,7 +30,7 @@ const INTERPOLATED_ROWS: usize = 64;
 const INTERPOLATED_BLOCK: usize = 1 << 17;
 
 /// Fraction of the squared error allotted to the pixels' own noise where irradiance is cached.
-const NOISE_FRACTION: f64 = 0.4;
+const NOISE_FRACTION: f64 = 0.3;
 
 /// Distance of a ray that hits nothing, as in Radiance.
 const NO_HIT_DISTANCE: f64 = 1e10;
@@ -213,7 +213,7 @@ impl<'r> Film<'r> {
             let assessment = residuals.assess(most);
             let noise = noise.iter().zip(&assessment.scales).map(|(pixel, scale)| scale * pixel.squared).sum::<f64>();
             let allowed = squared - noise;
-            let is_enough = assessment.is_enough(allowed);
+            let is_enough = assessment.upper() <= allowed;
             wanted = if is_enough { Vec::new() } else { assessment.wanted(allowed) };
             if !is_enough && wanted.is_empty() {
                 self.finished.add_stop(Some(Stop::Rays));

@@ -109,18 +109,19 @@ impl PixelNoise {
         let (first, last) = (range.start / columns, range.end / columns - 1);
         let (column, row) = (index % columns, index / columns);
         let samples = f64::from(pixels[index].samples);
-        let own = pixels[index].mean();
+        let (own, units) = (pixels[index].mean(), self.units(&pixels[index]));
         let (mut sums, mut weights, mut steps) = ([0.0; 3], 0.0, [0.0_f64; 3]);
         for y in row.saturating_sub(1).max(first)..=(row + 1).min(last) {
             for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
                 let other = &pixels[y * columns + x];
-                let near = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
-                // A neighbour with fewer samples knows less than this pixel does itself.
-                let weight = near * (f64::from(other.samples) / samples).min(1.0);
-                // Scaled to the number of samples of this pixel.
+                let weight = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
+                // Scaled to the number of samples of this pixel, and to its value if that is lower:
+                // noise of a bright pixel is not to be found in a dark one beside it.
                 let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
+                let other_units = self.units(other);
                 for (band, sum) in sums.iter_mut().enumerate() {
-                    *sum += scale * (square(other.last[band]) + gain * square(other.before[band]));
+                    let darker = square((units[band] / other_units[band]) as f32).min(1.0);
+                    *sum += scale * darker * (square(other.last[band]) + gain * square(other.before[band]));
                 }
                 weights += weight;
                 for (step, (own, other)) in steps.iter_mut().zip(own.iter().zip(other.mean())) {

@@ -46,14 +46,10 @@ const CORRECTION_RADII: [usize; 2] = [1, 3];
 /// The means at these radii, and no correction.
 const CORRECTIONS: usize = CORRECTION_RADII.len() + 1;
 
-/// Number of standard errors by which the estimate must be below the requested error: rare bright
-/// paths need more than a normal distribution.
-const CERTAINTY_ERRORS: f64 = 2.0;
-
-/// The work ends early where the estimate happens to be low, so what is found at its end is too low
-/// on average, by a part of its standard error. Therefore that is at most this fraction of the
-/// allowed squared error.
-const MAX_DEVIATION: f64 = 0.15;
+/// Number of standard errors by which the estimate must be below the requested error. Rare bright
+/// paths need more than a normal distribution, and work that ends as soon as its estimate is low
+/// enough ends where it is too low.
+const CERTAINTY_ERRORS: f64 = 2.5;
 
 /// Minimum benefit of a pixel's rays in one round, relative to the largest.
 const MIN_BENEFIT: f64 = 0.1;
@@ -109,31 +105,49 @@ impl Residual {
         })
     }
 
-    /// Unbiased estimates of the squared errors after a correction.
-    fn errors_after(&self, correction: &[f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|band| {
-            let left = self.means(band).map(|mean| mean - correction[band]);
-            let (sum, squares) =
-                left.iter().fold((0.0, 0.0), |(sum, squares), left| (sum + left, squares + left * left));
-            (sum * sum - squares) / PAIRS
-        })
+    /// The mean squared error of the bands after a correction, relative to the true value. The
+    /// product of two batches is divided by the value that the other two find, which is independent
+    /// of it.
+    fn error_after(&self, correction: &[f64; 3], floors: &[f64; 3]) -> f64 {
+        let of_band = |band: usize| {
+            let means = self.means(band);
+            let of_pair = |&[first, second, third, fourth]: &[usize; BATCHES]| {
+                let (residual, deviation) =
+                    (0.5 * (means[third] + means[fourth]), 0.5 * (means[third] - means[fourth]));
+                let product = (means[first] - correction[band]) * (means[second] - correction[band]);
+                product * true_value_scale(residual, deviation * deviation, floors[band])
+            };
+            SPLITS.iter().map(of_pair).sum::<f64>() / SPLITS.len() as f64
+        };
+        (of_band(0) + of_band(1) + of_band(2)) / 3.0
     }
 
-    /// The squares of the unit of the residuals relative to those of the true value, as far as the
-    /// residual is certain.
-    fn scales(&self, unit: &[f64; 3], floors: &[f64; 3]) -> [f64; 3] {
+    /// The square of the unit of each band relative to that of its true value.
+    fn scales(&self, floors: &[f64; 3]) -> [f64; 3] {
         let (mean, variances) = (self.mean(), self.variances());
-        std::array::from_fn(|band| {
-            let certain = (mean[band].abs() - variances[band].sqrt()).max(0.0).copysign(mean[band]);
-            let floor = (floors[band] / unit[band]).powi(2).min(1.0);
-            let value = ((1.0 - floor).sqrt() + certain).max(0.0);
-            1.0 / (value * value + floor).max(LEAST_SCALE)
-        })
+        std::array::from_fn(|band| true_value_scale(mean[band], variances[band], floors[band]))
     }
 }
 
+/// Each pair of batches, and the other two.
+const SPLITS: [[usize; BATCHES]; 6] =
+    [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 0, 2], [2, 3, 0, 1]];
+
+/// The square of a pixel's unit relative to that of its true value t, the pixel's value with its
+/// residual. Noise of variance v makes the mean of 1/t² too large by a factor of 1 + 3v/t² (a Taylor
+/// series to the second order), so 3v is added to t². `floor` is the part of the squared unit that
+/// does not depend on the pixel's value.
+fn true_value_scale(residual: f64, variance: f64, floor: f64) -> f64 {
+    let value = ((1.0 - floor).sqrt() + residual).max(0.0);
+    let square = value * value + floor + 3.0 * variance.min(MAX_VARIANCE);
+    1.0 / square.max(MIN_SQUARE)
+}
+
+/// Variance up to which the Taylor series holds. Noisier true values count as darker than they are.
+const MAX_VARIANCE: f64 = 0.1;
+
 /// The least square of a true value that is distinguished, relative to that of the pixel.
-const LEAST_SCALE: f64 = 1e-4;
+const MIN_SQUARE: f64 = 1e-4;
 
 /// The mean of a product of bands.
 fn mean_product(one: [f64; 3], other: [f64; 3]) -> f64 {
@@ -351,9 +365,11 @@ impl Residuals {
         });
         let known = self.of_all(|pixel| {
             let residual = &self.pixels[pixel];
-            let scales = residual.scales(&self.units[pixel], &self.floors);
+            let unit = self.units[pixel];
+            let floors = std::array::from_fn(|band| (self.floors[band] / unit[band]).powi(2).min(1.0));
+            let scales = residual.scales(&floors);
             KnownError {
-                left: corrections[pixel].map(|correction| mean_product(scales, residual.errors_after(&correction))),
+                left: corrections[pixel].map(|correction| residual.error_after(&correction, &floors)),
                 noise: mean_product(scales, residual.variances()),
                 scale: mean_product(scales, [1.0; 3]),
             }
@@ -463,16 +479,15 @@ impl Residuals {
 }
 
 impl Assessment {
-    /// Whether the remaining error is certainly at most `allowed`: the estimate plus some standard
-    /// errors, which are themselves limited.
-    pub(crate) fn is_enough(&self, allowed: f64) -> bool {
-        is_enough(self.squared, self.variance, allowed)
+    /// Upper bound of the remaining error: the estimate plus some standard errors.
+    pub(crate) fn upper(&self) -> f64 {
+        self.squared.max(0.0) + CERTAINTY_ERRORS * self.variance.sqrt()
     }
 
-    /// The pixels to trace further until the error is low enough, and at least [`MIN_GROWTH`] more
-    /// rays; none if it is already, or if nothing helps.
+    /// The pixels to trace further until the bound is at most `allowed`, and at least
+    /// [`MIN_GROWTH`] more rays; none if it is already, or if nothing helps.
     pub(crate) fn wanted(&self, allowed: f64) -> Vec<usize> {
-        if self.is_enough(allowed) {
+        if self.upper() <= allowed {
             return Vec::new();
         }
         let deviation = self.variance.sqrt().max(f64::MIN_POSITIVE);
@@ -485,7 +500,8 @@ impl Assessment {
         let (mut squared, mut variance, mut wanted) = (self.squared.max(0.0), self.variance, Vec::new());
         let mut further = 0.0;
         for (benefit, option) in options {
-            if benefit < least || is_enough(squared, variance, allowed) && further >= MIN_GROWTH * self.rays {
+            let is_enough = squared.max(0.0) + CERTAINTY_ERRORS * variance.max(0.0).sqrt() <= allowed;
+            if benefit < least || is_enough && further >= MIN_GROWTH * self.rays {
                 break;
             }
             further += option.rays;
@@ -495,12 +511,6 @@ impl Assessment {
         }
         wanted
     }
-}
-
-/// Whether a squared error with this variance is certainly at most `allowed`.
-fn is_enough(squared: f64, variance: f64, allowed: f64) -> bool {
-    let deviation = variance.max(0.0).sqrt();
-    squared.max(0.0) + CERTAINTY_ERRORS * deviation <= allowed && deviation <= MAX_DEVIATION * allowed
 }
 
 #[cfg(test)]
@@ -535,8 +545,11 @@ mod tests {
         residuals
     }
 
+    /// The squared error after correction, relative to the true values: residuals are relative to
+    /// pixels of 1.
     fn left(assessment: &Assessment, truth: &[f64]) -> f64 {
-        assessment.corrections.iter().zip(truth).map(|(correction, truth)| (correction[0] - truth).powi(2)).sum()
+        let squared = |(correction, truth): (&[f64; 3], &f64)| ((correction[0] - truth) / (1.0 + truth)).powi(2);
+        assessment.corrections.iter().zip(truth).map(squared).sum()
     }
 
     /// No error, a smooth one, one with an edge, and one that differs from all neighbours.
@@ -593,7 +606,7 @@ mod tests {
     #[test]
     fn smooth_errors_of_the_cache_are_corrected() {
         let [none, smooth, ..] = truths();
-        let uncorrected: f64 = smooth.iter().map(|truth| truth * truth).sum();
+        let uncorrected: f64 = smooth.iter().map(|truth| (truth / (1.0 + truth)).powi(2)).sum();
         let corrected = left(&residuals(1, &smooth, 0.8, 1).assess(1 << 16), &smooth);
         assert!(corrected < 0.5 * uncorrected, "{corrected} of {uncorrected}");
         let alone = PIXELS as f64 * 0.8 * 0.8 / f64::from(BATCHES as u32 * RAYS);
@@ -606,7 +619,7 @@ mod tests {
         let [_, _, edge, _] = truths();
         let assessment = residuals(3, &edge, 0.8, 1).assess(1 << 16);
         assert!(assessment.wanted(1e9).is_empty());
-        let wanted = assessment.wanted(0.9 * assessment.squared);
+        let wanted = assessment.wanted(assessment.upper() - 1.0);
         let wrong = wanted.iter().filter(|pixel| **pixel % COLUMNS < 24).count();
         assert!(!wanted.is_empty() && 2 * wrong > wanted.len(), "{wrong} of {}", wanted.len());
         assert!(residuals(3, &edge, 0.8, 1).assess(RAYS).wanted(0.0).is_empty());
