@@ -274,3 +274,38 @@ fn typical(pixels: &[Pixel]) -> [f64; 3] {
         values.iter().map(|value| value.min(most)).sum::<f64>() / values.len() as f64
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COLUMNS: usize = 8;
+
+    /// A pixel of 64 samples with this value, whose last doublings differed by this part of it.
+    fn pixel(value: f64, relative: f64) -> Pixel {
+        let difference = [(value * relative) as f32; 3];
+        Pixel { sums: [64.0 * value; 3], samples: 64, last: difference, before: difference }
+    }
+
+    /// Smooth pixels of a value, with columns of noisy ones of another value in between.
+    fn errors(smooth: f64, noisy: f64) -> Vec<f64> {
+        let of = |index: usize| if index % COLUMNS % 4 == 1 { pixel(noisy, 0.1) } else { pixel(smooth, 0.0) };
+        let pixels: Vec<Pixel> = (0..COLUMNS * COLUMNS).map(of).collect();
+        let estimated = PixelNoise::new(&pixels, COLUMNS).of_rows(&pixels, &(0..pixels.len()));
+        estimated.pixels().iter().map(|pixel| pixel.squared).collect()
+    }
+
+    #[test]
+    fn dark_pixels_have_no_more_relative_noise_than_bright_ones_beside_them() {
+        let errors = errors(1.0, 4.0);
+        let [dark, bright] = [2, 1].map(|column| errors[4 * COLUMNS + column]);
+        assert!(dark < bright, "{dark} beside {bright}");
+    }
+
+    #[test]
+    fn bright_pixels_have_no_more_noise_than_dark_ones_beside_them() {
+        let errors = errors(4.0, 1.0);
+        let [bright, dark] = [2, 1].map(|column| errors[4 * COLUMNS + column]);
+        assert!(16.0 * bright < 2.0 * dark, "{bright} beside {dark}");
+    }
+}

@@ -155,9 +155,10 @@ fn mean_product(one: [f64; 3], other: [f64; 3]) -> f64 {
 }
 
 /// The variance of a mean product of pairs of batches whose mean is `left`, where the mean of all
-/// batches has the variance `noise`.
-fn spread(noise: f64, left: f64) -> f64 {
-    2.0 * (BATCHES as f64 / (BATCHES as f64 - 1.0)) * noise * noise + 4.0 * left * noise
+/// batches has the variance `noise`, both relative to the true value; `scale` is that of
+/// [`true_value_scale`]. The second term is `(df/dD)²·Var D` for `f = D²/(1 + D)²`.
+fn spread(noise: f64, left: f64, scale: f64) -> f64 {
+    2.0 * (BATCHES as f64 / (BATCHES as f64 - 1.0)) * noise * noise + 4.0 * left * noise * scale
 }
 
 /// Statistics of the surroundings of a pixel, without the pixel itself.
@@ -415,10 +416,10 @@ impl Residuals {
             assessment.corrections[pixel] =
                 std::array::from_fn(|band| unit[band] * (own * mean[band] + (1.0 - own) * correction[band]));
             assessment.of_pixels[pixel] = (1.0 - own) * around[pixel].left;
-            let KnownError { left, noise, .. } = known[pixel];
+            let KnownError { left, noise, scale } = known[pixel];
             let left = left[around[pixel].chosen];
             let squared = (1.0 - own).powi(2) * left + own * own * noise;
-            let spread = (1.0 - own).powi(4) * spread(noise, left.max(0.0)) + own.powi(4) * noise * noise;
+            let spread = (1.0 - own).powi(4) * spread(noise, left.max(0.0), scale) + own.powi(4) * noise * noise;
             found[pixel] = [squared, spread];
         }
         for cell in cells {
@@ -466,7 +467,7 @@ impl Residuals {
             let [now, then] = [rays, rays + further].map(|rays| of_a_ray / f64::from(rays.max(1)));
             let remains = |noise: f64| if left > 0.0 { left * noise / (left + noise) } else { 0.0 };
             let squared = if rays == 0 { left - remains(then) } else { remains(now) - remains(then) };
-            let spread = |noise: f64| spread(noise, left);
+            let spread = |noise: f64| spread(noise, left, 1.0);
             let variance = if rays == 0 {
                 let [before, after] = [cell.len(), cell.len() + 1].map(|count| 1.0 / count as f64);
                 (1.0 + others).powi(2) * (cell.len() as f64).powi(2) * (before - after) * (spread(then) + left * left)
@@ -552,14 +553,16 @@ mod tests {
         assessment.corrections.iter().zip(truth).map(squared).sum()
     }
 
-    /// No error, a smooth one, one with an edge, and one that differs from all neighbours.
-    fn truths() -> [Vec<f64>; 4] {
+    /// No error, a smooth one, one with an edge, one that differs from all neighbours, and one that is
+    /// too bright.
+    fn truths() -> [Vec<f64>; 5] {
         let truth = |of: &dyn Fn(usize, usize) -> f64| (0..PIXELS).map(|at| of(at % COLUMNS, at / COLUMNS)).collect();
         [
             truth(&|_, _| 0.0),
             truth(&|x, y| 0.1 * (0.1 * x as f64).sin() + 0.05 * (0.2 * y as f64).cos()),
             truth(&|x, _| if x < 20 { 0.3 } else { 0.0 }),
             truth(&|x, y| if (7 * x + 11 * y) % 13 == 0 { 0.4 } else { 0.0 }),
+            truth(&|x, y| if (7 * x + 11 * y) % 13 == 0 { -0.3 } else { 0.0 }),
         ]
     }
 
@@ -581,6 +584,19 @@ mod tests {
                     variance.sqrt()
                 );
             }
+        }
+    }
+
+    #[test]
+    fn the_estimate_varies_by_its_variance() {
+        for (number, truth) in truths().iter().enumerate() {
+            let assessments: Vec<Assessment> =
+                (100..148).map(|seed| residuals(seed, truth, 0.8, 1).assess(1 << 16)).collect();
+            let mean = |of: &dyn Fn(&Assessment) -> f64| assessments.iter().map(of).sum::<f64>() / 48.0;
+            let found = mean(&|assessment| assessment.squared);
+            let spread = mean(&|assessment| (assessment.squared - found).powi(2)).sqrt();
+            let expected = mean(&|assessment| assessment.variance).sqrt();
+            assert!((0.7..1.4).contains(&(spread / expected)), "{number}: {spread} for {expected}");
         }
     }
 
@@ -616,7 +632,9 @@ mod tests {
 
     #[test]
     fn rays_are_allocated_where_the_cache_is_wrong() {
-        let [_, _, edge, _] = truths();
+        let [_, _, edge, ..] = truths();
+        // The cache is too bright there.
+        let edge: Vec<f64> = edge.iter().map(|truth| -truth).collect();
         let assessment = residuals(3, &edge, 0.8, 1).assess(1 << 16);
         assert!(assessment.wanted(1e9).is_empty());
         let wanted = assessment.wanted(assessment.upper() - 1.0);
