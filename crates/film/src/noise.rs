@@ -109,19 +109,18 @@ impl PixelNoise {
         let (first, last) = (range.start / columns, range.end / columns - 1);
         let (column, row) = (index % columns, index / columns);
         let samples = f64::from(pixels[index].samples);
-        let (own, units) = (pixels[index].mean(), self.units(&pixels[index]));
+        let own = pixels[index].mean();
         let (mut sums, mut weights, mut steps) = ([0.0; 3], 0.0, [0.0_f64; 3]);
         for y in row.saturating_sub(1).max(first)..=(row + 1).min(last) {
             for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
                 let other = &pixels[y * columns + x];
-                let weight = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
-                // Scaled to the number of samples of this pixel, and to its value if that is lower:
-                // noise of a bright pixel is not to be found in a dark one beside it.
+                let near = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
+                // A pixel with more samples than a neighbour knows its own noise better.
+                let weight = near * (f64::from(other.samples) / samples).min(1.0);
+                // Scaled to the number of samples of this pixel.
                 let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
-                let other_units = self.units(other);
                 for (band, sum) in sums.iter_mut().enumerate() {
-                    let darker = square((units[band] / other_units[band]) as f32).min(1.0);
-                    *sum += scale * darker * (square(other.last[band]) + gain * square(other.before[band]));
+                    *sum += scale * (square(other.last[band]) + gain * square(other.before[band]));
                 }
                 weights += weight;
                 for (step, (own, other)) in steps.iter_mut().zip(own.iter().zip(other.mean())) {
@@ -281,31 +280,19 @@ mod tests {
 
     const COLUMNS: usize = 8;
 
-    /// A pixel of 64 samples with this value, whose last doublings differed by this part of it.
-    fn pixel(value: f64, relative: f64) -> Pixel {
-        let difference = [(value * relative) as f32; 3];
-        Pixel { sums: [64.0 * value; 3], samples: 64, last: difference, before: difference }
+    /// A pixel of value 1 whose last doublings differed by so much.
+    fn pixel(samples: u32, difference: f32) -> Pixel {
+        let (sums, difference) = ([f64::from(samples); 3], [difference; 3]);
+        Pixel { sums, samples, last: difference, before: difference }
     }
 
-    /// Smooth pixels of a value, with columns of noisy ones of another value in between.
-    fn errors(smooth: f64, noisy: f64) -> Vec<f64> {
-        let of = |index: usize| if index % COLUMNS % 4 == 1 { pixel(noisy, 0.1) } else { pixel(smooth, 0.0) };
+    #[test]
+    fn pixels_with_many_samples_know_their_noise_better_than_neighbours_do() {
+        let of = |index: usize| if index % COLUMNS % 4 == 1 { pixel(16, 0.1) } else { pixel(1024, 0.0) };
         let pixels: Vec<Pixel> = (0..COLUMNS * COLUMNS).map(of).collect();
         let estimated = PixelNoise::new(&pixels, COLUMNS).of_rows(&pixels, &(0..pixels.len()));
-        estimated.pixels().iter().map(|pixel| pixel.squared).collect()
-    }
-
-    #[test]
-    fn dark_pixels_have_no_more_relative_noise_than_bright_ones_beside_them() {
-        let errors = errors(1.0, 4.0);
-        let [dark, bright] = [2, 1].map(|column| errors[4 * COLUMNS + column]);
-        assert!(dark < bright, "{dark} beside {bright}");
-    }
-
-    #[test]
-    fn bright_pixels_have_no_more_noise_than_dark_ones_beside_them() {
-        let errors = errors(4.0, 1.0);
-        let [bright, dark] = [2, 1].map(|column| errors[4 * COLUMNS + column]);
-        assert!(16.0 * bright < 2.0 * dark, "{bright} beside {dark}");
+        let [smooth, noisy] = [2, 1].map(|column| estimated.pixels()[4 * COLUMNS + column].squared);
+        let of_noisy_pixel = noisy * 16.0 / 1024.0;
+        assert!(0.0 < smooth && smooth < 0.1 * of_noisy_pixel, "{smooth}, and {of_noisy_pixel} like a neighbour");
     }
 }
