@@ -34,8 +34,9 @@ const FIRST_PIXELS: usize = 1024;
 /// Batches of rays of a pixel, each with its own scramble of the sequence.
 const BATCHES: usize = 4;
 
-/// First rays of each batch of a pixel.
-const FIRST_RAYS: u32 = 4;
+/// First rays of each batch of a pixel. With fewer, the work often ends at the first look, before a
+/// ray has met what is rare.
+const FIRST_RAYS: u32 = 8;
 
 /// Radius of the region around a pixel for its statistics, in cells.
 const REGION_RADIUS: usize = 3;
