@@ -110,13 +110,17 @@ impl Residual {
     /// product of two batches is divided by the value that the other two find, which is independent
     /// of it.
     fn error_after(&self, correction: &[f64; 3], floors: &[f64; 3]) -> f64 {
+        let variances = self.variances();
         let of_band = |band: usize| {
             let means = self.means(band);
             let of_pair = |&[first, second, third, fourth]: &[usize; BATCHES]| {
-                let (residual, deviation) =
-                    (0.5 * (means[third] + means[fourth]), 0.5 * (means[third] - means[fourth]));
+                let residual = 0.5 * (means[third] + means[fourth]);
                 let product = (means[first] - correction[band]) * (means[second] - correction[band]);
-                product * true_value_scale(residual, deviation * deviation, floors[band])
+                // Of all batches, since two that miss a rare path do not know of its variance. The
+                // term that correlates with the product is removed.
+                let own = (means[first] - residual) * (means[second] - residual);
+                let variance = 2.0 * (variances[band] + own / (2.0 * PAIRS)).max(0.0);
+                product * true_value_scale(residual, variance, floors[band])
             };
             SPLITS.iter().map(of_pair).sum::<f64>() / SPLITS.len() as f64
         };
@@ -145,7 +149,7 @@ fn true_value_scale(residual: f64, variance: f64, floor: f64) -> f64 {
 }
 
 /// Variance up to which the Taylor series holds. Noisier true values count as darker than they are.
-const MAX_VARIANCE: f64 = 0.1;
+const MAX_VARIANCE: f64 = 0.2;
 
 /// The least square of a true value that is distinguished, relative to that of the pixel.
 const MIN_SQUARE: f64 = 1e-4;
