@@ -30,7 +30,7 @@ const INTERPOLATED_ROWS: usize = 64;
 const INTERPOLATED_BLOCK: usize = 1 << 17;
 
 /// Fraction of the squared error allotted to the pixels' own noise where irradiance is cached.
-const NOISE_FRACTION: f64 = 0.4;
+const NOISE_FRACTION: f64 = 0.3;
 
 /// Distance of a ray that hits nothing, as in Radiance.
 const NO_HIT_DISTANCE: f64 = 1e10;
@@ -169,16 +169,16 @@ impl<'r> Film<'r> {
         let is_cached = self.renderer.irradiance_noise().is_some();
         let share = if is_cached { NOISE_FRACTION } else { 1.0 };
         let pooled = self.reduce_noise(range, share * error * error, most);
-        let noise: f64 = pooled.iter().map(|pixel| pixel.squared).sum();
-        let assessment = is_cached.then(|| self.correct(range, error * error * range.len() as f64 - noise, most));
+        let assessment = is_cached.then(|| self.correct((range, &pooled), error * error * range.len() as f64, most));
         let (mut corrections, mut of_pixels) = (vec![[0.0; 3]; range.len()], vec![0.0; range.len()]);
+        let mut scales = vec![1.0; range.len()];
         if let Some(assessment) = assessment {
             self.finished.add_cached([assessment.squared, assessment.variance]);
-            (corrections, of_pixels) = (assessment.corrections, assessment.of_pixels);
+            (corrections, of_pixels, scales) = (assessment.corrections, assessment.of_pixels, assessment.scales);
         }
-        for ((index, pixel), of_cache) in range.clone().zip(&pooled).zip(of_pixels) {
-            self.finished.add(pixel.squared, pixel.samples + self.extra_rays[index]);
-            self.errors[index] = (pixel.squared + of_cache) as f32;
+        for ((index, pixel), (of_cache, scale)) in range.clone().zip(&pooled).zip(of_pixels.iter().zip(scales)) {
+            self.finished.add(scale * pixel.squared, pixel.samples + self.extra_rays[index]);
+            self.errors[index] = (scale * pixel.squared + of_cache) as f32;
         }
         let corrected = |(pixel, correction): (&Pixel, [f64; 3])| {
             let mean = pixel.mean();
@@ -202,15 +202,17 @@ impl<'r> Film<'r> {
         left.pixels
     }
 
-    /// Corrects cached irradiance until the estimated sum of its squared errors is at most
-    /// `allowed`.
-    fn correct(&mut self, range: &Range<usize>, allowed: f64, most: u32) -> Assessment {
+    /// Corrects cached irradiance until the estimated sum of its squared errors, with the pixels'
+    /// own noise, is at most `squared`.
+    fn correct(&mut self, (range, noise): (&Range<usize>, &[PixelError]), squared: f64, most: u32) -> Assessment {
         let units = self.state.pixels[range.clone()].iter().map(|pixel| self.noise.units(pixel)).collect();
-        let mut residuals = Residuals::new(range.clone(), self.camera.columns(), units);
+        let mut residuals = Residuals::new(range.clone(), self.camera.columns(), units, self.noise.floors());
         let mut wanted = residuals.first_pixels();
         loop {
             residuals.trace(self.renderer, &self.camera, &wanted);
             let assessment = residuals.assess(most);
+            let noise = noise.iter().zip(&assessment.scales).map(|(pixel, scale)| scale * pixel.squared).sum::<f64>();
+            let allowed = squared - noise;
             let is_enough = assessment.upper() <= allowed;
             wanted = if is_enough { Vec::new() } else { assessment.wanted(allowed) };
             if !is_enough && wanted.is_empty() {

@@ -56,6 +56,11 @@ impl PixelNoise {
         std::array::from_fn(|band| mean[band].hypot(self.floors[band]).max(f64::MIN_POSITIVE.sqrt()))
     }
 
+    /// The part of [`PixelNoise::units`] that does not depend on the pixel's value.
+    pub(crate) fn floors(&self) -> [f64; 3] {
+        self.floors
+    }
+
     /// The errors of some rows of pixels, estimated from these rows alone.
     #[must_use]
     pub fn of_rows(&self, pixels: &[Pixel], range: &Range<usize>) -> PixelErrors {
@@ -109,7 +114,9 @@ impl PixelNoise {
         for y in row.saturating_sub(1).max(first)..=(row + 1).min(last) {
             for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
                 let other = &pixels[y * columns + x];
-                let weight = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
+                let near = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
+                // A pixel with more samples than a neighbour knows its own noise better.
+                let weight = near * (f64::from(other.samples) / samples).min(1.0);
                 // Scaled to the number of samples of this pixel.
                 let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
                 for (band, sum) in sums.iter_mut().enumerate() {
@@ -265,4 +272,27 @@ fn typical(pixels: &[Pixel]) -> [f64; 3] {
         let most = BRIGHT_LIMIT * *median;
         values.iter().map(|value| value.min(most)).sum::<f64>() / values.len() as f64
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COLUMNS: usize = 8;
+
+    /// A pixel of value 1 whose last doublings differed by so much.
+    fn pixel(samples: u32, difference: f32) -> Pixel {
+        let (sums, difference) = ([f64::from(samples); 3], [difference; 3]);
+        Pixel { sums, samples, last: difference, before: difference }
+    }
+
+    #[test]
+    fn pixels_with_many_samples_know_their_noise_better_than_neighbours_do() {
+        let of = |index: usize| if index % COLUMNS % 4 == 1 { pixel(16, 0.1) } else { pixel(1024, 0.0) };
+        let pixels: Vec<Pixel> = (0..COLUMNS * COLUMNS).map(of).collect();
+        let estimated = PixelNoise::new(&pixels, COLUMNS).of_rows(&pixels, &(0..pixels.len()));
+        let [smooth, noisy] = [2, 1].map(|column| estimated.pixels()[4 * COLUMNS + column].squared);
+        let of_noisy_pixel = noisy * 16.0 / 1024.0;
+        assert!(0.0 < smooth && smooth < 0.1 * of_noisy_pixel, "{smooth}, and {of_noisy_pixel} like a neighbour");
+    }
 }

@@ -2,16 +2,21 @@
 //!
 //! In some pixels camera rays are traced twice: with cached irradiance, and as independent paths,
 //! which are unbiased. The mean D of the differences is an unbiased estimate of the noise and
-//! interpolation bias of the cache in a pixel. It consists of two halves A and B of independent
-//! rays, so `E[A·B]` is the squared error of the cache, whatever the noise of A and B. The same
-//! holds for the error that is left after a correction m that is independent of A and B, such as
-//! one made from the surrounding pixels: `E[(A − m)(B − m)]`.
+//! interpolation bias of the cache in a pixel. It consists of batches of independent rays. For two
+//! of them, A and B, `E[A·B]` is the squared error of the cache, whatever their noise. The mean of
+//! the products of all pairs of batches, a U-statistic (Hoeffding 1948), is known better than that
+//! of one pair. The same holds for the error that is left after a correction m that is independent
+//! of A and B, such as one made from the surrounding pixels: `E[(A − m)(B − m)]`.
 //!
 //! A pixel's correction is `w·D + (1 − w)·m`. m is either a mean of D over surrounding pixels or 0,
 //! whichever leaves less error there. w minimises the squared error `(1 − w)²·(A − m)(B − m) +
 //! w²·Var D`. Both are chosen from the surrounding pixels alone, so the estimate of the error that
 //! is left is unbiased (as in Stein's method). Where the cache is good, pixels remain unchanged;
 //! where it is not, they become means of independent paths.
+//!
+//! Errors are relative to the true value of a pixel. Where the cache is wrong, that is not the
+//! pixel's value: a pixel that is three halves as bright as the truth has an error of a half, not of
+//! a third. So the pixel's value plus D is the unit, with D reduced by its standard error.
 //!
 //! Rays are allocated where they lower the estimated error or its uncertainty most. Large blocks of
 //! pixels are divided into cells; one pixel represents each cell until more are needed.
@@ -26,7 +31,11 @@ use std::ops::Range;
 /// Approximate number of pixels of a block that get the first rays.
 const FIRST_PIXELS: usize = 1024;
 
-/// First rays of each half of a pixel.
+/// Batches of rays of a pixel, each with its own scramble of the sequence.
+const BATCHES: usize = 4;
+
+/// First rays of each batch of a pixel. With fewer, the work often ends at the first look, before a
+/// ray has met what is rare.
 const FIRST_RAYS: u32 = 8;
 
 /// Radius of the region around a pixel for its statistics, in cells.
@@ -38,9 +47,10 @@ const CORRECTION_RADII: [usize; 2] = [1, 3];
 /// The means at these radii, and no correction.
 const CORRECTIONS: usize = CORRECTION_RADII.len() + 1;
 
-/// Number of standard errors by which the estimate must be below the requested error: rare bright
-/// paths need more than a normal distribution.
-const CERTAINTY_ERRORS: f64 = 2.0;
+/// Number of standard errors by which the estimate must be below the requested error. Rare bright
+/// paths need more than a normal distribution, and work that ends as soon as its estimate is low
+/// enough ends where it is too low.
+const CERTAINTY_ERRORS: f64 = 2.5;
 
 /// Minimum benefit of a pixel's rays in one round, relative to the largest.
 const MIN_BENEFIT: f64 = 0.1;
@@ -58,41 +68,102 @@ pub(crate) struct Residuals {
     /// Side of a cell, pixels.
     side: usize,
     pixels: Vec<Residual>,
-    /// The values to which errors are relative, in each band of each pixel.
+    /// The values of the pixels, to which residuals are relative, in each band.
     units: Vec<[f64; 3]>,
+    /// The part of the units that does not depend on the pixel's value, added in squares.
+    floors: [f64; 3],
 }
 
 /// The residual of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 struct Residual {
-    /// Sums over the rays of each half.
-    sums: [[f64; 3]; 2],
-    /// Rays of each half.
+    /// Sums over the rays of each batch.
+    sums: [[f64; 3]; BATCHES],
+    /// Rays of each batch.
     rays: u32,
 }
 
+/// Number of pairs of batches, counted in both orders.
+const PAIRS: f64 = (BATCHES * (BATCHES - 1)) as f64;
+
 impl Residual {
-    fn means(&self) -> [[f64; 3]; 2] {
-        self.sums.map(|sum| sum.map(|band| band / f64::from(self.rays.max(1))))
+    /// The mean of a band in each batch.
+    fn means(&self, band: usize) -> [f64; BATCHES] {
+        self.sums.map(|sum| sum[band] / f64::from(self.rays.max(1)))
     }
 
-    /// The mean of both halves.
+    /// The mean of all batches.
     fn mean(&self) -> [f64; 3] {
-        let [a, b] = self.means();
-        std::array::from_fn(|band| 0.5 * (a[band] + b[band]))
+        std::array::from_fn(|band| self.means(band).iter().sum::<f64>() / BATCHES as f64)
     }
 
-    /// Of the mean of both halves, averaged over the bands.
-    fn variance(&self) -> f64 {
-        let [a, b] = self.means();
-        (0..3).map(|band| 0.25 * (a[band] - b[band]).powi(2)).sum::<f64>() / 3.0
+    /// The variances of [`Residual::mean`].
+    fn variances(&self) -> [f64; 3] {
+        std::array::from_fn(|band| {
+            let means = self.means(band);
+            let mean = means.iter().sum::<f64>() / BATCHES as f64;
+            means.iter().map(|batch| (batch - mean).powi(2)).sum::<f64>() / PAIRS
+        })
     }
 
-    /// Unbiased estimate of the squared error after a correction.
-    fn error_after(&self, correction: &[f64; 3]) -> f64 {
-        let [a, b] = self.means();
-        (0..3).map(|band| (a[band] - correction[band]) * (b[band] - correction[band])).sum::<f64>() / 3.0
+    /// The mean squared error of the bands after a correction, relative to the true value. The
+    /// product of two batches is divided by the value that the other two find, which is independent
+    /// of it.
+    fn error_after(&self, correction: &[f64; 3], floors: &[f64; 3]) -> f64 {
+        let variances = self.variances();
+        let of_band = |band: usize| {
+            let means = self.means(band);
+            let of_pair = |&[first, second, third, fourth]: &[usize; BATCHES]| {
+                let residual = 0.5 * (means[third] + means[fourth]);
+                let product = (means[first] - correction[band]) * (means[second] - correction[band]);
+                // Of all batches, since two that miss a rare path do not know of its variance. The
+                // term that correlates with the product is removed.
+                let own = (means[first] - residual) * (means[second] - residual);
+                let variance = 2.0 * (variances[band] + own / (2.0 * PAIRS)).max(0.0);
+                product * true_value_scale(residual, variance, floors[band])
+            };
+            SPLITS.iter().map(of_pair).sum::<f64>() / SPLITS.len() as f64
+        };
+        (of_band(0) + of_band(1) + of_band(2)) / 3.0
     }
+
+    /// The square of the unit of each band relative to that of its true value.
+    fn scales(&self, floors: &[f64; 3]) -> [f64; 3] {
+        let (mean, variances) = (self.mean(), self.variances());
+        std::array::from_fn(|band| true_value_scale(mean[band], variances[band], floors[band]))
+    }
+}
+
+/// Each pair of batches, and the other two.
+const SPLITS: [[usize; BATCHES]; 6] =
+    [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 0, 2], [2, 3, 0, 1]];
+
+/// The square of a pixel's unit relative to that of its true value t, the pixel's value with its
+/// residual. Noise of variance v makes the mean of 1/t² too large by a factor of 1 + 3v/t² (a Taylor
+/// series to the second order), so 3v is added to t². `floor` is the part of the squared unit that
+/// does not depend on the pixel's value.
+fn true_value_scale(residual: f64, variance: f64, floor: f64) -> f64 {
+    let value = ((1.0 - floor).sqrt() + residual).max(0.0);
+    let square = value * value + floor + 3.0 * variance.min(MAX_VARIANCE);
+    1.0 / square.max(MIN_SQUARE)
+}
+
+/// Variance up to which the Taylor series holds. Noisier true values count as darker than they are.
+const MAX_VARIANCE: f64 = 0.2;
+
+/// The least square of a true value that is distinguished, relative to that of the pixel.
+const MIN_SQUARE: f64 = 1e-4;
+
+/// The mean of a product of bands.
+fn mean_product(one: [f64; 3], other: [f64; 3]) -> f64 {
+    (one[0] * other[0] + one[1] * other[1] + one[2] * other[2]) / 3.0
+}
+
+/// The variance of a mean product of pairs of batches whose mean is `left`, where the mean of all
+/// batches has the variance `noise`, both relative to the true value; `scale` is that of
+/// [`true_value_scale`]. The second term is `(df/dD)²·Var D` for `f = D²/(1 + D)²`.
+fn spread(noise: f64, left: f64, scale: f64) -> f64 {
+    2.0 * (BATCHES as f64 / (BATCHES as f64 - 1.0)) * noise * noise + 4.0 * left * noise * scale
 }
 
 /// Statistics of the surroundings of a pixel, without the pixel itself.
@@ -103,7 +174,7 @@ struct Surroundings {
     chosen: usize,
     /// The squared error after the correction.
     left: f64,
-    /// Variance of the mean of a pixel's two halves, if each has one ray.
+    /// Variance of the mean of a pixel's batches, if each has one ray.
     of_a_ray: f64,
 }
 
@@ -145,6 +216,17 @@ fn sum_of<'p, const N: usize>(values: &[[f64; N]], pixels: impl Iterator<Item = 
     pixels.fold([0.0; N], |sum, pixel| std::array::from_fn(|index| sum[index] + values[*pixel][index]))
 }
 
+/// What the rays of a pixel tell, relative to its true value.
+#[derive(Clone, Copy, Debug)]
+struct KnownError {
+    /// The squared error after each correction.
+    left: [f64; CORRECTIONS],
+    /// The variance of the pixel's residual.
+    noise: f64,
+    /// The square of the pixel's unit relative to that of its true value.
+    scale: f64,
+}
+
 /// The quality of a block with the current corrections.
 #[derive(Debug)]
 pub(crate) struct Assessment {
@@ -155,8 +237,11 @@ pub(crate) struct Assessment {
     pub(crate) variance: f64,
     /// Approximate remaining squared error of each pixel.
     pub(crate) of_pixels: Vec<f64>,
+    /// Factor of each pixel's other squared errors, which are relative to its value, for the true
+    /// value.
+    pub(crate) scales: Vec<f64>,
     options: Vec<Benefit>,
-    /// Rays of each half so far.
+    /// Rays of each batch so far.
     rays: f64,
 }
 
@@ -172,12 +257,12 @@ struct Benefit {
 
 impl Residuals {
     /// The state before the first ray. `units` are the values to which the errors of each pixel are
-    /// relative.
-    pub(crate) fn new(range: Range<usize>, columns: usize, units: Vec<[f64; 3]>) -> Residuals {
+    /// relative; `floors` is the part of them that is the same for all.
+    pub(crate) fn new(range: Range<usize>, columns: usize, units: Vec<[f64; 3]>, floors: [f64; 3]) -> Residuals {
         let rows = range.len() / columns.max(1);
         let side = ((range.len() as f64 / FIRST_PIXELS as f64).sqrt().ceil() as usize).max(1);
         let pixels = vec![Residual::default(); range.len()];
-        Residuals { range, columns, rows, side, pixels, units }
+        Residuals { range, columns, rows, side, pixels, units, floors }
     }
 
     /// One pixel of each cell.
@@ -201,16 +286,16 @@ impl Residuals {
         (pixel % self.columns / self.side, pixel / self.columns / self.side)
     }
 
-    /// Rays so far, of both halves and both techniques.
+    /// Rays so far, of all batches and both techniques.
     pub(crate) fn rays_of(&self, pixel: usize) -> u32 {
-        4 * self.pixels[pixel].rays
+        2 * BATCHES as u32 * self.pixels[pixel].rays
     }
 
     /// Doubles the rays of pixels, or traces their first ones.
     pub(crate) fn trace(&mut self, renderer: &Renderer, camera: &ViewCamera, chosen: &[usize]) {
         let (first, film) = (self.range.start, (camera.columns() * camera.rows()) as u64);
         let (pixels, units) = (&self.pixels, &self.units);
-        let sums: Vec<([[f64; 3]; 2], u32)> = chosen
+        let sums: Vec<([[f64; 3]; BATCHES], u32)> = chosen
             .par_iter()
             .with_max_len(4)
             .map_init(
@@ -219,10 +304,10 @@ impl Residuals {
                     let before = pixels[pixel].rays;
                     let further = if before == 0 { FIRST_RAYS } else { before };
                     let (column, row) = ((first + pixel) % camera.columns(), (first + pixel) / camera.columns());
-                    let half = |half: u64| {
-                        // Each half has its own scramble of the sequence, different from that of
+                    let batch = |batch: usize| {
+                        // Each batch has its own scramble of the sequence, different from that of
                         // the film's pixels.
-                        let stream = (first + pixel) as u64 + (1 + half) * film;
+                        let stream = (first + pixel) as u64 + (1 + batch as u64) * film;
                         let mut sum = [0.0; 3];
                         for sample in before..before + further {
                             let index = ray_number(stream, sample);
@@ -234,7 +319,7 @@ impl Residuals {
                         }
                         sum
                     };
-                    ([0, 1].map(half), further)
+                    (std::array::from_fn(batch), further)
                 },
             )
             .collect();
@@ -284,18 +369,29 @@ impl Residuals {
             let [near, far] = CORRECTION_RADII.map(|radius| self.around(&means, pixel, radius));
             [[0.0; 3], near, far]
         });
-        let left: Vec<[f64; CORRECTIONS]> = (corrections.iter().zip(&self.pixels))
-            .map(|(corrections, pixel)| corrections.map(|correction| pixel.error_after(&correction)))
-            .collect();
-        let statistics = (left.iter().zip(&self.pixels))
-            .map(|(&[none, near, far], pixel)| [none, near, far, pixel.variance() * f64::from(pixel.rays)])
+        let known = self.of_all(|pixel| {
+            let residual = &self.pixels[pixel];
+            let unit = self.units[pixel];
+            let floors = std::array::from_fn(|band| (self.floors[band] / unit[band]).powi(2).min(1.0));
+            let scales = residual.scales(&floors);
+            KnownError {
+                left: corrections[pixel].map(|correction| residual.error_after(&correction, &floors)),
+                noise: mean_product(scales, residual.variances()),
+                scale: mean_product(scales, [1.0; 3]),
+            }
+        });
+        let statistics = (known.iter().zip(&self.pixels))
+            .map(|(known, pixel)| {
+                let [none, near, far] = known.left;
+                [none, near, far, known.noise * f64::from(pixel.rays)]
+            })
             .collect();
         let statistics = CellSums::new(&cells, statistics);
         let around = self.of_all(|pixel| {
             let [none, near, far, of_a_ray] = self.around(&statistics, pixel, REGION_RADIUS);
             Surroundings::with_least_error(&corrections[pixel], [none, near, far], of_a_ray)
         });
-        self.conclude(&cells, &around, &left, most)
+        self.conclude(&cells, &around, &known, most)
     }
 
     /// A value of each pixel of the block.
@@ -303,38 +399,36 @@ impl Residuals {
         (0..self.pixels.len()).into_par_iter().with_min_len(64).map(of_pixel).collect()
     }
 
-    fn conclude(
-        &self,
-        cells: &[Vec<usize>],
-        around: &[Surroundings],
-        left: &[[f64; CORRECTIONS]],
-        most: u32,
-    ) -> Assessment {
+    fn conclude(&self, cells: &[Vec<usize>], around: &[Surroundings], known: &[KnownError], most: u32) -> Assessment {
         let own_weight = |pixel: usize| {
             let noise = around[pixel].of_a_ray / f64::from(self.pixels[pixel].rays.max(1));
-            let known = around[pixel].left + noise;
-            if self.pixels[pixel].rays == 0 || known <= 0.0 { 0.0 } else { around[pixel].left / known }
+            let both = around[pixel].left + noise;
+            if self.pixels[pixel].rays == 0 || both <= 0.0 { 0.0 } else { around[pixel].left / both }
         };
         let mut assessment = Assessment {
             corrections: vec![[0.0; 3]; self.pixels.len()],
             squared: 0.0,
             variance: 0.0,
             of_pixels: vec![0.0; self.pixels.len()],
+            scales: known.iter().map(|known| known.scale).collect(),
             options: Vec::new(),
             rays: self.pixels.iter().map(|pixel| f64::from(pixel.rays)).sum(),
         };
-        let mut found = vec![0.0; self.pixels.len()];
+        let mut found = vec![[0.0; 2]; self.pixels.len()];
         for (pixel, residual) in self.pixels.iter().enumerate() {
             let (Surroundings { correction, .. }, own) = (around[pixel], own_weight(pixel));
             let (mean, unit) = (residual.mean(), self.units[pixel]);
             assessment.corrections[pixel] =
                 std::array::from_fn(|band| unit[band] * (own * mean[band] + (1.0 - own) * correction[band]));
             assessment.of_pixels[pixel] = (1.0 - own) * around[pixel].left;
-            let left = left[pixel][around[pixel].chosen];
-            found[pixel] = (1.0 - own).powi(2) * left + own * own * residual.variance();
+            let KnownError { left, noise, scale } = known[pixel];
+            let left = left[around[pixel].chosen];
+            let squared = (1.0 - own).powi(2) * left + own * own * noise;
+            let spread = (1.0 - own).powi(4) * spread(noise, left.max(0.0), scale) + own.powi(4) * noise * noise;
+            found[pixel] = [squared, spread];
         }
         for cell in cells {
-            self.add_cell(cell, (around, left, &found), most, &mut assessment);
+            self.add_cell(cell, (around, known, &found), most, &mut assessment);
         }
         // Scales the estimates of single pixels from their surroundings to the estimate of all.
         let sum: f64 = assessment.of_pixels.iter().sum();
@@ -349,7 +443,7 @@ impl Residuals {
     fn add_cell(
         &self,
         cell: &[usize],
-        (around, left, found): (&[Surroundings], &[[f64; CORRECTIONS]], &[f64]),
+        (around, known, found): (&[Surroundings], &[KnownError], &[[f64; 2]]),
         most: u32,
         assessment: &mut Assessment,
     ) {
@@ -360,22 +454,25 @@ impl Residuals {
         let pixels = rows.flat_map(|y| columns.clone().map(move |x| y * self.columns + x)).collect::<Vec<usize>>();
         let others = (pixels.len() - cell.len()) as f64 / cell.len() as f64;
         for &pixel in cell {
-            let value = found[pixel] + others * left[pixel][around[pixel].chosen];
+            let [own, spread] = found[pixel];
+            let value = own + others * known[pixel].left[around[pixel].chosen];
             assessment.squared += value;
-            assessment.variance += (value - assessment.of_pixels[pixel] - others * around[pixel].left).powi(2);
+            // Where all pixels have rays, only their noise makes the sum uncertain; where some
+            // represent others, so does their difference.
+            let difference = (value - assessment.of_pixels[pixel] - others * around[pixel].left).powi(2);
+            assessment.variance += if others > 0.0 { difference } else { spread };
         }
         for pixel in pixels {
             let rays = self.pixels[pixel].rays;
             let further = if rays == 0 { FIRST_RAYS } else { rays };
-            if rays + further > most {
+            if (rays + further) * BATCHES as u32 / 2 > most {
                 continue;
             }
             let Surroundings { left, of_a_ray, .. } = around[pixel];
             let [now, then] = [rays, rays + further].map(|rays| of_a_ray / f64::from(rays.max(1)));
             let remains = |noise: f64| if left > 0.0 { left * noise / (left + noise) } else { 0.0 };
             let squared = if rays == 0 { left - remains(then) } else { remains(now) - remains(then) };
-            // Each half has twice the variance of both.
-            let spread = |noise: f64| 4.0 * noise * noise + 4.0 * left * noise;
+            let spread = |noise: f64| spread(noise, left, 1.0);
             let variance = if rays == 0 {
                 let [before, after] = [cell.len(), cell.len() + 1].map(|count| 1.0 / count as f64);
                 (1.0 + others).powi(2) * (cell.len() as f64).powi(2) * (before - after) * (spread(then) + left * left)
@@ -428,7 +525,8 @@ mod tests {
 
     const COLUMNS: usize = 48;
     const PIXELS: usize = 48 * 36;
-    const RAYS: u32 = 16;
+    /// Rays of each batch.
+    const RAYS: u32 = 8;
 
     /// Uniform noise of this standard deviation (SplitMix64).
     fn noise(state: &mut u64, deviation: f64) -> f64 {
@@ -442,30 +540,34 @@ mod tests {
     /// Residuals of a block with the cache error `truth`, from rays of this standard deviation in
     /// one of `every` pixels.
     fn residuals(seed: u64, truth: &[f64], deviation: f64, every: usize) -> Residuals {
-        let mut residuals = Residuals::new(0..PIXELS, COLUMNS, vec![[1.0; 3]; PIXELS]);
+        let mut residuals = Residuals::new(0..PIXELS, COLUMNS, vec![[1.0; 3]; PIXELS], [0.0; 3]);
         let mut state = seed;
         let chosen = if every > 1 { residuals.first_pixels() } else { (0..PIXELS).collect() };
         for pixel in chosen {
             let rays = f64::from(RAYS);
-            let half = |state: &mut u64| [rays * truth[pixel] + rays.sqrt() * noise(state, deviation); 3];
-            let halves = [half(&mut state), half(&mut state)];
-            residuals.pixels[pixel] = Residual { sums: halves, rays: RAYS };
+            let sums = std::array::from_fn(|_| [rays * truth[pixel] + rays.sqrt() * noise(&mut state, deviation); 3]);
+            residuals.pixels[pixel] = Residual { sums, rays: RAYS };
         }
         residuals
     }
 
+    /// The squared error after correction, relative to the true values: residuals are relative to
+    /// pixels of 1.
     fn left(assessment: &Assessment, truth: &[f64]) -> f64 {
-        assessment.corrections.iter().zip(truth).map(|(correction, truth)| (correction[0] - truth).powi(2)).sum()
+        let squared = |(correction, truth): (&[f64; 3], &f64)| ((correction[0] - truth) / (1.0 + truth)).powi(2);
+        assessment.corrections.iter().zip(truth).map(squared).sum()
     }
 
-    /// No error, a smooth one, one with an edge, and one that differs from all neighbours.
-    fn truths() -> [Vec<f64>; 4] {
+    /// No error, a smooth one, one with an edge, one that differs from all neighbours, and one that is
+    /// too bright.
+    fn truths() -> [Vec<f64>; 5] {
         let truth = |of: &dyn Fn(usize, usize) -> f64| (0..PIXELS).map(|at| of(at % COLUMNS, at / COLUMNS)).collect();
         [
             truth(&|_, _| 0.0),
             truth(&|x, y| 0.1 * (0.1 * x as f64).sin() + 0.05 * (0.2 * y as f64).cos()),
             truth(&|x, _| if x < 20 { 0.3 } else { 0.0 }),
             truth(&|x, y| if (7 * x + 11 * y) % 13 == 0 { 0.4 } else { 0.0 }),
+            truth(&|x, y| if (7 * x + 11 * y) % 13 == 0 { -0.3 } else { 0.0 }),
         ]
     }
 
@@ -491,6 +593,19 @@ mod tests {
     }
 
     #[test]
+    fn the_estimate_varies_by_its_variance() {
+        for (number, truth) in truths().iter().enumerate() {
+            let assessments: Vec<Assessment> =
+                (100..148).map(|seed| residuals(seed, truth, 0.8, 1).assess(1 << 16)).collect();
+            let mean = |of: &dyn Fn(&Assessment) -> f64| assessments.iter().map(of).sum::<f64>() / 48.0;
+            let found = mean(&|assessment| assessment.squared);
+            let spread = mean(&|assessment| (assessment.squared - found).powi(2)).sqrt();
+            let expected = mean(&|assessment| assessment.variance).sqrt();
+            assert!((0.7..1.4).contains(&(spread / expected)), "{number}: {spread} for {expected}");
+        }
+    }
+
+    #[test]
     fn means_around_a_pixel_exclude_it_and_pixels_without_rays() {
         let mut residuals = residuals(2, &vec![0.0; PIXELS], 0.8, 2);
         let pixel = 20 * COLUMNS + 21;
@@ -512,17 +627,19 @@ mod tests {
     #[test]
     fn smooth_errors_of_the_cache_are_corrected() {
         let [none, smooth, ..] = truths();
-        let uncorrected: f64 = smooth.iter().map(|truth| truth * truth).sum();
+        let uncorrected: f64 = smooth.iter().map(|truth| (truth / (1.0 + truth)).powi(2)).sum();
         let corrected = left(&residuals(1, &smooth, 0.8, 1).assess(1 << 16), &smooth);
         assert!(corrected < 0.5 * uncorrected, "{corrected} of {uncorrected}");
-        let alone = PIXELS as f64 * 0.8 * 0.8 / f64::from(2 * RAYS);
+        let alone = PIXELS as f64 * 0.8 * 0.8 / f64::from(BATCHES as u32 * RAYS);
         let made = left(&residuals(1, &none, 0.8, 1).assess(1 << 16), &none);
         assert!(made < 0.05 * alone, "{made}, where pixels alone would have {alone}");
     }
 
     #[test]
     fn rays_are_allocated_where_the_cache_is_wrong() {
-        let [_, _, edge, _] = truths();
+        let [_, _, edge, ..] = truths();
+        // The cache is too bright there.
+        let edge: Vec<f64> = edge.iter().map(|truth| -truth).collect();
         let assessment = residuals(3, &edge, 0.8, 1).assess(1 << 16);
         assert!(assessment.wanted(1e9).is_empty());
         let wanted = assessment.wanted(assessment.upper() - 1.0);
