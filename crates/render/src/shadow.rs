@@ -340,7 +340,7 @@ impl DirectSampler<'_> {
         // A surface coincident with the target may hide it.
         let tolerance = plan.geometry.tolerance();
         let is_searched = *between == VisibilityClass::Anything;
-        if is_searched && tracer.is_blocked_again(ray, from, distance - tolerance, target) {
+        if is_searched && tracer.shadow_blockers.block_again(plan, (ray, from), distance - tolerance, target) {
             return [0.0; BANDS];
         }
         let mut blocker = None;

@@ -4,7 +4,6 @@
 //! leaves out the search of the hierarchy where it blocks the ray again. Only opaque surfaces are
 //! remembered, so the result is that of the search.
 
-use crate::trace::PathIntegrator;
 use radsight_accel::{Crossing, MemberId, PrimitiveId, Ray, RayFrame};
 use radsight_compile::{Kind, RenderPlan, Shader};
 
@@ -22,6 +21,20 @@ impl ShadowBlockers {
         target.0 as usize % PLACES
     }
 
+    /// Whether the last blocker of a target blocks this ray before `end` as well.
+    #[inline]
+    pub(crate) fn block_again(
+        &self,
+        plan: &RenderPlan,
+        (ray, from): (&Ray, Option<PrimitiveId>),
+        end: f64,
+        target: PrimitiveId,
+    ) -> bool {
+        let Some(member) = self.of_target[ShadowBlockers::place(target)] else { return false };
+        let blocks = |crossing: Crossing| crossing.primitive != target && !plan.is_veiled(ray, from, &crossing);
+        plan.geometry.any_of_member(&plan.scene, member, (ray, &RayFrame::new(ray)), from, end, blocks)
+    }
+
     /// Remembers what blocked a ray to a target; `None` if nothing did, or it is not opaque.
     #[inline]
     pub(crate) fn note(&mut self, target: PrimitiveId, blocker: Option<MemberId>) {
@@ -36,15 +49,4 @@ pub(crate) fn opaque_member(plan: &RenderPlan, crossing: &Crossing) -> Option<Me
     let member = (crossing.primitive.0 < plan.geometry.len() as u64).then(|| crossing.primitive.member())?;
     let is_kept = plan.geometry.is_plain(member) && is_opaque(plan.shader(plan.geometry.surface_of(member)));
     is_kept.then_some(member)
-}
-
-impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// Whether the last blocker of a target blocks this ray before `end` as well.
-    #[inline]
-    pub(crate) fn is_blocked_again(&self, ray: &Ray, from: Option<PrimitiveId>, end: f64, target: PrimitiveId) -> bool {
-        let Some(member) = self.shadow_blockers.of_target[ShadowBlockers::place(target)] else { return false };
-        let plan = self.plan;
-        let blocks = |crossing: Crossing| crossing.primitive != target && !plan.is_veiled(ray, from, &crossing);
-        plan.geometry.any_of_member(&plan.scene, member, (ray, &RayFrame::new(ray)), from, end, blocks)
-    }
 }
