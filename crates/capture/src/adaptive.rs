@@ -58,7 +58,7 @@ pub(crate) const RESERVED_NUMBER: u64 = u64::MAX;
 const AIMED: f64 = 0.5;
 
 /// The renderer's set of dimensions that chooses rays of the second phase. No path is that long.
-const CHOICE_SET: u32 = 1 << 24;
+pub(crate) const CHOICE_SET: u32 = 1 << 24;
 
 /// Maximum number of passes, whatever the error is.
 pub(crate) const MAX_PASSES: u32 = 64;
@@ -370,9 +370,14 @@ impl<'a> AdaptiveSampler<'a> {
         self.summed(worker, pixel, samples.filter_map(drawn))
     }
 
+    /// The surface and the material that a ray sees first: the stratum to which it belongs.
+    pub(crate) fn stratum(&self, drawn: &DrawnRay) -> Option<impl Copy + PartialEq + use<'a>> {
+        let ray = Ray::new(drawn.ray.origin, drawn.ray.direction)?;
+        Some(self.exposer.renderer.plan().first_hit(&ray, None).map(|hit| (hit.surface, hit.shader)))
+    }
+
     /// The rays of the second phase for some samples of a pixel ([`two_phase`](crate::two_phase)).
     fn chosen_rays(&self, pixel: usize, samples: Range<u32>) -> Vec<DrawnRay> {
-        let plan = self.exposer.renderer.plan();
         let wanted = samples.end - samples.start;
         let seed = self.exposer.rays.seed();
         let number = |sample| ray_number(FIRST_PHASE_PIXEL + pixel as u64, sample);
@@ -383,14 +388,7 @@ impl<'a> AdaptiveSampler<'a> {
             self.drawn(pixel, number(sample), u)
         };
         let mut rays: Vec<Option<DrawnRay>> = (first..FIRST_PHASE * samples.end).map(drawn).collect();
-        let strata: Vec<Option<Option<_>>> = rays
-            .iter()
-            .map(|drawn| {
-                let drawn = drawn.as_ref()?;
-                let ray = Ray::new(drawn.ray.origin, drawn.ray.direction)?;
-                Some(plan.first_hit(&ray, None).map(|hit| (hit.surface, hit.shader)))
-            })
-            .collect();
+        let strata: Vec<Option<_>> = rays.iter().map(|ray| self.stratum(ray.as_ref()?)).collect();
         let chosen = choose(&strata, wanted, offset);
         let taken = chosen.into_iter().filter_map(|chosen| {
             let drawn = rays[chosen.index].take()?;

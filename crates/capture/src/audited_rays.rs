@@ -86,7 +86,7 @@ impl<'a> AdaptiveSampler<'a> {
     }
 
     /// A worker for rays of the picture. It integrates lights as that of the lattice does.
-    fn picture_worker(&self) -> Workers<'a> {
+    pub(crate) fn picture_worker(&self) -> Workers<'a> {
         let mut worker = self.exposer.workers();
         worker.integrate_lights(Some(self.cubature_error));
         worker

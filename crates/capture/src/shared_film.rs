@@ -4,7 +4,8 @@
 //! rays would show the same. "Film" stands for what is exposed, the unblurred film or the picture.
 
 use crate::adaptive::Pixel;
-use crate::shared_rays::{PinholeProbe, UnblurredFilm};
+use crate::pinhole_derivatives::PinholeProbe;
+use crate::shared_rays::UnblurredFilm;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Whether an exposure shares its film.

@@ -17,8 +17,9 @@
 //! many times fewer rays of its own, and edges need not be resolved by the rays of each pixel.
 
 use crate::Exposer;
-use crate::lattice::Lattice;
+use crate::half_pixels::HalfPixels;
 use crate::neighbourhood::slope;
+use crate::pinhole_derivatives::PinholeDerivatives;
 use crate::sparse_estimate::WindowSums;
 use glam::DVec2;
 use radsight_pinhole::{CameraRay, Hole, Rays};
@@ -96,6 +97,8 @@ impl PixelPassage {
 pub(crate) struct PinholeBlur<'f> {
     pub(crate) film: &'f UnblurredFilm,
     pub(crate) derivatives: PinholeDerivatives,
+    /// Beside outlines; `None` if it is not known.
+    pub(crate) between: Option<HalfPixels>,
 }
 
 /// The picture of a film, in the frame of the film; 0 in the margin.
@@ -314,70 +317,6 @@ impl UnblurredFilm {
     }
 }
 
-/// Relative derivatives of the radiance of each film pixel by the point of the pinhole, per radius
-/// along (right, up).
-#[derive(Debug)]
-pub(crate) struct PinholeDerivatives([Vec<f64>; 2]);
-
-/// The radiance of a film pixel through four points of the pinhole.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PinholeProbe {
-    /// Sum over the four points.
-    sum: f64,
-    /// Sums over the two points of each axis, weighted by their positions.
-    moments: [f64; 2],
-}
-
-impl PinholeProbe {
-    /// Distance of the four points from the centre, radii. A function of the third degree then has
-    /// the same first moment over the disk as these points.
-    const DISTANCE: f64 = std::f64::consts::FRAC_1_SQRT_2;
-
-    /// From the radiance through a point of the pinhole.
-    pub(crate) fn new(mut radiance: impl FnMut(DVec2) -> f64) -> PinholeProbe {
-        let mut probe = PinholeProbe::default();
-        for (axis, moment) in [DVec2::X, DVec2::Y].into_iter().zip(&mut probe.moments) {
-            let [low, high] = [-Self::DISTANCE, Self::DISTANCE].map(|at| radiance(axis * at));
-            *moment = Self::DISTANCE * (high - low);
-            probe.sum += low + high;
-        }
-        probe
-    }
-}
-
-impl PinholeDerivatives {
-    /// From the probes of the nodes of a lattice, each with its index. Where no light arrives, the
-    /// probes within `reach` pixels decide.
-    pub(crate) fn new(
-        film: &UnblurredFilm,
-        (lattice, nodes): (&Lattice, &[u8]),
-        probes: &[(usize, PinholeProbe)],
-        reach: usize,
-    ) -> PinholeDerivatives {
-        let pooled = |of_probe: &dyn Fn(&PinholeProbe) -> f64| {
-            let mut values = vec![0.0; film.pixel_count()];
-            probes.iter().for_each(|(pixel, probe)| values[*pixel] = of_probe(probe));
-            let sums = WindowSums::new(values.into_iter().map(|value| [value]), film.columns);
-            move |pixel| POOLED_WEIGHT * sums.signed_around(pixel, reach)[0]
-        };
-        let sum = pooled(&|probe| probe.sum);
-        PinholeDerivatives([0, 1].map(|axis| {
-            let moment = pooled(&|probe| probe.moments[axis]);
-            let mut slopes = vec![0.0; film.pixel_count()];
-            for (pixel, probe) in probes {
-                // A slope g per radius has the moment 2·d²·g = g, and the sum of four points 4.
-                let slope = 4.0 * (probe.moments[axis] + moment(*pixel)) / (probe.sum + sum(*pixel));
-                slopes[*pixel] = if slope.is_finite() { slope } else { 0.0 };
-            }
-            lattice.fill(&mut slopes, nodes, |weight| weight);
-            slopes
-        }))
-    }
-}
-
-/// Weight of the probes around a probe relative to its own.
-const POOLED_WEIGHT: f64 = 0.01;
-
 impl PinholeBlur<'_> {
     /// The light that the film predicts for a ray of a pixel, by its index on the film. Its mean over
     /// all rays of the pixel is the pixel's value in the picture.
@@ -396,6 +335,7 @@ impl PinholeBlur<'_> {
             }
         }
         let nearest = seen(at.x.round(), at.y.round()) as usize;
+        sum += self.between.as_ref().map_or(0.0, |between| between.at(pixel, at));
         sum + slope(values, self.film.columns, nearest).dot(passage.on_pixel - 0.5)
     }
 
@@ -490,10 +430,10 @@ fn shared_focal_ratio([least, most]: [f64; 2]) -> Option<f64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn film(radii: [f64; 2], size: [usize; 2]) -> UnblurredFilm {
+    pub(crate) fn film(radii: [f64; 2], size: [usize; 2]) -> UnblurredFilm {
         let margin = radii.map(|radius| radius.ceil() as usize + INTERPOLATED / 2);
         let [columns, rows] = [0, 1].map(|axis| size[axis] + 2 * margin[axis]);
         let shift = DVec2::new(radii[0], -radii[1]);
@@ -541,22 +481,13 @@ mod tests {
         }
     }
 
-    #[test]
-    fn probes_find_the_derivatives() {
-        let probe = PinholeProbe::new(|p| 2.0 * (1.0 + 0.1 * p.x - 0.3 * p.y + 0.2 * p.x * p.x));
-        let slopes = probe.moments.map(|moment| 4.0 * moment / probe.sum);
-        // The sum has the quadratic term as well.
-        let mean = 1.0 + 0.2 * 0.5 * PinholeProbe::DISTANCE.powi(2);
-        assert!((slopes[0] * mean - 0.1).abs() < 1e-12 && (slopes[1] * mean + 0.3).abs() < 1e-12, "{slopes:?}");
-    }
-
     /// The estimate of what the size of pixels errs beside an edge is right in the mean over its
     /// positions.
     #[test]
     fn the_error_beside_edges_is_estimated() {
         let radius = 3.6;
         let film = film([radius; 2], [24, 5]);
-        let none = PinholeDerivatives([(); 2].map(|()| vec![0.0; film.pixel_count()]));
+        let none = PinholeDerivatives::zero(&film);
         let [mut correct, mut estimated] = [0.0; 2];
         for step in 0..40 {
             let edge = 12.0 + f64::from(step) * 0.025;
@@ -579,7 +510,7 @@ mod tests {
     }
 
     /// Fraction of a disk on the left of a vertical line at an offset from its centre.
-    fn left_of(radius: f64, offset: f64) -> f64 {
+    pub(crate) fn left_of(radius: f64, offset: f64) -> f64 {
         let t = (offset / radius).clamp(-1.0, 1.0);
         0.5 + (t * (1.0 - t * t).sqrt() + t.asin()) / std::f64::consts::PI
     }

@@ -9,6 +9,7 @@
 //! An audit finds the remaining errors: rays of some interpolated pixels, which are unbiased, must
 //! agree on average with the interpolation. The position of the lattice depends on the seed.
 
+use crate::Workers;
 use crate::adaptive::{
     AdaptiveSampler, Estimate, ImagesApart, MAX_PASSES, Pixel, RESERVED_NUMBER, SELECTION_BIAS, Sums,
 };
@@ -16,16 +17,12 @@ use crate::audit::Audit;
 use crate::checkpoint::AdaptiveState;
 use crate::edges::{Edges, SearchedFilm};
 use crate::film_images::FilmImages;
-use crate::fixed::radiance;
 use crate::image_light::{ApartImages, ExposedImages, IMAGE_FRACTION};
-use crate::lattice::{Lattice, STRIDE};
-use crate::shared_rays::{PinholeBlur, PinholeDerivatives, PinholeProbe, UnblurredFilm};
+use crate::lattice::Lattice;
+use crate::shared_rays::{PinholeBlur, UnblurredFilm};
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
-use crate::{Exposer, Workers};
-use glam::DVec2;
 use radsight_adaptive::{
-    ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, ray_number,
-    selection_threshold,
+    ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, selection_threshold,
 };
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
@@ -42,6 +39,9 @@ const INTERPOLATION_FRACTION: f64 = 0.1;
 /// Maximum fraction of the squared error that is due to blurring an unblurred film.
 const MAX_FILM_FRACTION: f64 = 0.7;
 
+/// Below this fraction the film between pixels is not refined beside outlines.
+const NEGLIGIBLE_FILM: f64 = 0.01;
+
 /// It is not trusted while the squared error due to noise is above this multiple of what is
 /// requested.
 const QUIET: f64 = 4.0;
@@ -51,10 +51,6 @@ const FILM_ERROR_STEP: f64 = 0.02;
 
 /// Cells are refined only when the noise is below this multiple of what is allowed.
 const LOW_NOISE: f64 = 2.0;
-
-/// The finest level of the lattice on which the dependence on the pinhole's point is measured: it
-/// changes less from pixel to pixel than radiance.
-const FINEST_PROBED: u8 = 2;
 
 /// Number of samples of a point and its mirror image.
 const PAIR: u32 = 2;
@@ -241,8 +237,8 @@ impl<'a> AdaptiveSampler<'a> {
         let mirrors_points = self.shared.known().map_or_else(mirrors_points, |known| known.record.mirrors_points);
         self.mirrors_points.store(mirrors_points, Ordering::Relaxed);
         self.is_on_lattice.store(true, Ordering::Relaxed);
-        let blur = self.film.as_ref().map(|film| self.blur(film, &sparse));
-        let (mut audits, mut film_error) = (0, FilmError::default());
+        let mut blur = self.film.as_ref().map(|film| self.blur(film, (&sparse.lattice, &sparse.levels)));
+        let (mut audits, mut film_error, mut quadrants) = (0, FilmError::default(), None);
         while state.passes < MAX_PASSES {
             self.expose_nodes(state, &sparse.nodes);
             if self.progress.stops() {
@@ -276,6 +272,9 @@ impl<'a> AdaptiveSampler<'a> {
             // With less noise there are more edges.
             if film_error.has_grown(blur.as_ref(), &estimate, FILM_ERROR_STEP * requested) {
                 continue;
+            }
+            if let Some(blur) = blur.as_mut().filter(|_| known > NEGLIGIBLE_FILM * requested) {
+                blur.refine(&estimate.values, quadrants.get_or_insert_with(|| self.quadrants()));
             }
             let picture = blur.as_ref().map(|blur| estimate.blurred(blur, (&sparse.lattice, &sparse.nodes)));
             let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
@@ -425,43 +424,9 @@ impl<'a> AdaptiveSampler<'a> {
     }
 
     /// Columns of the film or of the picture.
-    fn columns(&self) -> usize {
+    pub(crate) fn columns(&self) -> usize {
         let of_picture = || self.exposer.rays.camera().columns() as usize;
         self.film.as_ref().map_or_else(of_picture, |film| film.size()[0])
-    }
-
-    /// The blur of a film, with its dependence on the point of the pinhole from a coarse lattice.
-    fn blur<'f>(&self, film: &'f UnblurredFilm, sparse: &Sparse) -> PinholeBlur<'f> {
-        let lattice = &sparse.lattice;
-        let levels: Vec<u8> = sparse.levels.iter().map(|level| *level.min(&FINEST_PROBED)).collect();
-        let nodes = lattice.nodes(&levels);
-        let probed: Vec<usize> = (0..nodes.len()).filter(|pixel| nodes[*pixel] > 0).collect();
-        let probe = |worker: &mut Workers<'a>, pixel: usize| {
-            if let Some(known) = self.shared.known().and_then(|known| known.probe(pixel)) {
-                return (pixel, known);
-            }
-            self.report(4);
-            self.discarded.fetch_add(4, Ordering::Relaxed);
-            (pixel, PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, pixel, on_pinhole)))
-        };
-        let probes: Vec<_> =
-            probed.into_par_iter().with_min_len(8).map_init(|| self.exposer.workers(), probe).collect();
-        if let Some(mut record) = self.shared.record() {
-            record.probes = vec![None; nodes.len()];
-            probes.iter().for_each(|(pixel, probe)| record.probes[*pixel] = Some(*probe));
-        }
-        let derivatives = PinholeDerivatives::new(film, (lattice, &nodes), &probes, STRIDE as usize);
-        PinholeBlur { film, derivatives }
-    }
-
-    /// The light of a film pixel through a point of the pinhole. All points have the same random
-    /// numbers.
-    fn light_of_film(&self, worker: &mut Workers<'a>, film: &UnblurredFilm, pixel: usize, on_pinhole: DVec2) -> f64 {
-        let Exposer { rays, weights, .. } = *self.exposer;
-        let number = pixel as u64;
-        let Some(ray) = film.ray(rays, pixel, [0.5; 2], on_pinhole) else { return 0.0 };
-        worker.count(self.counted_on_film(&ray));
-        ray.ray.cos4 * radiance(worker, ray_number(number, 0), (rays, number), &ray.ray, weights)
     }
 }
 

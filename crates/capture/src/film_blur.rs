@@ -1,0 +1,59 @@
+//! The blur of an unblurred film.
+
+use crate::adaptive::AdaptiveSampler;
+use crate::fixed::radiance;
+use crate::half_pixels::{HalfPixels, QuadrantSurplus};
+use crate::lattice::{Lattice, STRIDE};
+use crate::pinhole_derivatives::{PinholeDerivatives, PinholeProbe};
+use crate::shared_rays::{PinholeBlur, UnblurredFilm};
+use crate::{Exposer, Workers};
+use glam::DVec2;
+use radsight_adaptive::ray_number;
+use rayon::prelude::*;
+use std::sync::atomic::Ordering;
+
+/// The finest level of the lattice on which the dependence on the pinhole's point is measured: it
+/// changes less from pixel to pixel than radiance.
+const FINEST_PROBED: u8 = 2;
+
+impl PinholeBlur<'_> {
+    /// Takes the quadrants of outlines into account. `values` are those of the film.
+    pub(crate) fn refine(&mut self, values: &[f64], quadrants: &QuadrantSurplus) {
+        self.between = Some(HalfPixels::new(values, self.film.size()[0], quadrants));
+    }
+}
+
+impl<'a> AdaptiveSampler<'a> {
+    /// The blur of a film, with its dependence on the point of the pinhole from a coarse lattice.
+    pub(crate) fn blur<'f>(&self, film: &'f UnblurredFilm, (lattice, levels): (&Lattice, &[u8])) -> PinholeBlur<'f> {
+        let levels: Vec<u8> = levels.iter().map(|level| *level.min(&FINEST_PROBED)).collect();
+        let nodes = lattice.nodes(&levels);
+        let probed: Vec<usize> = (0..nodes.len()).filter(|pixel| nodes[*pixel] > 0).collect();
+        let probe = |worker: &mut Workers<'a>, pixel: usize| {
+            if let Some(known) = self.shared.known().and_then(|known| known.probe(pixel)) {
+                return (pixel, known);
+            }
+            self.report(4);
+            self.discarded.fetch_add(4, Ordering::Relaxed);
+            (pixel, PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, pixel, on_pinhole)))
+        };
+        let probes: Vec<_> =
+            probed.into_par_iter().with_min_len(8).map_init(|| self.exposer.workers(), probe).collect();
+        if let Some(mut record) = self.shared.record() {
+            record.probes = vec![None; nodes.len()];
+            probes.iter().for_each(|(pixel, probe)| record.probes[*pixel] = Some(*probe));
+        }
+        let derivatives = PinholeDerivatives::new(film, (lattice, &nodes), &probes, STRIDE as usize);
+        PinholeBlur { film, derivatives, between: None }
+    }
+
+    /// The light of a film pixel through a point of the pinhole. All points have the same random
+    /// numbers.
+    fn light_of_film(&self, worker: &mut Workers<'a>, film: &UnblurredFilm, pixel: usize, on_pinhole: DVec2) -> f64 {
+        let Exposer { rays, weights, .. } = *self.exposer;
+        let number = pixel as u64;
+        let Some(ray) = film.ray(rays, pixel, [0.5; 2], on_pinhole) else { return 0.0 };
+        worker.count(self.counted_on_film(&ray));
+        ray.ray.cos4 * radiance(worker, ray_number(number, 0), (rays, number), &ray.ray, weights)
+    }
+}

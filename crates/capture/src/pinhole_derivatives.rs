@@ -1,0 +1,90 @@
+//! How the radiance of a film's pixels depends on the point of the pinhole.
+
+use crate::lattice::Lattice;
+use crate::shared_rays::UnblurredFilm;
+use crate::sparse_estimate::WindowSums;
+use glam::DVec2;
+
+/// Relative derivatives of the radiance of each film pixel by the point of the pinhole, per radius
+/// along (right, up).
+#[derive(Debug)]
+pub(crate) struct PinholeDerivatives(pub(crate) [Vec<f64>; 2]);
+
+/// The radiance of a film pixel through four points of the pinhole.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PinholeProbe {
+    /// Sum over the four points.
+    sum: f64,
+    /// Sums over the two points of each axis, weighted by their positions.
+    moments: [f64; 2],
+}
+
+impl PinholeProbe {
+    /// Distance of the four points from the centre, radii. A function of the third degree then has
+    /// the same first moment over the disk as these points.
+    const DISTANCE: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+    /// From the radiance through a point of the pinhole.
+    pub(crate) fn new(mut radiance: impl FnMut(DVec2) -> f64) -> PinholeProbe {
+        let mut probe = PinholeProbe::default();
+        for (axis, moment) in [DVec2::X, DVec2::Y].into_iter().zip(&mut probe.moments) {
+            let [low, high] = [-Self::DISTANCE, Self::DISTANCE].map(|at| radiance(axis * at));
+            *moment = Self::DISTANCE * (high - low);
+            probe.sum += low + high;
+        }
+        probe
+    }
+}
+
+impl PinholeDerivatives {
+    /// From the probes of the nodes of a lattice, each with its index. Where no light arrives, the
+    /// probes within `reach` pixels decide.
+    pub(crate) fn new(
+        film: &UnblurredFilm,
+        (lattice, nodes): (&Lattice, &[u8]),
+        probes: &[(usize, PinholeProbe)],
+        reach: usize,
+    ) -> PinholeDerivatives {
+        let pooled = |of_probe: &dyn Fn(&PinholeProbe) -> f64| {
+            let mut values = vec![0.0; film.pixel_count()];
+            probes.iter().for_each(|(pixel, probe)| values[*pixel] = of_probe(probe));
+            let sums = WindowSums::new(values.into_iter().map(|value| [value]), film.size()[0]);
+            move |pixel| POOLED_WEIGHT * sums.signed_around(pixel, reach)[0]
+        };
+        let sum = pooled(&|probe| probe.sum);
+        PinholeDerivatives([0, 1].map(|axis| {
+            let moment = pooled(&|probe| probe.moments[axis]);
+            let mut slopes = vec![0.0; film.pixel_count()];
+            for (pixel, probe) in probes {
+                // A slope g per radius has the moment 2·d²·g = g, and the sum of four points 4.
+                let slope = 4.0 * (probe.moments[axis] + moment(*pixel)) / (probe.sum + sum(*pixel));
+                slopes[*pixel] = if slope.is_finite() { slope } else { 0.0 };
+            }
+            lattice.fill(&mut slopes, nodes, |weight| weight);
+            slopes
+        }))
+    }
+}
+
+/// Weight of the probes around a probe relative to its own.
+const POOLED_WEIGHT: f64 = 0.01;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl PinholeDerivatives {
+        pub(crate) fn zero(film: &UnblurredFilm) -> PinholeDerivatives {
+            PinholeDerivatives([(); 2].map(|()| vec![0.0; film.pixel_count()]))
+        }
+    }
+
+    #[test]
+    fn probes_find_the_derivatives() {
+        let probe = PinholeProbe::new(|p| 2.0 * (1.0 + 0.1 * p.x - 0.3 * p.y + 0.2 * p.x * p.x));
+        let slopes = probe.moments.map(|moment| 4.0 * moment / probe.sum);
+        // The sum has the quadratic term as well.
+        let mean = 1.0 + 0.2 * 0.5 * PinholeProbe::DISTANCE.powi(2);
+        assert!((slopes[0] * mean - 0.1).abs() < 1e-12 && (slopes[1] * mean + 0.3).abs() < 1e-12, "{slopes:?}");
+    }
+}
