@@ -68,6 +68,12 @@ impl<S: SampleSums> SamplingState<S> {
     pub fn new(pixels: usize) -> SamplingState<S> {
         SamplingState { passes: 0, pixels: vec![PixelSamples::default(); pixels], pending: Vec::new() }
     }
+
+    /// Number of samples of all pixels.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        self.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum()
+    }
 }
 
 /// The error of pixels, estimated from their samples.

@@ -141,7 +141,7 @@ pub(crate) struct AdaptiveSampler<'a> {
     /// Number of separate bands; 0 where bands are added up.
     pub(crate) bands: usize,
     pub(crate) images: PixelImages,
-    /// Whether rays are exposed without the light of images.
+    /// How the light of images is exposed.
     pub(crate) images_apart: ImagesApart,
     /// What is exposed instead of the picture.
     pub(crate) film: Option<Arc<UnblurredFilm>>,
@@ -200,7 +200,7 @@ impl<'a> AdaptiveSampler<'a> {
             }
             self.start_from_known(state);
         }
-        let traced = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        let traced = state.samples();
         self.counter.plan(traced);
         self.counter.add(traced);
         begin(self, state);
@@ -254,6 +254,12 @@ impl<'a> AdaptiveSampler<'a> {
     pub(crate) fn report(&self, rays: u32) {
         let [done, planned] = self.counter.add(rays.into());
         self.progress.report(done, planned);
+    }
+
+    /// Reports rays that are no samples of a pixel.
+    pub(crate) fn report_discarded(&self, rays: u32) {
+        self.report(rays);
+        self.discarded.fetch_add(rays.into(), Ordering::Relaxed);
     }
 
     /// Doubles samples where that lowers the error most for its cost, until the requested error is

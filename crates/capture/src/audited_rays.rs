@@ -12,7 +12,6 @@ use radsight_adaptive::ray_number;
 use radsight_render::CountedLight;
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
-use std::sync::atomic::Ordering;
 
 /// One pixel is audited in each square of this side.
 const AUDIT_SIDE: usize = 3;
@@ -29,8 +28,7 @@ impl<'a> AdaptiveSampler<'a> {
         let light = |worker: &mut Workers<'a>, pixel: usize| {
             let known = known.and_then(|known| self.known_audit(known, pixel));
             let light = known.unwrap_or_else(|| {
-                self.report(1);
-                self.discarded.fetch_add(1, Ordering::Relaxed);
+                self.report_discarded(1);
                 self.light_of_picture(worker, pixel)
             });
             (pixel, light)

@@ -2,7 +2,6 @@
 
 use crate::adaptive::AdaptiveSampler;
 use crate::fixed::radiance;
-use crate::half_pixels::{HalfPixels, QuadrantSurplus};
 use crate::lattice::{Lattice, STRIDE};
 use crate::pinhole_derivatives::{PinholeDerivatives, PinholeProbe};
 use crate::shared_rays::{PinholeBlur, UnblurredFilm};
@@ -10,18 +9,10 @@ use crate::{Exposer, Workers};
 use glam::DVec2;
 use radsight_adaptive::ray_number;
 use rayon::prelude::*;
-use std::sync::atomic::Ordering;
 
 /// The finest level of the lattice on which the dependence on the pinhole's point is measured: it
 /// changes less from pixel to pixel than radiance.
 const FINEST_PROBED: u8 = 2;
-
-impl PinholeBlur<'_> {
-    /// Takes the quadrants of outlines into account. `values` are those of the film.
-    pub(crate) fn refine(&mut self, values: &[f64], quadrants: &QuadrantSurplus) {
-        self.between = Some(HalfPixels::new(values, self.film.size()[0], quadrants));
-    }
-}
 
 impl<'a> AdaptiveSampler<'a> {
     /// The blur of a film, with its dependence on the point of the pinhole from a coarse lattice.
@@ -33,8 +24,7 @@ impl<'a> AdaptiveSampler<'a> {
             if let Some(known) = self.shared.known().and_then(|known| known.probe(pixel)) {
                 return (pixel, known);
             }
-            self.report(4);
-            self.discarded.fetch_add(4, Ordering::Relaxed);
+            self.report_discarded(4);
             (pixel, PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, pixel, on_pinhole)))
         };
         let probes: Vec<_> =

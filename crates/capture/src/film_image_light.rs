@@ -1,19 +1,17 @@
 //! The light of images, exposed for all pixels of the pinhole's disk at once ([`FilmImages`]).
 
-use crate::adaptive::{AdaptiveSampler, MAX_PASSES, gain, unit_error};
+use crate::adaptive::{AdaptiveSampler, gain, unit_error};
 use crate::disk_overlap::DiskOverlap;
 use crate::film_images::{FilmImages, ImagePart, PartRay};
 use crate::fixed::radiance;
-use crate::image_light::ExposedImages;
+use crate::image_light::{ExposedImages, image_target, image_worker};
 use crate::shared_rays::{DERIVATIVE_ERROR, UnblurredFilm};
 use crate::{Exposer, Workers};
 use glam::DVec2;
 use radsight_adaptive::{
-    ErrorEstimate, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState,
-    Selection, begin, ray_number, refine,
+    ErrorEstimate, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState, begin, ray_number, refine,
 };
-use radsight_render::CountedLight;
-use radsight_sampling::{DimensionSet, RaySampler};
+use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -37,9 +35,10 @@ struct PartSums {
     light: f64,
     /// The light times the point of the picture at which it is seen through the middle of the pinhole.
     center: DVec2,
-    /// The light times the point of the pinhole, and that point.
+    /// The light times the point of the pinhole.
     on_pinhole: DVec2,
-    unlit_on_pinhole: DVec2,
+    /// The points of the pinhole, also of rays that show another image.
+    drawn_on_pinhole: DVec2,
 }
 
 impl SampleSums for PartSums {
@@ -51,7 +50,7 @@ impl SampleSums for PartSums {
         self.light += other.light;
         self.center += other.center;
         self.on_pinhole += other.on_pinhole;
-        self.unlit_on_pinhole += other.unlit_on_pinhole;
+        self.drawn_on_pinhole += other.drawn_on_pinhole;
     }
 
     fn half_difference(first: &PartSums, second: &PartSums, samples: u32) -> f64 {
@@ -81,25 +80,21 @@ impl FilmImageLight {
 
     /// Number of rays.
     pub(crate) fn samples(&self) -> u64 {
-        self.state.pixels.iter().map(|part| u64::from(part.samples)).sum()
+        self.state.samples()
     }
 
     /// Refines the images to a sum of squared errors over all pixels.
     pub(crate) fn expose(&mut self, sampler: &AdaptiveSampler<'_>, squared: f64, most_samples: u32) -> ExposedImages {
-        let FilmImageLight { images, film, state } = self;
-        let target = NoiseTarget {
-            most_samples: most_samples.min(MAX_SAMPLES),
-            most_passes: MAX_PASSES,
-            ..NoiseTarget::new(squared / state.pixels.len() as f64, Selection::FractionOrFirst)
-        };
-        let source = PartSource { sampler, images, film };
+        let images = self.images.clone();
+        let target = image_target(squared, images.parts().len(), most_samples);
+        let source = PartSource { sampler, images: &images, film: &self.film };
         let estimate = |samples: &[Part]| PartErrors::new(images.parts(), samples);
-        let (errors, _) = refine(&source, state, &target, estimate);
+        let (errors, _) = refine(&source, &mut self.state, &target, estimate);
         self.spread(sampler, &errors)
     }
 
     /// The light of the pixels, with its errors.
-    fn spread(&self, sampler: &AdaptiveSampler<'_>, errors: &PartErrors) -> ExposedImages {
+    fn spread(&self, sampler: &AdaptiveSampler<'_>, errors: &PartErrors<'_>) -> ExposedImages {
         let mut pixels: BTreeMap<usize, PixelLight> = BTreeMap::new();
         for parts in self.images.by_image() {
             let slope = self.slope(parts.clone(), errors);
@@ -123,7 +118,7 @@ impl FilmImageLight {
 
     /// Relative derivative of the light of some parts by the point of the pinhole, per radius. An
     /// estimate within its noise is shrunk (James and Stein 1961).
-    fn slope(&self, parts: Range<usize>, errors: &PartErrors) -> DVec2 {
+    fn slope(&self, parts: Range<usize>, errors: &PartErrors<'_>) -> DVec2 {
         let [mut light, mut noise] = [0.0; 2];
         let mut moment = DVec2::ZERO;
         for index in parts {
@@ -132,7 +127,7 @@ impl FilmImageLight {
             let mean = sums.light / samples;
             light += mean;
             noise += errors.of_light(index);
-            moment += (sums.on_pinhole - mean * sums.unlit_on_pinhole) / samples;
+            moment += (sums.on_pinhole - mean * sums.drawn_on_pinhole) / samples;
         }
         // Over the unit disk the mean of p·pᵀ is ¼.
         let slope = 4.0 * moment / light;
@@ -179,12 +174,15 @@ impl PixelLight {
 }
 
 /// The errors of the parts, summed over the picture.
-struct PartErrors(Vec<PixelError>, Vec<f64>);
+struct PartErrors<'p> {
+    parts: &'p [ImagePart],
+    errors: Vec<PixelError>,
+}
 
-impl PartErrors {
+impl<'p> PartErrors<'p> {
     /// The noise of single parts is uncertain, so the relative noise of all is pooled. Where a part has
     /// shown no light yet, it may have what its cells make expect.
-    fn new(parts: &[ImagePart], samples: &[Part]) -> PartErrors {
+    fn new(parts: &'p [ImagePart], samples: &[Part]) -> PartErrors<'p> {
         let sum = |of_part: &dyn Fn(&ImagePart, &Part) -> f64| -> f64 {
             parts.iter().zip(samples).map(|(part, samples)| of_part(part, samples)).sum()
         };
@@ -197,19 +195,18 @@ impl PartErrors {
         let of_part = |(part, samples): (&ImagePart, &Part)| {
             unit_error(samples, relative * expected(part), gain, part.squared_weights)
         };
-        let weights = parts.iter().map(|part| part.squared_weights).collect();
-        PartErrors(parts.iter().zip(samples).map(of_part).collect(), weights)
+        PartErrors { parts, errors: parts.iter().zip(samples).map(of_part).collect() }
     }
 
     /// The squared error of a part's light.
     fn of_light(&self, part: usize) -> f64 {
-        self.0[part].squared / self.1[part]
+        self.errors[part].squared / self.parts[part].squared_weights
     }
 }
 
-impl ErrorEstimate for PartErrors {
+impl ErrorEstimate for PartErrors<'_> {
     fn pixels(&self) -> &[PixelError] {
-        &self.0
+        &self.errors
     }
 }
 
@@ -225,9 +222,7 @@ impl<'a> PixelSource for PartSource<'_, 'a> {
     type Worker = Workers<'a>;
 
     fn worker(&self) -> Workers<'a> {
-        let mut worker = self.sampler.exposer.workers();
-        worker.count(CountedLight::Images);
-        worker
+        image_worker(self.sampler)
     }
 
     fn sums(&self, worker: &mut Workers<'a>, part: usize, samples: Range<u32>) -> PartSums {
@@ -236,15 +231,14 @@ impl<'a> PixelSource for PartSource<'_, 'a> {
         for sample in samples {
             let index = ray_number(FIRST_PIXEL + part as u64, sample);
             let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
-            sums.unlit_on_pinhole += DVec2::from(radsight_sampling::unit_disk(u[2], u[3]));
-            if let Some(PartRay { ray, center, on_pinhole, weight }) = self.images.ray(rays, self.film, part, u) {
+            let on_pinhole = DVec2::from(unit_disk(u[2], u[3]));
+            sums.drawn_on_pinhole += on_pinhole;
+            let drawn = self.images.ray((rays, self.film), part, [u[0], u[1]], on_pinhole);
+            if let Some(PartRay { ray, center, weight }) = drawn {
                 let light = weight * ray.cos4 * radiance(worker, index, (rays, 0), &ray, weights);
-                sums.add(&PartSums {
-                    light,
-                    center: light * center,
-                    on_pinhole: light * on_pinhole,
-                    unlit_on_pinhole: DVec2::ZERO,
-                });
+                sums.light += light;
+                sums.center += light * center;
+                sums.on_pinhole += light * on_pinhole;
             }
         }
         sums

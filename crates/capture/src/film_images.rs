@@ -74,7 +74,6 @@ pub(crate) struct PartRay {
     pub(crate) ray: CameraRay,
     /// The point of the picture at which its place is seen through the middle of the pinhole.
     pub(crate) center: DVec2,
-    pub(crate) on_pinhole: DVec2,
     /// Sum over the pixels of radiance·cos⁴, per that of the ray.
     pub(crate) weight: f64,
 }
@@ -141,24 +140,30 @@ impl FilmImages {
         shown.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(image, _)| image)
     }
 
-    /// The ray to a part of an image for a point of the unit cube; `None` if it shows another image.
-    pub(crate) fn ray(&self, rays: &Rays, film: &UnblurredFilm, part: usize, u: [f64; 4]) -> Option<PartRay> {
+    /// The ray to a part of an image for a point of the unit square, through a point of the pinhole;
+    /// `None` if it shows another image.
+    pub(crate) fn ray(
+        &self,
+        (rays, film): (&Rays, &UnblurredFilm),
+        part: usize,
+        u: [f64; 2],
+        on_pinhole: DVec2,
+    ) -> Option<PartRay> {
         let part = &self.parts[part];
         let FilmImage { curved, blur, .. } = &self.images[part.image];
-        let place = curved.footprint.sample_cells(part.cells.clone(), [u[0], u[1]]);
+        let place = curved.footprint.sample_cells(part.cells.clone(), u);
         let density = curved.footprint.in_cells(place) / curved.footprint.probability(part.cells.clone());
-        let on_pinhole = radsight_sampling::unit_disk(u[2], u[3]);
         let origin = rays.ray_through(0, [0.5; 2], on_pinhole.into())?.origin;
         let direction = curved.direction_to(place, origin);
         let at = rays.picture_point(direction, on_pinhole.into())?;
         let ray = rays.ray_through(0, at, on_pinhole.into())?;
-        let (at, on_pinhole) = (DVec2::from(at), DVec2::from(on_pinhole));
+        let at = DVec2::from(at);
         let film_pixel = film.pixel_seen_from(at, on_pinhole)?;
         if self.image_of(film_pixel, &ray) != Some(part.image) {
             return None;
         }
         let weight = curved.solid_angle(direction) * rays.camera().pixels_per_solid_angle(direction) / density;
-        Some(PartRay { ray, center: at - blur.by_pinhole * on_pinhole, on_pinhole, weight })
+        Some(PartRay { ray, center: at - blur.by_pinhole * on_pinhole, weight })
     }
 
     /// The pixels of the picture over which the light of a part is spread that is seen at a point through
@@ -211,18 +216,22 @@ impl FilmImage {
     /// The farthest point of the film from the middle at which the image is seen, pixels along each
     /// axis.
     fn reach(&self, film: &UnblurredFilm) -> DVec2 {
-        let extent = |map: DMat2| DVec2::new(map.row(0).length(), map.row(1).length());
         // At the depth of the film the image would not move on it.
         let by_depth = self.blur.by_pinhole + DMat2::from_diagonal(film.shift());
         self.curved.footprint.reach() * extent(self.by_place) + extent(by_depth) + 1.0
     }
 }
 
+/// Extent of the image of the unit disk by a map, on each side of its centre along both axes.
+fn extent(map: DMat2) -> DVec2 {
+    DVec2::new(map.row(0).length(), map.row(1).length())
+}
+
 impl ImageBlur {
     fn for_each_pixel(&self, rays: &Rays, center: DVec2, mut of_pixel: impl FnMut(usize, DiskOverlap)) {
         let camera = rays.camera();
         let [columns, rows] = [camera.columns(), camera.rows()].map(|count| count as usize);
-        let extent = DVec2::new(self.by_pinhole.row(0).length(), self.by_pinhole.row(1).length());
+        let extent = extent(self.by_pinhole);
         let pixels = |at: f64, extent: f64, count: usize| {
             // Negative numbers become 0.
             ((at - extent).floor() as usize)..((at + extent).ceil() as usize).min(count)

@@ -10,14 +10,13 @@
 use crate::Workers;
 use crate::adaptive::{AdaptiveSampler, CHOICE_SET, DrawnRay};
 use crate::neighbourhood::around;
-use crate::shared_rays::UnblurredFilm;
+use crate::shared_rays::{UnblurredFilm, cubic_weights, kernel_points};
 use crate::two_phase::choose;
 use glam::DVec2;
 use radsight_adaptive::ray_number;
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::atomic::Ordering;
 
 /// Rays of an outline's pixel that find the first surface, and those of them whose light is computed.
 const FIRST_HITS: u32 = 64;
@@ -26,26 +25,36 @@ const LIT: u32 = 4;
 /// Ray numbers begin at this pixel, so that their samples are independent of others.
 const FIRST_PIXEL: u64 = 3 << 41;
 
-/// Points of the pinhole for the weights of the convolution.
-const KERNEL_POINTS: u32 = 1 << 14;
-
 /// Offsets of the points between pixels from the pixel before them, in half pixels.
 const OFFSETS: [[usize; 2]; 3] = [[1, 0], [0, 1], [1, 1]];
 
 /// By how much the light of each quadrant of some pixels exceeds the pixel's: of the left and the
 /// right one at the top, then at the bottom.
-pub(crate) type QuadrantSurplus = BTreeMap<usize, [f64; 4]>;
+type QuadrantSurplus = BTreeMap<usize, [f64; 4]>;
+
+/// For each of [`OFFSETS`] the weights of the points around a pixel of the picture, by the pixels
+/// before them.
+type Kernels = [BTreeMap<[isize; 2], f64>; 3];
 
 /// By how much the film exceeds its cubic interpolation at points half a pixel beside pixels.
 #[derive(Debug)]
 pub(crate) struct HalfPixels {
     columns: usize,
+    quadrants: QuadrantSurplus,
+    kernels: Kernels,
     /// By [`OFFSETS`] and pixel.
     surplus: [BTreeMap<usize, f64>; 3],
 }
 
 impl HalfPixels {
-    pub(crate) fn new(values: &[f64], columns: usize, quadrants: &QuadrantSurplus) -> HalfPixels {
+    fn new(film: &UnblurredFilm, quadrants: QuadrantSurplus) -> HalfPixels {
+        let kernels = if quadrants.is_empty() { Kernels::default() } else { kernels(film.shift()) };
+        HalfPixels { columns: film.size()[0], quadrants, kernels, surplus: Default::default() }
+    }
+
+    /// Takes the values of the film's pixels.
+    pub(crate) fn refine(&mut self, values: &[f64]) {
+        let (columns, quadrants) = (self.columns, &self.quadrants);
         let film = Quadrants { values, columns, rows: values.len() / columns, surplus: quadrants };
         let of_offset = |offset: [usize; 2]| {
             let [right, down] = offset;
@@ -60,7 +69,7 @@ impl HalfPixels {
             let points = points.into_iter();
             points.filter_map(|pixel| Some((pixel, film.surplus(pixel, offset)?))).collect()
         };
-        HalfPixels { columns, surplus: OFFSETS.map(of_offset) }
+        self.surplus = OFFSETS.map(of_offset);
     }
 
     /// Interpolated at an offset from the middle of a pixel of the film, along columns and rows.
@@ -75,12 +84,9 @@ impl HalfPixels {
 
     /// Adds what it blurs to, to a picture in the frame of the film.
     pub(crate) fn add_blurred(&self, film: &UnblurredFilm, picture: &mut [f64]) {
-        if self.surplus.iter().all(BTreeMap::is_empty) {
-            return;
-        }
-        for (surplus, kernel) in self.surplus.iter().zip(kernels(film.shift())) {
+        for (surplus, kernel) in self.surplus.iter().zip(&self.kernels) {
             for (pixel, surplus) in surplus {
-                for ([x, y], weight) in &kernel {
+                for ([x, y], weight) in kernel {
                     let index = *pixel as isize - y * self.columns as isize - x;
                     if let Ok(index) = usize::try_from(index)
                         && film.in_picture(index).is_some()
@@ -100,13 +106,12 @@ fn hat(at: f64, half: usize) -> [f64; 2] {
     [pixel, 1.0 - 2.0 * (at - pixel - 0.5 * half as f64).abs()]
 }
 
-/// For each of [`OFFSETS`] the weights of the points around a pixel of the picture, by the pixels
-/// before them.
-fn kernels(shift: DVec2) -> [BTreeMap<[isize; 2], f64>; 3] {
-    let mut kernels: [BTreeMap<[isize; 2], f64>; 3] = Default::default();
-    for index in 0..KERNEL_POINTS {
-        let count = f64::from(KERNEL_POINTS);
-        let u = [(f64::from(index) + 0.5) / count, (f64::from(index) * 0.618_033_988_749_894_9).fract()];
+/// For a shift by radius of the pinhole.
+fn kernels(shift: DVec2) -> Kernels {
+    let mut kernels = Kernels::default();
+    let points = kernel_points();
+    let count = points.len() as f64;
+    for u in points {
         let at = shift * DVec2::from(unit_disk(u[0], u[1]));
         for (offset, kernel) in OFFSETS.iter().zip(&mut kernels) {
             let ([x, across], [y, down]) = (hat(at.x, offset[0]), hat(at.y, offset[1]));
@@ -159,7 +164,7 @@ impl Quadrants<'_> {
                 mean += 0.25 * self.light(pixel + row * self.columns + column, [side, lower]);
             }
         }
-        let weights = |half: usize| if half == 1 { [-0.0625, 0.5625, 0.5625, -0.0625] } else { [0.0, 1.0, 0.0, 0.0] };
+        let weights = |half: usize| cubic_weights(0.5 * half as f64);
         let mut interpolated = 0.0;
         for (row, by_row) in weights(down).into_iter().enumerate() {
             for (column, by_column) in weights(right).into_iter().enumerate() {
@@ -172,15 +177,16 @@ impl Quadrants<'_> {
 }
 
 impl<'a> AdaptiveSampler<'a> {
-    /// The quadrants of all pixels of the film that see several surfaces, at outlines and beside them.
-    pub(crate) fn quadrants(&self) -> QuadrantSurplus {
+    /// A film between its pixels, from the quadrants of all pixels that see several surfaces, at
+    /// outlines and beside them.
+    pub(crate) fn half_pixels(&self, film: &UnblurredFilm) -> HalfPixels {
         let columns = self.columns();
         let grid = [columns, self.outlines.len() / columns];
         let sees_outline = |pixel: &usize| around(*pixel, grid).any(|near| self.outlines[near]);
         let pixels: Vec<usize> = (0..self.outlines.len()).filter(sees_outline).collect();
         let of_pixel = |worker: &mut Workers<'a>, pixel: usize| Some((pixel, self.quadrants_of(worker, pixel)?));
         let found = pixels.into_par_iter().with_min_len(4).map_init(|| self.picture_worker(), of_pixel);
-        found.collect::<Vec<_>>().into_iter().flatten().collect()
+        HalfPixels::new(film, found.collect::<Vec<_>>().into_iter().flatten().collect())
     }
 
     /// `None` if the pixel sees one surface.
@@ -222,8 +228,7 @@ impl<'a> AdaptiveSampler<'a> {
     }
 
     fn light_of(&self, worker: &mut Workers<'a>, pixel: usize, ray: DrawnRay) -> f64 {
-        self.report(1);
-        self.discarded.fetch_add(1, Ordering::Relaxed);
+        self.report_discarded(1);
         self.summed(worker, pixel, std::iter::once(DrawnRay { weight: 1.0, ..ray })).whole
     }
 }
@@ -237,8 +242,8 @@ mod tests {
     const RADIUS: f64 = 3.6;
     const SIZE: [usize; 2] = [24, 3];
 
-    /// The film of an upright edge, bright on its left, and the quadrants of the pixels that it divides.
-    fn edge(film: &UnblurredFilm, at: f64) -> (Vec<f64>, QuadrantSurplus) {
+    /// The film of an upright edge, bright on its left, and what it is between its pixels.
+    fn edge(film: &UnblurredFilm, at: f64) -> (Vec<f64>, HalfPixels) {
         let columns = film.size()[0];
         let share = |from: f64, width: f64| ((at - from) / width).clamp(0.0, 1.0);
         let of_pixel = |pixel: usize| {
@@ -246,9 +251,11 @@ mod tests {
             let [own, first, second] = [share(left, 1.0), share(left, 0.5), share(left + 0.5, 0.5)];
             (own, [first - own, second - own, first - own, second - own])
         };
-        let values = (0..film.pixel_count()).map(|pixel| of_pixel(pixel).0).collect();
+        let values: Vec<f64> = (0..film.pixel_count()).map(|pixel| of_pixel(pixel).0).collect();
         let divided = (0..film.pixel_count()).filter(|pixel| (pixel % columns) as f64 == at.floor());
-        (values, divided.map(|pixel| (pixel, of_pixel(pixel).1)).collect())
+        let mut half = HalfPixels::new(film, divided.map(|pixel| (pixel, of_pixel(pixel).1)).collect());
+        half.refine(&values);
+        (values, half)
     }
 
     #[test]
@@ -258,10 +265,10 @@ mod tests {
         let [mut before, mut after, mut mean] = [0.0; 3];
         for step in 0..40 {
             let at = 15.0 + f64::from(step) * 0.025;
-            let (values, quadrants) = edge(&film, at);
+            let (values, half) = edge(&film, at);
             let blurred = film.picture(&values, &derivatives).values;
             let mut added = vec![0.0; film.pixel_count()];
-            HalfPixels::new(&values, columns, &quadrants).add_blurred(&film, &mut added);
+            half.add_blurred(&film, &mut added);
             for pixel in (0..film.pixel_count()).filter(|pixel| film.in_picture(*pixel).is_some()) {
                 let steps = 100;
                 let place = |step: i32| (pixel % columns) as f64 + (f64::from(step) + 0.5) / f64::from(steps);
@@ -279,8 +286,7 @@ mod tests {
     #[test]
     fn the_blurred_surplus_is_the_mean_of_what_is_predicted() {
         let film = film([RADIUS; 2], SIZE);
-        let (values, quadrants) = edge(&film, 15.3);
-        let half = HalfPixels::new(&values, film.size()[0], &quadrants);
+        let (_, half) = edge(&film, 15.3);
         let mut picture = vec![0.0; film.pixel_count()];
         half.add_blurred(&film, &mut picture);
         let points = 1 << 14;

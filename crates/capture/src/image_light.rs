@@ -31,6 +31,22 @@ const AIMED_BESIDE_PLANE: f64 = 0.875;
 /// Ray numbers of images begin at this pixel, so that their samples are independent of others.
 const FIRST_PIXEL: u64 = 1 << 40;
 
+/// The target for a sum of squared errors over so many pixels or parts of images.
+pub(crate) fn image_target(squared: f64, count: usize, most_samples: u32) -> NoiseTarget {
+    NoiseTarget {
+        most_samples: most_samples.min(MAX_SAMPLES),
+        most_passes: MAX_PASSES,
+        ..NoiseTarget::new(squared / count as f64, Selection::FractionOrFirst)
+    }
+}
+
+/// A worker whose rays count the light of images alone.
+pub(crate) fn image_worker<'a>(sampler: &AdaptiveSampler<'a>) -> Workers<'a> {
+    let mut worker = sampler.exposer.workers();
+    worker.count(CountedLight::Images);
+    worker
+}
+
 /// The light of images in the pixels that see any.
 #[derive(Debug)]
 pub(crate) struct ImageLight {
@@ -134,18 +150,14 @@ impl ImageLight {
 
     /// Number of rays.
     fn samples(&self) -> u64 {
-        self.state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum()
+        self.state.samples()
     }
 
     /// Refines the images to a sum of squared errors over all pixels.
     fn expose(&mut self, sampler: &AdaptiveSampler<'_>, squared: f64, most_samples: u32) -> ExposedImages {
         let ImageLight { pixels, state } = self;
         let columns = sampler.exposer.rays.camera().columns() as usize;
-        let target = NoiseTarget {
-            most_samples: most_samples.min(MAX_SAMPLES),
-            most_passes: MAX_PASSES,
-            ..NoiseTarget::new(squared / pixels.len() as f64, Selection::FractionOrFirst)
-        };
+        let target = image_target(squared, pixels.len(), most_samples);
         let estimate = |samples: &[Pixel]| ImageErrors::new(pixels, samples, columns);
         let source = ImageSource { sampler, pixels };
         let (ImageErrors(errors), _) = refine(&source, state, &target, estimate);
@@ -179,9 +191,7 @@ impl<'a> PixelSource for ImageSource<'_, 'a> {
     type Worker = Workers<'a>;
 
     fn worker(&self) -> Workers<'a> {
-        let mut worker = self.sampler.exposer.workers();
-        worker.count(CountedLight::Images);
-        worker
+        image_worker(self.sampler)
     }
 
     fn sums(&self, worker: &mut Workers<'a>, pixel: usize, samples: Range<u32>) -> Sums {

@@ -351,8 +351,7 @@ impl Kernels {
         let [width, height] = margin.map(|margin| 2 * margin + 1);
         let mut moments = [(); 3].map(|()| vec![0.0; width * height]);
         let mut constant = vec![0.0; width * height];
-        for index in 0..KERNEL_POINTS {
-            let u = [(f64::from(index) + 0.5) / f64::from(KERNEL_POINTS), (f64::from(index) * GOLDEN_RATIO).fract()];
+        for u in kernel_points() {
             let (sin, cos) = (std::f64::consts::TAU * u[1]).sin_cos();
             let on_pinhole = u[0].sqrt() * DVec2::new(cos, sin);
             let at = shift * on_pinhole;
@@ -389,11 +388,17 @@ fn sharpened(kernel: &[f64], width: usize) -> Vec<f64> {
     kernel.iter().enumerate().map(of_pixel).collect()
 }
 
+/// Points of the unit square for the points of the pinhole, even over it.
+pub(crate) fn kernel_points() -> impl ExactSizeIterator<Item = [f64; 2]> {
+    let count = f64::from(KERNEL_POINTS);
+    (0..KERNEL_POINTS).map(move |index| [(f64::from(index) + 0.5) / count, (f64::from(index) * GOLDEN_RATIO).fract()])
+}
+
 /// Its multiples fill the unit interval evenly.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
 /// Weights of the four integers around a place: Lagrange's cubic polynomial.
-fn cubic_weights(at: f64) -> [f64; INTERPOLATED] {
+pub(crate) fn cubic_weights(at: f64) -> [f64; INTERPOLATED] {
     let t = at - at.floor();
     [
         -t * (t - 1.0) * (t - 2.0) / 6.0,

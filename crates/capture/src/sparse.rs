@@ -238,7 +238,7 @@ impl<'a> AdaptiveSampler<'a> {
         self.mirrors_points.store(mirrors_points, Ordering::Relaxed);
         self.is_on_lattice.store(true, Ordering::Relaxed);
         let mut blur = self.film.as_ref().map(|film| self.blur(film, (&sparse.lattice, &sparse.levels)));
-        let (mut audits, mut film_error, mut quadrants) = (0, FilmError::default(), None);
+        let (mut audits, mut film_error) = (0, FilmError::default());
         while state.passes < MAX_PASSES {
             self.expose_nodes(state, &sparse.nodes);
             if self.progress.stops() {
@@ -274,7 +274,8 @@ impl<'a> AdaptiveSampler<'a> {
                 continue;
             }
             if let Some(blur) = blur.as_mut().filter(|_| known > NEGLIGIBLE_FILM * requested) {
-                blur.refine(&estimate.values, quadrants.get_or_insert_with(|| self.quadrants()));
+                let film = blur.film;
+                blur.between.get_or_insert_with(|| self.half_pixels(film)).refine(&estimate.values);
             }
             let picture = blur.as_ref().map(|blur| estimate.blurred(blur, (&sparse.lattice, &sparse.nodes)));
             let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
@@ -362,8 +363,7 @@ impl<'a> AdaptiveSampler<'a> {
     fn abandon(&self, state: &mut AdaptiveState) {
         self.is_on_lattice.store(false, Ordering::Relaxed);
         self.mirrors_points.store(false, Ordering::Relaxed);
-        let given_up = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
-        self.discarded.fetch_add(given_up, Ordering::Relaxed);
+        self.discarded.fetch_add(state.samples(), Ordering::Relaxed);
         *state = AdaptiveState::new(state.pixels.len());
     }
 
@@ -522,7 +522,7 @@ fn develop(state: &mut AdaptiveState, film: &UnblurredFilm, estimate: &SparseEst
     let whole = |samples: f64| (samples.max(1.0) as u32).next_power_of_two().min(MAX_SAMPLES);
     let nodes = estimate.nodes.len().max(1) as f64;
     let own = whole(estimate.own_samples(film).sum::<f64>() / nodes);
-    let traced: u64 = state.pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+    let traced = state.samples();
     let pixels = film.picture_pixels() as u64;
     // Evenly over the picture, in whole numbers that add up.
     let share = |index: u64| ((index + 1) * traced / pixels - index * traced / pixels) as u32;
