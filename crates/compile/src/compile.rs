@@ -349,10 +349,7 @@ impl Compiler<'_> {
             _ => self.compile_after(chains, arm, before),
         });
         chains.nesting -= 1;
-        let lets_light_through = arms.iter().any(|arm| {
-            let shader = &self.shaders[arm.0 as usize];
-            matches!(shader.kind, Kind::Transparent) || shader.lets_light_through()
-        });
+        let lets_light_through = arms.iter().any(|arm| self.shaders[arm.0 as usize].passes_shadow_rays());
         let (mixtures, depth) = self.size_of_mixture(chains, modifier, arms)?;
         Ok(Kind::Mixture(Box::new(MixtureKind { share, arms, lets_light_through, mixtures, depth })))
     }

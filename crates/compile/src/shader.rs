@@ -206,6 +206,11 @@ impl Shader {
         }
     }
 
+    /// Whether it may pass shadow rays on, also as a surface without material.
+    pub fn passes_shadow_rays(&self) -> bool {
+        matches!(self.kind, Kind::Transparent) || self.lets_light_through()
+    }
+
     /// Whether shadow rays can pass through.
     pub fn lets_light_through(&self) -> bool {
         match &self.kind {

@@ -5,7 +5,7 @@
 //! remembered, so the result is that of the search.
 
 use radsight_accel::{Crossing, MemberId, PrimitiveId, Ray, RayFrame};
-use radsight_compile::{Kind, RenderPlan, Shader};
+use radsight_compile::RenderPlan;
 
 /// Number of targets that are told apart; others share a place.
 const PLACES: usize = 32;
@@ -45,8 +45,7 @@ impl ShadowBlockers {
 /// The surface of a crossing, if it blocks every shadow ray that crosses it.
 #[inline]
 pub(crate) fn opaque_member(plan: &RenderPlan, crossing: &Crossing) -> Option<MemberId> {
-    let is_opaque = |shader: &Shader| !matches!(shader.kind, Kind::Transparent) && !shader.lets_light_through();
     let member = (crossing.primitive.0 < plan.geometry.len() as u64).then(|| crossing.primitive.member())?;
-    let is_kept = plan.geometry.is_plain(member) && is_opaque(plan.shader(plan.geometry.surface_of(member)));
-    is_kept.then_some(member)
+    let is_opaque = || !plan.shader(plan.geometry.surface_of(member)).passes_shadow_rays();
+    (plan.geometry.is_plain(member) && is_opaque()).then_some(member)
 }
