@@ -9,9 +9,10 @@
 use crate::polygon::area_vector;
 use crate::ray::Ray;
 use glam::DVec3;
+use std::ops::Range;
 
 /// Minimum number of vertices for a grid.
-pub(crate) const MANY_VERTICES: u32 = 32;
+pub(crate) const MANY_VERTICES: u32 = 12;
 
 /// Number of cells along the longer side of a grid, relative to the square root of the number of
 /// vertices.
@@ -45,6 +46,7 @@ enum Cover {
 pub(crate) struct Outline {
     /// Twice the area vector.
     area: DVec3,
+    area_length: f64,
     /// Unit.
     pub(crate) normal: DVec3,
     first_vertex: DVec3,
@@ -105,6 +107,7 @@ impl Outline {
         let origin = axes.map(|axis| least[axis] - cell);
         let mut outline = Outline {
             area,
+            area_length: area.length(),
             normal,
             first_vertex: vertices[0],
             offset: offset / cell,
@@ -207,10 +210,15 @@ impl Outline {
         Some(inside)
     }
 
-    /// Whether a ray hits the polygon, and where.
-    pub(crate) fn classify(&self, ray: &Ray) -> GridResult {
+    /// Whether a ray hits the polygon in a range of distances, and where.
+    pub(crate) fn classify(&self, ray: &Ray, range: &Range<f64>) -> GridResult {
         let slope = self.area.dot(ray.direction);
-        let sine = slope.abs() / (self.area.length() * ray.direction.length());
+        let distance = self.area.dot(self.first_vertex - ray.origin) / slope;
+        // Also where the edges must be tested, since they do not change the distance.
+        if distance <= range.start || distance >= range.end {
+            return GridResult::Miss;
+        }
+        let sine = slope.abs() / (self.area_length * ray.direction.length());
         // Vertices off the plane move along the ray to it.
         let margin = NEAR_EDGE + self.offset / sine;
         // False if a number is not one.
@@ -218,7 +226,6 @@ impl Outline {
         if !is_certain {
             return GridResult::Unknown;
         }
-        let distance = self.area.dot(self.first_vertex - ray.origin) / slope;
         let [x, y] = self.coordinates(ray.at(distance));
         let within = |at: f64, count: usize| at >= 0.0 && at < count as f64;
         if !within(x, self.counts[0]) || !within(y, self.counts[1]) {
@@ -297,7 +304,7 @@ mod tests {
             let origin = DVec3::new(8.0 * place(0.819_172) - 4.0, 8.0 * place(0.671_043) - 4.0, 9.0 * place(0.549_7));
             let Some(ray) = Ray::new(origin, target - origin) else { continue };
             let exact = intersect(vertices, &ray, &RayFrame::new(&ray), f64::NEG_INFINITY..f64::INFINITY);
-            match outline.classify(&ray) {
+            match outline.classify(&ray, &(f64::NEG_INFINITY..f64::INFINITY)) {
                 GridResult::Miss => assert_eq!(exact, None, "ray {index}"),
                 GridResult::Hit(distance) => {
                     met += 1;

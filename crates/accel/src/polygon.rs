@@ -11,8 +11,10 @@ use std::ops::Range;
 /// 2013).
 #[derive(Clone, Copy, Debug)]
 pub struct RayFrame {
-    u: DVec3,
-    v: DVec3,
+    /// The axis along which the ray is longest, and the two others.
+    axes: [usize; 3],
+    /// Shear of the two others along the first.
+    shear: [f64; 2],
 }
 
 impl RayFrame {
@@ -21,20 +23,30 @@ impl RayFrame {
     #[must_use]
     pub fn new(ray: &Ray) -> RayFrame {
         let size = ray.direction.abs();
-        let d = ray.direction;
-        let (u, v) = if size.x > size.y && size.x > size.z {
-            (DVec3::new(-d.y / d.x, 1.0, 0.0), DVec3::new(-d.z / d.x, 0.0, 1.0))
+        let axes = if size.x > size.y && size.x > size.z {
+            [0, 1, 2]
         } else if size.y > size.z {
-            (DVec3::new(0.0, -d.z / d.y, 1.0), DVec3::new(1.0, -d.x / d.y, 0.0))
+            [1, 2, 0]
         } else {
-            (DVec3::new(1.0, 0.0, -d.x / d.z), DVec3::new(0.0, 1.0, -d.y / d.z))
+            [2, 0, 1]
         };
-        RayFrame { u, v }
+        let [along, u, v] = axes.map(|axis| ray.direction[axis]);
+        RayFrame { axes, shear: [-u / along, -v / along] }
     }
 
+    /// The coordinates of a point in the order of the axes.
     #[inline]
-    fn project(&self, point: DVec3) -> (f64, f64) {
-        (self.u.dot(point), self.v.dot(point))
+    fn ordered(&self, point: &DVec3) -> [f64; 3] {
+        let point: &[f64; 3] = point.as_ref();
+        self.axes.map(|axis| point[axis])
+    }
+
+    /// A point relative to an origin with ordered coordinates, perpendicular to the ray.
+    #[inline]
+    fn project(&self, point: &DVec3, origin: &[f64; 3]) -> (f64, f64) {
+        let point = self.ordered(point);
+        let along = point[0] - origin[0];
+        (point[1] - origin[1] + self.shear[0] * along, point[2] - origin[2] + self.shear[1] * along)
     }
 }
 
@@ -52,15 +64,13 @@ pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: 
 /// [`intersect`] for three vertices.
 #[inline]
 pub(crate) fn intersect_triangle(vertices: &[DVec3; 3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
-    let from_origin = vertices[0] - ray.origin;
-    let a = frame.project(from_origin);
-    let b = frame.project(vertices[1] - ray.origin);
-    let c = frame.project(vertices[2] - ray.origin);
+    let origin = frame.ordered(&ray.origin);
+    let [a, b, c] = [0, 1, 2].map(|corner| frame.project(&vertices[corner], &origin));
     if !(crosses(c, a) ^ crosses(a, b) ^ crosses(b, c)) {
         return None;
     }
     let normal = (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]);
-    let distance = normal.dot(from_origin) / normal.dot(ray.direction);
+    let distance = normal.dot(vertices[0] - ray.origin) / normal.dot(ray.direction);
     (distance > range.start && distance < range.end).then_some(distance)
 }
 
@@ -69,9 +79,10 @@ pub(crate) fn intersect_triangle(vertices: &[DVec3; 3], ray: &Ray, frame: &RayFr
 #[inline]
 fn passes_through(vertices: &[DVec3], origin: DVec3, frame: &RayFrame) -> bool {
     let mut inside = false;
-    let mut previous = frame.project(vertices[vertices.len() - 1] - origin);
+    let origin = frame.ordered(&origin);
+    let mut previous = frame.project(&vertices[vertices.len() - 1], &origin);
     for vertex in vertices {
-        let next = frame.project(*vertex - origin);
+        let next = frame.project(vertex, &origin);
         inside ^= crosses(previous, next);
         previous = next;
     }

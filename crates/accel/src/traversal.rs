@@ -135,9 +135,9 @@ impl Geometry {
         range: Range<f64>,
     ) -> Option<f64> {
         let Shape::Polygon { start, count } = self.shapes[member.0 as usize] else { return None };
-        match self.outline(member).map_or(GridResult::Unknown, |outline| outline.classify(ray)) {
+        match self.outline(member).map_or(GridResult::Unknown, |outline| outline.classify(ray, &range)) {
             GridResult::Miss => None,
-            GridResult::Hit(distance) => (distance > range.start && distance < range.end).then_some(distance),
+            GridResult::Hit(distance) => Some(distance),
             GridResult::Unknown => {
                 polygon::intersect(&scene.vertices[start as usize..][..count as usize], ray, frame, range)
             }
