@@ -61,3 +61,20 @@ fn fast_code_and_exact_code_agree() {
     assert!(compiled > 2500, "only {compiled} of 4000 programs compiled");
     assert!(went_fast * 2 > evaluations, "only {went_fast} of {evaluations} evaluations went fast");
 }
+
+#[test]
+fn recursion_that_ends_soon_goes_fast() {
+    let text = b"half(x) = if(x - 1, half(x / 2), x);";
+    let mut sources = SourceMap::default();
+    let file = sources.add("half.cal", text.as_slice(), None);
+    let mut definitions = Definitions::with_initial_library();
+    definitions.load(file, text, &Scope::global()).expect("the text is right");
+    let root = Root::Expression { text: "half($1) + half($2)", span: sources.span(file, 0, 0) };
+    let program = Program::compile(&definitions, &Scope::global(), &[root], &Bindings::of_ray()).expect("it compiles");
+    let mut scratch = Scratch::new();
+    for (channels, is_fast, value) in [([0.5, 6.0], true, 1.25), ([3.0, 1e6], false, 0.75 + 1e6 / f64::from(1 << 20))] {
+        let channels = &channels[..];
+        assert_eq!(program.goes_fast(0, channels, &mut scratch), is_fast, "{channels:?}");
+        assert_eq!(program.eval(0, &[], channels, &mut scratch), Ok(value));
+    }
+}

@@ -2,13 +2,15 @@
 //!
 //! Arguments are lowered only when they are used, as at run time, so a branch that constants
 //! exclude costs nothing and is never an error. Recursion that constants do not terminate cannot be
-//! inlined; such roots are left to the exact machine.
+//! inlined. Such roots are left to the exact machine, besides the first few levels of the recursion,
+//! which are enough for patterns that refer to themselves a few times.
 
 use crate::bindings::{Bindings, Known};
 use crate::builtin::Builtin;
 use crate::graph::{DEEPEST, Graph, Node as GraphNode, Value};
 use crate::link::{highest_parameter, too_few_arguments, unknown};
 use crate::names::SymbolId;
+use crate::program::ReadRoot;
 use crate::syntax::{Body, Callee, Expr, Node, Operator};
 use radsight_diag::{Diagnostic, Span};
 use std::collections::HashMap;
@@ -24,6 +26,9 @@ const DEEPEST_CALLS: usize = 200;
 /// Maximum number of arguments of `select` that become branches instead of a table.
 const MOST_BRANCHES: usize = 256;
 
+/// Number of calls of a function inside of its own in an unrolled graph; deeper ones are faults.
+const UNROLLED_CALLS: usize = 3;
+
 /// The root cannot be represented as a graph, although it may be valid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TooComplex;
@@ -38,6 +43,8 @@ pub(crate) struct Lowering<'a> {
     /// Lowered variables; `None` while a variable is being lowered.
     variables: HashMap<SymbolId, Option<Value>>,
     frames: Vec<Frame<'a>>,
+    /// Functions that are being called, if recursion is unrolled.
+    unrolled: Option<Vec<SymbolId>>,
     /// Position in a file that led to the current expression.
     place: Option<Span>,
     steps: usize,
@@ -74,6 +81,7 @@ impl<'a> Lowering<'a> {
             graph: Graph::default(),
             variables: HashMap::new(),
             frames: vec![Frame { arguments: Vec::new(), caller: 0 }],
+            unrolled: None,
             place: None,
             steps: 0,
             depth: 0,
@@ -82,14 +90,28 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    /// Lowers only the first levels of recursion: a deeper call is a fault, after which the exact
+    /// machine evaluates. So problems and constants of this graph mean nothing.
+    pub(crate) fn unrolled(known: &'a Known<'a>, bindings: &'a Bindings<'a>) -> Lowering<'a> {
+        Lowering { unrolled: Some(Vec::new()), ..Lowering::new(known, bindings) }
+    }
+
     /// A root that is an expression.
-    pub(crate) fn expression(&mut self, body: &'a Body) -> Lowered<Value> {
+    fn expression(&mut self, body: &'a Body) -> Lowered<Value> {
         let value = self.lower(body, body.root, 0);
         self.end_root(value)
     }
 
+    /// A root after parsing.
+    pub(crate) fn root(&mut self, root: &'a ReadRoot) -> Lowered<Value> {
+        match root {
+            ReadRoot::Expression(body) => self.expression(body),
+            ReadRoot::Function { symbol, arity, span } => self.function(*symbol, *arity, *span),
+        }
+    }
+
     /// A root that is a function; the host gives its arguments.
-    pub(crate) fn function(&mut self, symbol: SymbolId, arity: u16, span: Option<Span>) -> Lowered<Value> {
+    fn function(&mut self, symbol: SymbolId, arity: u16, span: Option<Span>) -> Lowered<Value> {
         let arguments: Vec<_> = (0..arity).map(|index| Slot::Seen(self.graph.argument(index))).collect();
         let value = self.call(symbol, arguments, 0, span);
         self.end_root(value)
@@ -105,6 +127,7 @@ impl<'a> Lowering<'a> {
     fn end_root(&mut self, value: Lowered<Value>) -> Lowered<Value> {
         if value.is_err() {
             self.frames.truncate(1);
+            self.unrolled.iter_mut().for_each(Vec::clear);
             self.variables.retain(|_, value| value.is_some());
             self.depth = 0;
             self.place = None;
@@ -229,9 +252,16 @@ impl<'a> Lowering<'a> {
             if let Some(fault) = self.lacking(symbol, count, highest_parameter(&definition.body), span) {
                 return Ok(fault);
             }
+            if let Some(calls) = &mut self.unrolled {
+                if calls.iter().filter(|call| **call == symbol).count() > UNROLLED_CALLS {
+                    return Ok(self.graph.fault());
+                }
+                calls.push(symbol);
+            }
             self.frames.push(Frame { arguments, caller: frame });
             let value = self.lower(&definition.body, definition.body.root, self.frames.len() - 1)?;
             self.frames.pop();
+            self.unrolled.as_mut().and_then(Vec::pop);
             return Ok(value);
         }
         let host = self.bindings.function(self.known.bare_name(symbol));

@@ -6,7 +6,7 @@ use crate::emit::emit;
 use crate::fast::{Code, Registers};
 use crate::fault::{Fault, FaultKind, Warning};
 use crate::fault_log::{FaultLog, Faults};
-use crate::graph::Value;
+use crate::graph::{Graph, Value};
 use crate::limits::{MOST_FOLDING_STEPS, MOST_STEPS};
 use crate::link::Linker;
 use crate::lower::Lowering;
@@ -100,8 +100,8 @@ impl Scratch {
 
 /// Compiled roots, which threads can share.
 ///
-/// Each root has exact code, and fast code unless its recursion depends on the ray. Fast code stops
-/// at any possible fault, and the exact code runs instead.
+/// Each root has exact code, and mostly fast code: of recursion that depends on the ray, the first
+/// levels. Fast code stops at any possible fault and deeper calls, and the exact code runs instead.
 #[derive(Clone, Debug)]
 pub struct Program {
     image: Image,
@@ -147,14 +147,13 @@ impl Program {
             match root {
                 ReadRoot::Expression(body) => {
                     entries.push(Entry::Expression(linker.expression_root(body, body.root)));
-                    values.push(lowering.expression(body).ok());
                 }
                 ReadRoot::Function { symbol, arity, span } => {
                     let routine = linker.function_root(*symbol, *arity, *span);
                     entries.push(Entry::Function(routine.unwrap_or(0)));
-                    values.push(lowering.function(*symbol, *arity, *span).ok());
                 }
             }
+            values.push(lowering.root(root).ok());
         }
         let (image, exact_problems) = linker.finish();
         // The graph contains what an evaluation can reach; exact code also contains what constants
@@ -171,16 +170,17 @@ impl Program {
             Some(all) => lowering.channels(all),
             None => image.sorted_channels(),
         };
-        let graph = &lowering.graph;
-        let program = Program {
-            fast: values.iter().map(|value| value.and_then(|value| emit(graph, &[value]))).collect(),
-            fast_all: all.filter(|all| all.len() > 1).and_then(|all| emit(graph, &all)),
-            constants: values.iter().map(|value| value.and_then(|value| graph.as_constant(value))).collect(),
-            channels,
-            image,
-            entries,
-            faults: FaultLog::default(),
+        let constant = |value: &Option<Value>| value.and_then(|value| lowering.graph.as_constant(value));
+        let constants = values.iter().map(constant).collect();
+        let (fast, fast_all) = match all {
+            Some(_) => fast_code(&lowering.graph, &values),
+            None => {
+                let mut unrolled = Lowering::unrolled(known, bindings);
+                let values: Vec<Option<Value>> = roots.iter().map(|root| unrolled.root(root).ok()).collect();
+                fast_code(&unrolled.graph, &values)
+            }
         };
+        let program = Program { fast, fast_all, constants, channels, image, entries, faults: FaultLog::default() };
         Ok((program, lowering.circular()))
     }
 
@@ -342,6 +342,13 @@ impl Program {
     pub fn is_exhausted(&self) -> bool {
         self.faults.is_exhausted()
     }
+}
+
+/// Fast code of each root that a graph has a value of, and of all together.
+fn fast_code(graph: &Graph, values: &[Option<Value>]) -> (Vec<Option<Code>>, Option<Code>) {
+    let all: Option<Vec<Value>> = values.iter().copied().collect();
+    let of_each = values.iter().map(|value| value.and_then(|value| emit(graph, &[value]))).collect();
+    (of_each, all.filter(|all| all.len() > 1).and_then(|all| emit(graph, &all)))
 }
 
 /// Whether a value exceeds single precision, or is not a number.

@@ -99,7 +99,9 @@ impl Schedule {
         let node = graph.node(value);
         let own = match node {
             Node::Constant(_) | Node::Guarded(_) | Node::Argument(_) => 0,
-            Node::Channel(_) | Node::Fault | Node::Table(..) => 3,
+            Node::Channel(_) | Node::Table(..) => 3,
+            // Before a branch it would end every evaluation.
+            Node::Fault => CHEAP + 1,
             Node::Binary(Operator::Divide, ..) => 4,
             Node::Binary(Operator::Power, ..) | Node::Noise(..) | Node::Host(..) | Node::Function2(..) => 50,
             Node::Function(Builtin::Sqrt | Builtin::Floor | Builtin::Ceil, _) => 4,
