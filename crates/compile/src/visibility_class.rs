@@ -89,13 +89,14 @@ impl Visibility {
         let tolerance = IN_PLANE * radius;
         let emitters: Vec<Option<Emitter>> =
             lights.iter().map(|light| Emitter::new(light, &occluders, geometry.tolerance())).collect();
+        let order = largest_first(&occluders);
         let receivers = occluders
             .iter()
             .map(|occluder| Receiver {
                 between: emitters
                     .iter()
                     .map(|emitter| match emitter {
-                        Some(emitter) => between(occluder, emitter, &occluders, tolerance),
+                        Some(emitter) => between(occluder, emitter, (&occluders, &order), tolerance),
                         None => VisibilityClass::Anything,
                     })
                     .collect(),
@@ -233,7 +234,12 @@ impl Emitter<'_> {
 }
 
 /// Possible blockers between a receiver and a light.
-fn between(occluder: &Occluder, emitter: &Emitter, occluders: &[Occluder], tolerance: f64) -> VisibilityClass {
+fn between(
+    occluder: &Occluder,
+    emitter: &Emitter,
+    (occluders, order): (&[Occluder], &[usize]),
+    tolerance: f64,
+) -> VisibilityClass {
     let Emitter { light, source, hidden_by } = emitter;
     if occluder.surface == light.surface {
         return VisibilityClass::Anything;
@@ -247,20 +253,30 @@ fn between(occluder: &Occluder, emitter: &Emitter, occluders: &[Occluder], toler
     let normals = [occluder, *source].into_iter().filter_map(|of| of.plane.map(|(normal, _)| Axis::Other(normal)));
     let extents: Vec<Extent> =
         axes.chain(normals).filter_map(|axis| Extent::new(axis, [occluder, *source], tolerance)).collect();
-    let blockers: Vec<MemberId> = occluders
+    let mut blockers: Vec<MemberId> = order
         .iter()
-        .zip(hidden_by)
+        .map(|index| (&occluders[*index], &hidden_by[*index]))
         .filter(|(other, _)| other.surface != light.surface)
         .filter(|(other, _)| other.member != occluder.member || occluder.plane.is_none())
         .filter(|(other, hides)| **hides || !extents.iter().any(|extent| extent.leaves_out(other)))
         .map(|(other, _)| other.member)
         .take(MAX_BLOCKERS + 1)
         .collect();
+    blockers.sort_unstable_by_key(|member| member.0);
     match blockers.len() {
         0 => VisibilityClass::Nothing,
         1..=MAX_BLOCKERS => VisibilityClass::Few(blockers),
         _ => VisibilityClass::Anything,
     }
+}
+
+/// The indices of occluders by the size of their bounds: most segments that are blocked at all are
+/// blocked by large ones, which end the search.
+fn largest_first(occluders: &[Occluder]) -> Vec<usize> {
+    let size = |index: &usize| occluders[*index].bounds.iter().map(|(low, high)| high - low).sum::<f64>();
+    let mut order: Vec<usize> = (0..occluders.len()).collect();
+    order.sort_by(|one, other| size(other).total_cmp(&size(one)));
+    order
 }
 
 /// An axis along which surfaces are compared.
