@@ -40,18 +40,13 @@ const COARSE_RAYS: (u32, u32) = (2, 4);
 const NOISY_RAYS: (u32, u32) = (2, 2);
 const FINE_RAYS: (u32, u32) = (1, 1);
 
-/// Rays that find the surfaces in a silhouette pixel, and the offset of their ray numbers.
-const SILHOUETTE_PROBES: u32 = 4;
+/// Rays that find the surfaces in a silhouette pixel, besides that of its sample, and the offset of
+/// their ray numbers. Twice as many do not bring more blocks of 8 × 8 pixels near to the truth.
+const SILHOUETTE_PROBES: u32 = 2;
 const PROBES: u64 = 1 << (46 + INDEX_LOG2);
 
 /// Number of rings of glossy cells around a noisy one that are divided with it.
 const HIGHLIGHT_RINGS: u32 = 2;
-
-/// Radius of the filter, in steps of the grid.
-const FILTER_RADIUS: usize = 2;
-
-/// The minimum weight ([`Block::for_each_neighbor`]) of samples one step away.
-const ADJACENT_WEIGHT: f64 = 4.0;
 
 /// Pixels darker than this fraction of the typical value need no more accuracy.
 const DARK_FRACTION: f64 = 0.03;
@@ -70,25 +65,28 @@ const DOUBLINGS: usize = 2;
 /// first grids with a larger spacing end here.
 const STREAMS: usize = 32;
 
+/// Number of pixels that are traced together, enough for many threads.
+const TRACED_TOGETHER: usize = 1 << 12;
+
 /// Minimum weight of the records at a corner of a cell: others may lie on another surface.
 const LEAST_SHARE: f64 = 0.01;
 
 /// Samples of a block of rows, and of the adjacent rows that its interpolation needs.
 #[derive(Debug)]
-struct Block<'b> {
+pub(crate) struct Block<'b> {
     renderer: &'b Renderer,
-    camera: &'b ViewCamera,
+    pub(crate) camera: &'b ViewCamera,
     lights: &'b DrawnLights,
     interpolation: Interpolation,
     /// Differences below this are invisible.
     darkness: f64,
     first_row: usize,
-    rows: usize,
+    pub(crate) rows: usize,
     /// The requested rows, from `first_row` on.
     wanted: Range<usize>,
-    samples: Vec<Option<Sample>>,
+    pub(crate) samples: Vec<Option<Sample>>,
     /// The spacing of the grid on which each pixel was sampled; 0 for none.
-    spacing: Vec<u8>,
+    pub(crate) spacing: Vec<u8>,
     /// Direct light of the sampled pixels of the grids that may be divided; empty if it is not
     /// recorded.
     records: Vec<Option<Arc<DirectRecord>>>,
@@ -176,11 +174,11 @@ fn rays_of(spacing: usize, noise: Noise) -> (u32, u32) {
 }
 
 impl Block<'_> {
-    fn at(&self, (column, row): (usize, usize)) -> usize {
+    pub(crate) fn at(&self, (column, row): (usize, usize)) -> usize {
         row * self.camera.columns() + column
     }
 
-    fn sampled(&self, pixel: (usize, usize)) -> Option<&Sample> {
+    pub(crate) fn sampled(&self, pixel: (usize, usize)) -> Option<&Sample> {
         self.samples[self.at(pixel)].as_ref()
     }
 
@@ -199,7 +197,7 @@ impl Block<'_> {
             let stream = if doubling == 0 { spacing } else { STREAMS - doubling };
             let pixels = first_pixels([&columns, &rows], 1 << doubling, 1 << doublings);
             let wanted = pixels.into_iter().map(|(pixel, cell)| Wanted { pixel, noise: Noise::Low, cell });
-            self.trace(wanted.collect(), (spacing, stream));
+            self.trace(&wanted.collect::<Vec<_>>(), (spacing, stream));
         }
         self.darkness = DARK_FRACTION * self.interpolation.contrast * self.typical();
         let pairs = |steps: &[usize]| -> Vec<(usize, usize)> {
@@ -220,27 +218,47 @@ impl Block<'_> {
                 self.spread_noise(&cells, &mut is_smooth);
             }
             let mut divided = Vec::new();
-            let mut wanted = Vec::new();
             for (cell, is_smooth) in cells.into_iter().zip(is_smooth) {
                 if is_smooth {
                     smooth.push(cell);
                 } else if cell.is_divisible() {
-                    let (columns, rows) = cell.parts();
-                    let noise = if self.is_noisy(&cell) { Noise::High } else { Noise::Low };
-                    let pixels = rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row)));
-                    let pixels = pixels.filter(|pixel| self.sampled(*pixel).is_none());
-                    wanted.extend(pixels.map(|pixel| Wanted { pixel, noise, cell: Some(cell) }));
-                    divided.extend(cell.divided());
+                    divided.push(cell);
                 }
             }
             finer = (finer / 2).max(1);
-            // A pixel between cells counts as noisy if one of them is.
-            wanted.sort_by_key(|Wanted { pixel: (column, row), noise, .. }| (*row, *column, *noise));
-            wanted.dedup_by_key(|wanted| wanted.pixel);
-            self.trace(wanted, (finer, finer));
-            cells = divided.into_iter().filter(Cell::is_divisible).collect();
+            let wanted = self.pixels_of_parts(&divided);
+            self.trace(&wanted, (finer, finer));
+            cells = divided.iter().flat_map(Cell::divided).filter(Cell::is_divisible).collect();
         }
         smooth
+    }
+
+    /// The pixels to be sampled at the corners of the parts of cells, each once.
+    fn pixels_of_parts(&self, cells: &[Cell]) -> Vec<Wanted> {
+        let mut wanted: Vec<Wanted> = Vec::new();
+        // By pixel: one more than its index in `wanted`, or 0.
+        let mut places = vec![0_u32; self.samples.len()];
+        for cell in cells {
+            let (columns, rows) = cell.parts();
+            let noise = if self.is_noisy(cell) { Noise::High } else { Noise::Low };
+            for pixel in rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row))) {
+                let at = self.at(pixel);
+                if self.samples[at].is_some() {
+                    continue;
+                }
+                let of_cell = Wanted { pixel, noise, cell: Some(*cell) };
+                match (places[at] as usize).checked_sub(1) {
+                    // A pixel between cells counts as noisy if one of them is.
+                    Some(place) if noise < wanted[place].noise => wanted[place] = of_cell,
+                    Some(_) => {}
+                    None => {
+                        wanted.push(of_cell);
+                        places[at] = wanted.len() as u32;
+                    }
+                }
+            }
+        }
+        wanted
     }
 
     /// Divides glossy cells next to noisy ones. A cell whose corners all missed a rare bright
@@ -289,19 +307,22 @@ impl Block<'_> {
     }
 
     /// Traces the rays of pixels of a grid; `stream` numbers them.
-    fn trace(&mut self, pixels: Vec<Wanted>, (spacing, stream): (usize, usize)) {
-        let (renderer, block) = (self.renderer, &*self);
-        let samples: Vec<(Sample, Option<Arc<DirectRecord>>)> = pixels
-            .par_iter()
-            .with_min_len(16)
-            .map_init(|| renderer.worker(), |worker, wanted| block.sample_of(worker, wanted, (spacing, stream)))
-            .collect();
-        for (Wanted { pixel, .. }, (sample, record)) in pixels.into_iter().zip(samples) {
-            let at = self.at(pixel);
-            self.samples[at] = Some(sample);
-            self.spacing[at] = spacing as u8;
-            if record.is_some() {
-                self.records[at] = record;
+    fn trace(&mut self, pixels: &[Wanted], (spacing, stream): (usize, usize)) {
+        // In parts, whose memory is used again: the first use of a page costs as much as a ray.
+        for pixels in pixels.chunks(TRACED_TOGETHER) {
+            let (renderer, block) = (self.renderer, &*self);
+            let samples: Vec<(Sample, Option<Arc<DirectRecord>>)> = pixels
+                .par_iter()
+                .with_min_len(16)
+                .map_init(|| renderer.worker(), |worker, wanted| block.sample_of(worker, wanted, (spacing, stream)))
+                .collect();
+            for (Wanted { pixel, .. }, (sample, record)) in pixels.iter().zip(samples) {
+                let at = self.at(*pixel);
+                self.samples[at] = Some(sample);
+                self.spacing[at] = spacing as u8;
+                if record.is_some() {
+                    self.records[at] = record;
+                }
             }
         }
     }
@@ -373,7 +394,7 @@ impl Block<'_> {
     }
 
     /// Whether two samples differ by no more than the allowed contrast, or than moderate noise.
-    fn agree(&self, one: &Sample, other: &Sample) -> bool {
+    pub(crate) fn agree(&self, one: &Sample, other: &Sample) -> bool {
         let chance = CHANCE_ERRORS * (one.variance + other.variance).sqrt();
         (0..3).all(|band| {
             let [a, b] = [one, other].map(|sample| sample.value[band]);
@@ -424,10 +445,9 @@ impl Block<'_> {
     fn interpolated(&self, smooth: &[Cell]) -> Vec<[f32; 3]> {
         let columns = self.camera.columns();
         let all = || (0..self.samples.len()).into_par_iter().with_min_len(256);
-        let patches: Vec<Patch> = all().map(|at| self.patch(at)).collect();
-        let averaged: Vec<[f64; 3]> = all().map(|at| self.averaged(&patches, at)).collect();
-        let mut pixels: Vec<[f64; 3]> =
-            all().map(|at| self.antialiased(&averaged, (at % columns, at / columns))).collect();
+        let averaged = self.all_averaged();
+        let pixel = |at: usize| self.antialiased(&averaged, (at % columns, at / columns)).map(|band| band as f32);
+        let mut pixels: Vec<[f32; 3]> = all().map(pixel).collect();
         for cell in smooth {
             let corners = cell.corners().map(|corner| averaged[self.at(corner)]);
             for row in cell.top..=cell.bottom {
@@ -438,12 +458,12 @@ impl Block<'_> {
                     }
                     let shares = cell.shares((column, row));
                     pixels[at] = std::array::from_fn(|band| {
-                        shares.iter().zip(&corners).map(|(share, corner)| share * corner[band]).sum()
+                        shares.iter().zip(&corners).map(|(share, corner)| share * corner[band]).sum::<f64>() as f32
                     });
                 }
             }
         }
-        pixels.into_iter().map(|pixel| pixel.map(|band| band as f32)).collect()
+        pixels
     }
 
     /// A silhouette pixel: probe rays find the fraction of it that each adjacent surface covers.
@@ -486,130 +506,4 @@ impl Block<'_> {
         }
         near.iter().find(|(surface, _)| surface.continues(&met)).map(|(_, value)| *value)
     }
-
-    /// The spacing of the finest grid that has samples next to a pixel.
-    fn step_around(&self, (column, row): (usize, usize)) -> usize {
-        let spacing = usize::from(self.spacing[self.at((column, row))]);
-        let has = |x: usize, y: usize| x < self.camera.columns() && y < self.rows && self.sampled((x, y)).is_some();
-        let mut step = 1;
-        while step < spacing
-            && !has(column + step, row)
-            && !has(column, row + step)
-            && !has(column.wrapping_sub(step), row)
-            && !has(column, row.wrapping_sub(step))
-        {
-            step *= 2;
-        }
-        step.max(1)
-    }
-
-    /// Calls `visit` for the samples of the same surface on the grid of a pixel, up to two steps
-    /// away, with their index and the weight of their distance; includes the pixel. `matters`
-    /// excludes samples before the surfaces are compared.
-    #[inline]
-    fn for_each_neighbor(
-        &self,
-        at: usize,
-        matters: impl Fn(&Sample, f64) -> bool,
-        mut visit: impl FnMut(usize, &Sample, f64),
-    ) {
-        let Some(own) = &self.samples[at] else { return };
-        let columns = self.camera.columns();
-        let (column, row) = (at % columns, at / columns);
-        let step = self.step_around((column, row));
-        // The steps that stay inside of the picture.
-        let steps = |place: usize, count: usize| {
-            let before = (place / step).min(FILTER_RADIUS) as isize;
-            let after = ((count - 1 - place) / step).min(FILTER_RADIUS) as isize;
-            -before..=after
-        };
-        let weight = |steps: isize| FILTER_RADIUS + 1 - steps.unsigned_abs();
-        for down in steps(row, self.rows) {
-            let first = row.wrapping_add_signed(down * step as isize) * columns;
-            for right in steps(column, columns) {
-                let other = first + column.wrapping_add_signed(right * step as isize);
-                let Some(near) = &self.samples[other] else { continue };
-                let weight = (weight(right) * weight(down)) as f64;
-                if !matters(near, weight) {
-                    continue;
-                }
-                // Between samples that are not adjacent light may change arbitrarily, unless they
-                // agree.
-                if other == at || (own.surface.joins(&near.surface) && (step == 1 || self.agree(own, near))) {
-                    visit(other, near, weight);
-                }
-            }
-        }
-    }
-
-    /// The combined statistics of the samples around a pixel.
-    fn patch(&self, at: usize) -> Patch {
-        let Some(sample) = self.samples[at].as_ref().filter(|sample| sample.surface.key != SEVERAL) else {
-            return Patch::default();
-        };
-        let (mut variance, mut weights) = (0.0, 0.0);
-        self.for_each_neighbor(
-            at,
-            |other, _| other.rays > 1,
-            |_, other, weight| {
-                let rays = f64::from(other.rays);
-                variance += weight * (rays - 1.0) * other.variance * rays;
-                weights += weight * (rays - 1.0);
-            },
-        );
-        if weights <= 0.0 {
-            return Patch::default();
-        }
-        let (mut sum, mut near) = (0.0, 0.0);
-        self.for_each_neighbor(
-            at,
-            |_, weight| weight >= ADJACENT_WEIGHT,
-            |_, other, _| {
-                let rays = f64::from(other.rays);
-                sum += rays * mean(&other.value);
-                near += rays;
-            },
-        );
-        if near <= 0.0 {
-            return Patch::default();
-        }
-        let variance = variance / weights;
-        let own = variance / f64::from(sample.rays);
-        Patch { variance: own, mean: sum / near, variance_of_mean: variance / near }
-    }
-
-    /// The mean of a sample and of those around it that see the same surface and differ by no more
-    /// than noise, as samples and as patches (non-local means: Buades, Coll and Morel 2005;
-    /// Rousselle, Knaus and Zwicker 2012).
-    fn averaged(&self, patches: &[Patch], at: usize) -> [f64; 3] {
-        let Some(sample) = &self.samples[at] else { return [0.0; 3] };
-        let patch = &patches[at];
-        if patch.variance <= 0.0 {
-            return sample.value;
-        }
-        let (mut sum, mut weights) = ([0.0; 3], 0.0);
-        self.for_each_neighbor(
-            at,
-            |_, _| true,
-            |index, other, weight| {
-                let near = &patches[index];
-                let own = (mean(&sample.value) - mean(&other.value)).powi(2) / (patch.variance + near.variance);
-                let together = (patch.mean - near.mean).powi(2) / (patch.variance_of_mean + near.variance_of_mean);
-                let difference = if index == at { 0.0 } else { 0.5 * own.max(together) };
-                let weight = weight * f64::from(other.rays) / (1.0 + difference.powi(2));
-                sum = std::array::from_fn(|band| sum[band] + weight * other.value[band]);
-                weights += weight;
-            },
-        );
-        sum.map(|band| band / weights)
-    }
-}
-
-/// Statistics of a sample and its adjacent samples.
-#[derive(Clone, Copy, Debug, Default)]
-struct Patch {
-    /// Squared standard error of a single sample, from the variance of adjacent rays; 0 if unknown.
-    variance: f64,
-    mean: f64,
-    variance_of_mean: f64,
 }

@@ -17,6 +17,7 @@ mod grid;
 mod interpolated;
 mod light_strata;
 mod noise;
+mod noise_filter;
 mod part;
 mod pixel_sample;
 mod projection;
