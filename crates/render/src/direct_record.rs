@@ -206,6 +206,16 @@ impl DirectRecorder {
         sum(RecordedLight::sum).max(LEAST_LEVEL * sum(|light| light.unshadowed))
     }
 
+    /// Whether the points of the ray are recorded.
+    pub(crate) fn records(&self) -> bool {
+        self.record.is_some()
+    }
+
+    /// Goes on to the next point of a ray that is not recorded.
+    pub(crate) fn pass_point(&mut self) {
+        self.points += 1;
+    }
+
     /// Records the current point, for whose lights [`DirectRecorder::expected`] holds what is now
     /// known of them.
     pub(crate) fn finish_point(&mut self, point: RecordedPoint) {
