@@ -97,11 +97,12 @@ impl DirectSampler<'_> {
         let diffuse = std::array::from_fn(|band| point.diffuse.get(band).map_or(0.0, |diffuse| *diffuse as f32));
         let here = RecordedPoint { position: self.point, normal: self.normal, diffuse };
         let is_known = recorder.expect(&here, plan.lights.len()) && is_predictable(point);
-        if !is_known && !recorder.records() {
+        let relative = plan.options.direct_threshold.relative();
+        // Records are expected of all lights; other rays need no more than what was asked for.
+        if !is_known && !recorder.records() && relative > 1.0 {
             recorder.pass_point();
             return self.sample_strong(tracer, point, first_set);
         }
-        let relative = plan.options.direct_threshold.relative();
         let thresholds = if is_known { Thresholds::new(recorder.level(), relative) } else { None };
         let cone = HighlightCone::new(&self.reception.peak, point.diffuse.iter().copied().fold(0.0, f64::max));
         let set = DimensionSet::render(tracer.next_set);
