@@ -4,56 +4,55 @@ use crate::ray::Ray;
 use glam::DVec3;
 use std::ops::Range;
 
-/// A shear that maps the ray to the z axis, which reduces the test to two dimensions.
+/// A shear that maps the ray to the axis along which it is longest, which reduces the test to two
+/// dimensions.
 ///
 /// Two polygons that share an edge project its ends to the same numbers, so no ray passes between
 /// them or through both (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1),
 /// 2013).
 #[derive(Clone, Copy, Debug)]
 pub struct RayFrame {
-    /// The axis along which the ray is longest, and the two others.
+    /// The axes of u and v, and the longest one.
     axes: [usize; 3],
-    /// Shear of the two others along the first.
-    shear: [f64; 2],
+    /// The ray's origin along these axes.
+    origin: [f64; 3],
+    /// By how much u and v change along the longest axis.
+    slopes: [f64; 2],
 }
 
 impl RayFrame {
     /// The shear of a ray.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn new(ray: &Ray) -> RayFrame {
         let size = ray.direction.abs();
-        let axes = if size.x > size.y && size.x > size.z {
-            [0, 1, 2]
-        } else if size.y > size.z {
-            [1, 2, 0]
-        } else {
-            [2, 0, 1]
-        };
-        let [along, u, v] = axes.map(|axis| ray.direction[axis]);
-        RayFrame { axes, shear: [-u / along, -v / along] }
+        // Branch-free, since the longest axis is unpredictable.
+        let without_x = if size.y > size.z { 1 } else { 2 };
+        let longest = if (size.x > size.y) & (size.x > size.z) { 0 } else { without_x };
+        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][longest];
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        let along = direction[axes[2]];
+        RayFrame {
+            axes,
+            origin: [origin[axes[0]], origin[axes[1]], origin[axes[2]]],
+            slopes: [-direction[axes[0]] / along, -direction[axes[1]] / along],
+        }
     }
 
-    /// The coordinates of a point in the order of the axes.
-    #[inline]
-    fn ordered(&self, point: &DVec3) -> [f64; 3] {
+    /// The coordinates u and v of a point.
+    #[inline(always)]
+    fn project(&self, point: &DVec3) -> (f64, f64) {
         let point: &[f64; 3] = point.as_ref();
-        self.axes.map(|axis| point[axis])
-    }
-
-    /// A point relative to an origin with ordered coordinates, perpendicular to the ray.
-    #[inline]
-    fn project(&self, point: &DVec3, origin: &[f64; 3]) -> (f64, f64) {
-        let point = self.ordered(point);
-        let along = point[0] - origin[0];
-        (point[1] - origin[1] + self.shear[0] * along, point[2] - origin[2] + self.shear[1] * along)
+        let along = point[self.axes[2]] - self.origin[2];
+        let [u, v] = [point[self.axes[0]] - self.origin[0], point[self.axes[1]] - self.origin[1]];
+        (u + self.slopes[0] * along, v + self.slopes[1] * along)
     }
 }
 
 /// Distance along the ray to the polygon's plane, if the ray passes through the polygon.
 #[inline]
 pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
-    if !passes_through(vertices, ray.origin, frame) {
+    if !passes_through(vertices, frame) {
         return None;
     }
     let normal = area_vector(vertices);
@@ -62,10 +61,9 @@ pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: 
 }
 
 /// [`intersect`] for three vertices.
-#[inline]
+#[inline(always)]
 pub(crate) fn intersect_triangle(vertices: &[DVec3; 3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
-    let origin = frame.ordered(&ray.origin);
-    let [a, b, c] = [0, 1, 2].map(|corner| frame.project(&vertices[corner], &origin));
+    let [a, b, c] = [frame.project(&vertices[0]), frame.project(&vertices[1]), frame.project(&vertices[2])];
     if !(crosses(c, a) ^ crosses(a, b) ^ crosses(b, c)) {
         return None;
     }
@@ -77,12 +75,11 @@ pub(crate) fn intersect_triangle(vertices: &[DVec3; 3], ray: &Ray, frame: &RayFr
 /// Whether the line of the ray crosses the polygon: the parity of edges that cross the positive
 /// half axis.
 #[inline]
-fn passes_through(vertices: &[DVec3], origin: DVec3, frame: &RayFrame) -> bool {
+fn passes_through(vertices: &[DVec3], frame: &RayFrame) -> bool {
     let mut inside = false;
-    let origin = frame.ordered(&origin);
-    let mut previous = frame.project(&vertices[vertices.len() - 1], &origin);
+    let mut previous = frame.project(&vertices[vertices.len() - 1]);
     for vertex in vertices {
-        let next = frame.project(vertex, &origin);
+        let next = frame.project(vertex);
         inside ^= crosses(previous, next);
         previous = next;
     }
@@ -90,7 +87,7 @@ fn passes_through(vertices: &[DVec3], origin: DVec3, frame: &RayFrame) -> bool {
 }
 
 /// Whether an edge crosses the positive half of the u axis.
-#[inline]
+#[inline(always)]
 fn crosses((u0, v0): (f64, f64), (u1, v1): (f64, f64)) -> bool {
     // The sign of the crossing's u is that of this determinant over v1 − v0. Swapping the ends
     // changes both signs, and a crossing at zero counts for neither of the polygons that share the
