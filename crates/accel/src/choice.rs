@@ -2,6 +2,7 @@
 
 use crate::coincident::{Rank, Substance, rounding};
 use crate::geometry::Geometry;
+use crate::hierarchy::{AnyOrder, Visited};
 use crate::ids::{MemberId, PrimitiveId};
 use crate::intersection::Crossing;
 use crate::limits::Limits;
@@ -51,8 +52,8 @@ impl Geometry {
         let limits = Limits { nearest, farthest: distance + self.tolerance };
         let frame = RayFrame::new(ray);
         let mut hits = Vec::new();
-        self.hierarchy.visit(self.search(ray, limits.farthest), |index| {
-            hits.extend(self.crossing(scene, MemberId(index), ray, &frame, from, &limits));
+        self.hierarchy.visit(AnyOrder, self.search(scene, ray, limits.farthest), |Visited { slot, .. }| {
+            hits.extend(self.crossing(scene, MemberId(slot), ray, &frame, from, &limits));
             limits.farthest
         });
         self.choose(scene, ray, hits, limits.farthest).map(|crossing| crossing.primitive)

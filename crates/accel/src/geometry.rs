@@ -25,9 +25,6 @@ pub struct Geometry {
     listing: Vec<MemberId>,
     /// Their shapes, contiguous for traversal.
     pub(crate) shapes: Vec<Shape>,
-    /// Their vertices in the order of the slots, if all are triangles and many rays justify a copy;
-    /// otherwise empty.
-    pub(crate) corners: Vec<[DVec3; 3]>,
     /// The members that contain others, ascending.
     pub(crate) holders: Vec<MemberId>,
     /// The first primitive of each of them, and the total number of primitives.
@@ -109,10 +106,6 @@ impl Geometry {
         geometry.hierarchy = hierarchy;
         geometry.members = order.into_iter().map(|index| handles[index as usize]).collect();
         geometry.shapes = geometry.members.iter().map(|handle| scene.surfaces[*handle].shape).collect();
-        if builder == Builder::Thorough && geometry.shapes.iter().all(|shape| triangle_of(scene, *shape).is_some()) {
-            let corners = |shape: &Shape| triangle_of(scene, *shape).unwrap_or_default();
-            geometry.corners = geometry.shapes.iter().map(corners).collect();
-        }
         geometry.outlines = outlines(scene, &geometry.shapes);
         geometry.number_primitives(scene)?;
         Ok(geometry)
@@ -124,7 +117,6 @@ impl Geometry {
             members: Vec::new(),
             listing: Vec::new(),
             shapes: Vec::new(),
-            corners: Vec::new(),
             holders: Vec::new(),
             firsts: Vec::new(),
             hierarchy: Hierarchy::default(),
@@ -218,12 +210,7 @@ impl Geometry {
         let members = size_of::<SurfaceHandle>() + size_of::<Shape>();
         let meshes: usize = self.meshes.iter().map(MeshGeometry::bytes).sum();
         let octrees: usize = self.octrees.iter().map(|octree| octree.hierarchy_bytes()).sum();
-        self.hierarchy.bytes()
-            + size_of_val(&*self.corners)
-            + self.members.len() * members
-            + size_of_val(&*self.listing)
-            + meshes
-            + octrees
+        self.hierarchy.bytes() + self.members.len() * members + size_of_val(&*self.listing) + meshes + octrees
     }
 
     /// Number of members.

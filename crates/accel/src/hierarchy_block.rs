@@ -13,8 +13,8 @@ const RELATIVE_ERROR: f32 = 4e-6;
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Block {
-    /// By vertex, by axis, by triangle.
-    corners: [[[u8; 4]; 3]; 3],
+    /// By axis, by vertex (the third one first), by triangle.
+    corners: [[u8; 12]; 3],
     grid: Grid,
     slots: u32,
 }
@@ -26,26 +26,27 @@ const COUNT_SHIFT: u32 = 29;
 const HOLDS_OTHERS: u32 = 1 << 31;
 
 impl Block {
-    /// Packs `count` slots from `first_slot` on; triangles have vertices relative to the centre of
-    /// the hierarchy.
-    pub(crate) fn new(first_slot: u32, count: u32, triangle_of: impl Fn(u32) -> Option<[DVec3; 3]>) -> Block {
-        let slots = (count - 1) << COUNT_SHIFT | first_slot;
+    /// Packs the items in the slots from `first_slot` on; triangles have vertices relative to the
+    /// centre of the hierarchy.
+    pub(crate) fn new(first_slot: u32, items: &[Option<[DVec3; 3]>]) -> Block {
+        let count = items.len();
+        let slots = (count as u32 - 1) << COUNT_SHIFT | first_slot;
         let mut triangles = [[Vec3::ZERO; 3]; 4];
-        for lane in 0..count {
-            match triangle_of(first_slot + lane) {
-                Some(triangle) => triangles[lane as usize] = triangle.map(|corner| corner.as_vec3()),
-                None => return Block { corners: [[[0; 4]; 3]; 3], grid: Grid::default(), slots: slots | HOLDS_OTHERS },
+        for (triangle, item) in triangles.iter_mut().zip(items) {
+            match item {
+                Some(corners) => *triangle = corners.map(|corner| corner.as_vec3()),
+                None => return Block { corners: [[0; 12]; 3], grid: Grid::default(), slots: slots | HOLDS_OTHERS },
             }
         }
-        let corners = triangles[..count as usize].iter().flatten();
+        let corners = triangles[..count].iter().flatten();
         let (low, high) = corners
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| (low.min(*corner), high.max(*corner)));
         let grid = Grid::over(low, high);
-        let mut corners = [[[0; 4]; 3]; 3];
-        for (lane, triangle) in triangles[..count as usize].iter().enumerate() {
-            for (corner, point) in corners.iter_mut().zip(triangle) {
-                for (axis, place) in corner.iter_mut().enumerate() {
-                    place[lane] = grid.steps(axis, point[axis]).round() as u8;
+        let mut corners = [[0; 12]; 3];
+        for (lane, triangle) in triangles[..count].iter().enumerate() {
+            for (vertex, point) in triangle.iter().enumerate() {
+                for (axis, places) in corners.iter_mut().enumerate() {
+                    places[4 * ((vertex + 1) % 3) + lane] = grid.steps(axis, point[axis]).round() as u8;
                 }
             }
         }
@@ -66,15 +67,29 @@ impl Block {
 
     /// One bit per item.
     #[inline(always)]
-    fn all(&self) -> u32 {
+    pub(crate) fn all(&self) -> u32 {
         (2 << (self.slots >> COUNT_SHIFT & 3)) - 1
+    }
+
+    /// Whether an item is not a triangle.
+    #[inline(always)]
+    pub(crate) fn holds_others(&self) -> bool {
+        self.slots & HOLDS_OTHERS != 0
+    }
+
+    /// The grid coordinates of all vertices along an axis: the third ones, the first, the second.
+    #[inline(always)]
+    pub(crate) fn places(&self, axis: usize) -> &[u8; 12] {
+        &self.corners[axis]
     }
 }
 
 /// A ray sheared to run along one axis (Woop, Benthin, Wald, "Watertight Ray/Triangle
 /// Intersection", JCGT 2(1), 2013), with the single-precision error bound.
 pub(crate) struct Probe {
-    axes: [usize; 3],
+    /// The axes of u and v, and the longest one.
+    pub(crate) axes: [usize; 3],
+    /// The ray's origin along these axes.
     origin: [f32; 3],
     shear: [f32; 2],
     /// Reciprocal of the direction along the longest axis.
@@ -82,58 +97,91 @@ pub(crate) struct Probe {
     error: f32,
 }
 
+/// The grid of a block as a ray sees it: its coordinates are `start + places·step`.
+pub(crate) struct Projection {
+    /// Of u and v, from the ray.
+    pub(crate) start: [f32; 2],
+    pub(crate) step: [f32; 2],
+    /// By how much u and v change per step along the ray's longest axis.
+    pub(crate) shear: [f32; 2],
+    /// Maximum error of a coordinate.
+    pub(crate) error: f32,
+    /// Of the distance along the ray, per step along its longest axis.
+    pub(crate) distance: f32,
+    pub(crate) distance_step: f32,
+    pub(crate) distance_error: f32,
+}
+
 impl Probe {
     /// For a ray from `origin`, relative to the centre of a hierarchy with this radius.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(origin: Vec3, direction: Vec3, radius: f32) -> Probe {
-        let z = direction.abs().max_position();
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        let inverse = direction[z].recip();
+        let size = direction.abs();
+        // Branch-free, since the longest axis is unpredictable.
+        let without_x = if size.y > size.z { 1 } else { 2 };
+        let longest = if (size.x > size.y) & (size.x > size.z) { 0 } else { without_x };
+        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][longest];
+        let (origin, direction) = (origin.to_array(), direction.to_array());
+        let inverse = direction[longest].recip();
         Probe {
             axes,
-            origin: axes.map(|axis| origin[axis]),
-            shear: [axes[0], axes[1]].map(|axis| direction[axis] * inverse),
+            origin: [origin[axes[0]], origin[axes[1]], origin[axes[2]]],
+            shear: [direction[axes[0]] * inverse, direction[axes[1]] * inverse],
             inverse,
             error: RELATIVE_ERROR * radius,
         }
     }
 
-    /// One bit per item that the ray may hit before `farthest`.
     #[inline(always)]
+    pub(crate) fn project(&self, block: &Block) -> Projection {
+        let [x, y, z] = self.axes;
+        let grid = &block.grid;
+        let along = grid.origin[z] - self.origin[2];
+        let [step_x, step_y, step_z] = [grid.step[x], grid.step[y], grid.step[z]];
+        let shear = [self.shear[0] * step_z, self.shear[1] * step_z];
+        // A vertex is within half a grid step of its exact position.
+        let [steps_x, steps_y] = [step_x + shear[0].abs(), step_y + shear[1].abs()];
+        let steps = if steps_x > steps_y { steps_x } else { steps_y };
+        Projection {
+            start: [
+                grid.origin[x] - self.origin[0] - self.shear[0] * along,
+                grid.origin[y] - self.origin[1] - self.shear[1] * along,
+            ],
+            step: [step_x, step_y],
+            shear,
+            error: self.error + 0.5 * steps,
+            distance: along * self.inverse,
+            distance_step: step_z * self.inverse,
+            // The longest component of a unit vector is at least 1/√3.
+            distance_error: 1.74 * (self.error + 0.5 * step_z),
+        }
+    }
+
+    /// One bit per item that the ray may hit before `farthest`.
+    #[inline]
     pub(crate) fn candidates(&self, block: &Block, farthest: f32) -> u32 {
-        if block.slots & HOLDS_OTHERS != 0 {
+        if block.holds_others() {
             return block.all();
         }
-        let [x, y, z] = self.axes;
-        let step = self.axes.map(|axis| block.grid.step[axis]);
-        let from = [0, 1, 2].map(|at| block.grid.origin[self.axes[at]] - self.origin[at]);
-        let start = [0, 1].map(|at| Vec4::splat(from[at] - self.shear[at] * from[2]));
-        let shear = [0, 1].map(|at| Vec4::splat(self.shear[at] * step[2]));
-        let [step_x, step_y, step_z] = step.map(Vec4::splat);
-        let [a, b, c] = block.corners.map(|corner| {
-            let along = lanes(corner[z]);
+        let Projection { start, step, shear, error, distance, distance_step, distance_error } = self.project(block);
+        let [c, a, b] = [0, 1, 2].map(|vertex| {
+            let [x, y, z] = self.axes.map(|axis| lanes(block.places(axis).as_chunks().0[vertex]));
             [
-                lanes(corner[x]) * step_x - along * shear[0] + start[0],
-                lanes(corner[y]) * step_y - along * shear[1] + start[1],
-                along * step_z,
+                x * step[0] - z * shear[0] + Vec4::splat(start[0]),
+                y * step[1] - z * shear[1] + Vec4::splat(start[1]),
+                z * distance_step + Vec4::splat(distance),
             ]
         });
         let sides = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
         let low = sides[0].min(sides[1]).min(sides[2]);
         let high = sides[0].max(sides[1]).max(sides[2]);
-        // A vertex is within half a grid step of its exact position, and the shear adds at most as
-        // much along the ray.
-        let error = self.error + 0.5 * (step[0].max(step[1]) + step[2]);
         // The error of an edge's determinant is at most the error of each coordinate times the sum
         // of the others.
         let size = a[0].abs() + a[1].abs() + b[0].abs() + b[1].abs() + c[0].abs() + c[1].abs();
         let slack = (size + Vec4::splat(error)) * Vec4::splat(error);
         let outside = low.cmplt(-slack) & high.cmpgt(slack);
-        // The longest component of a unit vector is at least 1/√3.
-        let error = 1.74 * (self.error + 0.5 * step[2]);
-        let distances = [a[2], b[2], c[2]].map(|along| (along + Vec4::splat(from[2])) * Vec4::splat(self.inverse));
-        let beyond = distances[0].min(distances[1]).min(distances[2]).cmpgt(Vec4::splat(farthest + error));
-        let behind = distances[0].max(distances[1]).max(distances[2]).cmplt(Vec4::splat(-error));
+        let beyond = a[2].min(b[2]).min(c[2]).cmpgt(Vec4::splat(farthest + distance_error));
+        let behind = a[2].max(b[2]).max(c[2]).cmplt(Vec4::splat(-distance_error));
         !(outside | beyond | behind).bitmask() & block.all()
     }
 }
@@ -143,7 +191,7 @@ mod tests {
     use super::*;
 
     fn is_candidate(triangle: [DVec3; 3], origin: Vec3, direction: Vec3, farthest: f32) -> bool {
-        let block = Block::new(7, 1, |_| Some(triangle));
+        let block = Block::new(7, &[Some(triangle)]);
         Probe::new(origin, direction.normalize(), 2.0).candidates(&block, farthest) == 1
     }
 
@@ -174,7 +222,7 @@ mod tests {
 
     #[test]
     fn blocks_with_other_items_reject_nothing() {
-        let block = Block::new(3, 2, |slot| (slot == 4).then_some(TRIANGLE));
+        let block = Block::new(3, &[None, Some(TRIANGLE)]);
         let probe = Probe::new(Vec3::new(0.9, 0.9, 0.0), Vec3::Z, 2.0);
         assert_eq!((block.first_slot(), probe.candidates(&block, 10.0)), (3, 0b11));
     }

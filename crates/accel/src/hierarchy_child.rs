@@ -63,8 +63,14 @@ impl PendingChild {
         Child(self.0 as u32)
     }
 
-    #[inline]
+    #[cfg(test)]
     pub(crate) fn entry(self) -> f32 {
         f32::from_bits((self.0 >> 32) as u32)
+    }
+
+    /// Whether its box is entered at `farthest`, which is not negative, or before.
+    #[inline]
+    pub(crate) fn is_entered_before(self, farthest: f32) -> bool {
+        (self.0 >> 32) as u32 <= farthest.to_bits()
     }
 }

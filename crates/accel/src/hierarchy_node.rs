@@ -179,28 +179,6 @@ impl Entered {
         Some(PendingChild::new(node.children[lane], self.entries[lane]))
     }
 
-    /// Returns the two that were found first and all others, the nearest last.
-    #[inline(always)]
-    pub(crate) fn sorted<'p>(
-        mut self,
-        node: &Node,
-        two: [PendingChild; 2],
-        places: &'p mut [PendingChild; WIDTH],
-    ) -> &'p [PendingChild] {
-        places[..2].copy_from_slice(&two);
-        let mut count = 2;
-        while let Some(next) = self.next(node) {
-            let mut place = count % WIDTH;
-            while place > 0 && places[place - 1] < next {
-                places[place] = places[place - 1];
-                place -= 1;
-            }
-            places[place] = next;
-            count += 1;
-        }
-        &places[..count.min(WIDTH)]
-    }
-
     /// Whether all were returned.
     #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
@@ -231,20 +209,5 @@ mod tests {
                 assert!(place(axis) <= low[axis] + 1e-6 && place(axis + 3) >= high[axis] - 1e-6, "{lane} {axis}");
             }
         }
-    }
-
-    #[test]
-    fn entered_children_are_sorted_nearest_last() {
-        let of = |z: f32| [Vec3::new(-1.0, -1.0, z), Vec3::new(1.0, 1.0, z + 0.5)];
-        let mut children = [Child::NONE; WIDTH];
-        children[..3].copy_from_slice(&[Child::node(4), Child::node(1), Child::node(2)]);
-        let node = Node::around(&[of(4.0), of(1.0), of(2.0)], children);
-        let mut entered = Slabs::new(Vec3::ZERO, Vec3::Z).enter(&node, 5.0);
-        let [first, second] = [(); 2].map(|()| entered.next(&node).unwrap());
-        assert_eq!((first.child(), second.child()), (Child::node(4), Child::node(1)));
-        let mut places = [PendingChild::default(); WIDTH];
-        let sorted = entered.sorted(&node, [first, second], &mut places);
-        let children: Vec<Child> = sorted.iter().map(|pending| pending.child()).collect();
-        assert_eq!(children, [Child::node(4), Child::node(2), Child::node(1)]);
     }
 }

@@ -5,15 +5,18 @@
 //! the eight boxes of a node at once. Either way only certain misses are rejected, so results do
 //! not depend on the selection.
 
-use crate::hierarchy_block::Block;
-use crate::hierarchy_child::MAX_LEAF_ITEMS;
+use crate::hierarchy_block::{Block, Probe};
 use crate::hierarchy_node::{Entered, Node, Slabs};
+use crate::hierarchy_triangles::Corners;
 use glam::DVec3;
 
 /// The implementation of a ray's steps.
 pub(crate) trait Vectors: Copy {
     /// The boxes of a node that a ray enters before `farthest`.
     fn enter(self, slabs: &Slabs, node: &Node, farthest: f32) -> Entered;
+
+    /// The items of a block that a ray may hit before `farthest`, one bit each.
+    fn candidates(self, probe: &Probe, block: &Block, farthest: f32) -> u32;
 
     /// Prefetches a value.
     fn prefetch<T: Fetched>(self, place: &T);
@@ -39,7 +42,14 @@ impl Fetched for Block {
     }
 }
 
-impl Fetched for [[DVec3; 3]; MAX_LEAF_ITEMS] {
+impl Fetched for [DVec3; 3] {
+    #[inline(always)]
+    fn word(&self) -> u32 {
+        self[0].x as u32
+    }
+}
+
+impl Fetched for Corners {
     #[inline(always)]
     fn word(&self) -> u32 {
         self[0][0].x as u32
@@ -54,6 +64,10 @@ impl Vectors for Baseline {
     #[inline(always)]
     fn enter(self, slabs: &Slabs, node: &Node, farthest: f32) -> Entered {
         slabs.enter(node, farthest)
+    }
+
+    fn candidates(self, probe: &Probe, block: &Block, farthest: f32) -> u32 {
+        probe.candidates(block, farthest)
     }
 
     #[inline(always)]
@@ -74,71 +88,14 @@ impl Default for Processor {
     fn default() -> Processor {
         #[cfg(target_arch = "x86_64")]
         if let Some(simd) = pulp::x86::V3::try_new() {
-            return Processor::Avx2(Avx2(simd));
+            return Processor::Avx2(Avx2::new(simd));
         }
         Processor::Baseline(Baseline)
     }
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(crate) use avx2::Avx2;
-
-#[cfg(target_arch = "x86_64")]
-mod avx2 {
-    use super::{Fetched, Vectors};
-    use crate::hierarchy_node::{Entered, Node, Slabs};
-    use pulp::NullaryFnOnce;
-    use pulp::x86::V3;
-    use std::arch::x86_64::{__m256, _CMP_LE_OQ, _MM_HINT_T0};
-
-    /// AVX2 with FMA.
-    #[derive(Clone, Copy, Debug)]
-    pub(crate) struct Avx2(pub(super) V3);
-
-    impl Avx2 {
-        /// Calls a function that is inlined and compiled with these instructions.
-        #[inline(always)]
-        pub(crate) fn run<F: NullaryFnOnce>(self, steps: F) -> F::Output {
-            self.0.vectorize(steps)
-        }
-
-        /// Eight grid coordinates as floats.
-        #[inline(always)]
-        fn lanes(self, places: &[[u8; 4]; 2]) -> __m256 {
-            let Avx2(simd) = self;
-            let places: i64 = pulp::cast(*places);
-            let places = simd.avx2._mm256_cvtepu8_epi32(simd.sse2._mm_set_epi64x(0, places));
-            simd.avx._mm256_cvtepi32_ps(places)
-        }
-    }
-
-    impl Vectors for Avx2 {
-        #[inline(always)]
-        fn enter(self, slabs: &Slabs, node: &Node, farthest: f32) -> Entered {
-            let Avx2(simd) = self;
-            let mut near = simd.avx._mm256_set1_ps(0.0);
-            let mut far = simd.avx._mm256_set1_ps(farthest);
-            for axis in 0..3 {
-                let (start, step, [first, last]) = slabs.along(axis, node);
-                let (start, step) = (simd.avx._mm256_set1_ps(start), simd.avx._mm256_set1_ps(step));
-                // No closure: it would not be compiled with these instructions, and each would be a
-                // call.
-                near = simd.avx._mm256_max_ps(simd.fma._mm256_fmadd_ps(self.lanes(first), step, start), near);
-                far = simd.avx._mm256_min_ps(simd.fma._mm256_fmadd_ps(self.lanes(last), step, start), far);
-            }
-            let lanes = simd.avx._mm256_movemask_ps(simd.avx._mm256_cmp_ps::<_CMP_LE_OQ>(near, far));
-            Entered::new(lanes as u32, pulp::cast(near))
-        }
-
-        #[inline(always)]
-        fn prefetch<T: Fetched>(self, place: &T) {
-            let start = std::ptr::from_ref(place).cast::<i8>();
-            for line in (0..size_of::<T>()).step_by(64) {
-                self.0.sse._mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line));
-            }
-        }
-    }
-}
+pub(crate) use crate::hierarchy_avx2::Avx2;
 
 #[cfg(test)]
 mod tests {
@@ -158,6 +115,47 @@ mod tests {
         let [low, high] = [low, high].map(|corner| (corner - origin).as_dvec3() / direction.as_dvec3());
         let (near, far) = (low.min(high).max_element().max(0.0), low.max(high).min_element());
         near <= far
+    }
+
+    fn matches<const N: usize>(of: impl Fn(usize) -> bool) -> u32 {
+        (0..N).map(|lane| u32::from(of(lane)) << lane).sum()
+    }
+
+    #[test]
+    fn every_triangle_that_a_ray_hits_is_a_candidate_whatever_the_processor() {
+        let (mut hits, mut candidates) = (0, 0);
+        for round in 0..4000 {
+            let triangles: [[DVec3; 3]; 4] = std::array::from_fn(|lane| {
+                let center = point(round);
+                std::array::from_fn(|corner| {
+                    (center + 0.2 * point(16 * round + 4 * corner as u32 + lane as u32)).as_dvec3()
+                })
+            });
+            let block = Block::new(0, &triangles.map(Some));
+            let (origin, through) = (1.2 * point(7 * round + 3), triangles[round as usize % 4]);
+            let [u, v] = [round, round + 1].map(|index| 0.5 * f64::from(point(9 * index).x) + 0.5);
+            // Every fourth ray passes through an edge.
+            let v = if round % 4 == 0 { 0.0 } else { v * (1.0 - u) };
+            let target = through[0] + u * (through[1] - through[0]) + v * (through[2] - through[0]);
+            let direction = (target - origin.as_dvec3()).normalize();
+            let ray = crate::ray::Ray { origin: origin.as_dvec3(), direction };
+            let frame = crate::polygon::RayFrame::new(&ray);
+            let farthest = if round % 3 == 0 { 0.7 } else { 10.0 };
+            let hit = matches::<4>(|lane| {
+                crate::polygon::intersect_triangle(&triangles[lane], &ray, &frame, 0.0..farthest).is_some()
+            });
+            let probe = Probe::new(origin, direction.as_vec3(), 2.0);
+            let baseline = Baseline.candidates(&probe, &block, farthest as f32);
+            assert_eq!(baseline & hit, hit, "round {round}");
+            #[cfg(target_arch = "x86_64")]
+            if let Processor::Avx2(avx2) = Processor::default() {
+                let wide = avx2.candidates(&probe, &block, farthest as f32);
+                assert_eq!(wide & hit, hit, "round {round}");
+            }
+            hits += hit.count_ones();
+            candidates += baseline.count_ones();
+        }
+        assert!(hits > 2000 && candidates < hits + hits / 4, "{hits} of {candidates}");
     }
 
     fn entered(vectors: impl Vectors, slabs: &Slabs, node: &Node) -> Vec<(Child, f32)> {

@@ -38,6 +38,8 @@ mod description;
 mod disk;
 mod geometry;
 mod hierarchy;
+#[cfg(target_arch = "x86_64")]
+mod hierarchy_avx2;
 mod hierarchy_block;
 mod hierarchy_build;
 mod hierarchy_child;
@@ -45,6 +47,7 @@ mod hierarchy_cluster;
 mod hierarchy_collapse;
 mod hierarchy_node;
 mod hierarchy_part;
+mod hierarchy_triangles;
 mod hierarchy_vectors;
 mod ids;
 mod intersection;

@@ -3,7 +3,8 @@
 use crate::bounds::Bounds;
 use crate::builder::Builder;
 use crate::coincident;
-use crate::hierarchy::{Hierarchy, Search};
+use crate::hierarchy::{AnyOrder, Hierarchy, NearestFirst, Search, Visited};
+use crate::hierarchy_triangles::Triangle;
 use crate::ids::PrimitiveId;
 use crate::intersection::Crossing;
 use crate::limits::{Limits, SELF_HIT};
@@ -18,8 +19,6 @@ pub(crate) struct MeshGeometry {
     hierarchy: Hierarchy,
     /// The vertices by slot, and the index of the triangle.
     slots: Vec<([u32; 3], u32)>,
-    /// The positions of the vertices by slot, if many rays justify a copy; otherwise empty.
-    corners: Vec<[DVec3; 3]>,
     nearest: f64,
 }
 
@@ -35,16 +34,13 @@ pub(crate) struct MeshPoint {
 impl MeshGeometry {
     pub(crate) fn build(mesh: &Mesh, builder: Builder) -> MeshGeometry {
         let bounds_of = |index: usize| bounds(mesh, mesh.triangles[index].vertices);
-        let triangle_of = |index: usize| Some(corners(mesh, mesh.triangles[index].vertices));
+        let triangle_of =
+            |index: usize| Some(Triangle { corners: corners(mesh, mesh.triangles[index].vertices), start: None });
         let (hierarchy, order, _) = Hierarchy::build(mesh.triangles.len(), bounds_of, triangle_of, builder);
         let slots: Vec<([u32; 3], u32)> =
             order.into_iter().map(|index| (mesh.triangles[index as usize].vertices, index)).collect();
         let nearest = SELF_HIT * hierarchy.bounds().reach();
-        let corners = match builder {
-            Builder::Quick => Vec::new(),
-            Builder::Thorough => slots.iter().map(|(vertices, _)| corners(mesh, *vertices)).collect(),
-        };
-        MeshGeometry { hierarchy, slots, corners, nearest }
+        MeshGeometry { hierarchy, slots, nearest }
     }
 
     /// The triangle of a primitive.
@@ -54,7 +50,7 @@ impl MeshGeometry {
 
     /// Memory of the hierarchy and its slots.
     pub(crate) fn bytes(&self) -> usize {
-        self.hierarchy.bytes() + size_of_val(&*self.slots) + size_of_val(&*self.corners)
+        self.hierarchy.bytes() + size_of_val(&*self.slots)
     }
 
     pub(crate) fn bounds(&self) -> Bounds {
@@ -66,9 +62,9 @@ impl MeshGeometry {
         let frame = RayFrame::new(ray);
         let mut limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
         let mut best: Option<Crossing> = None;
-        let search = Search { ray, limit: limits.farthest, corners: &self.corners };
-        self.hierarchy.visit(search, |slot| {
-            if let Some(crossing) = self.crossing(mesh, slot, ray, &frame, from, &limits)
+        let search = Search { ray, limit: limits.farthest, vertices: &[] };
+        self.hierarchy.visit(NearestFirst, search, |visited| {
+            if let Some(crossing) = self.crossing(mesh, visited, ray, &frame, from, &limits)
                 && best.is_none_or(|best| self.replaces(best, crossing, ray))
             {
                 limits.farthest = crossing.distance + coincident::rounding(ray, crossing.distance);
@@ -102,9 +98,9 @@ impl MeshGeometry {
         let frame = RayFrame::new(ray);
         let limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
         let mut blocked = false;
-        let search = Search { ray, limit: limits.farthest, corners: &self.corners };
-        self.hierarchy.visit(search, |slot| {
-            blocked = blocked || self.crossing(mesh, slot, ray, &frame, from, &limits).is_some_and(&mut *block);
+        let search = Search { ray, limit: limits.farthest, vertices: &[] };
+        self.hierarchy.visit(AnyOrder, search, |visited| {
+            blocked = blocked || self.crossing(mesh, visited, ray, &frame, from, &limits).is_some_and(&mut *block);
             if blocked { -1.0 } else { limits.farthest }
         });
         blocked
@@ -114,14 +110,14 @@ impl MeshGeometry {
     fn crossing(
         &self,
         mesh: &Mesh,
-        slot: u32,
+        Visited { slot, corners: copied }: Visited<'_>,
         ray: &Ray,
         frame: &RayFrame,
         from: Option<PrimitiveId>,
         limits: &Limits,
     ) -> Option<Crossing> {
         let primitive = PrimitiveId(u64::from(slot));
-        let distance = match self.corners.get(slot as usize) {
+        let distance = match copied {
             Some(corners) => polygon::intersect_triangle(corners, ray, frame, limits.range()),
             None => {
                 let corners = corners(mesh, self.slots[slot as usize].0);

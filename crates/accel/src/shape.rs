@@ -1,6 +1,7 @@
 //! The shapes of single surfaces: their boxes, points and normals.
 
 use crate::bounds::Bounds;
+use crate::hierarchy_triangles::Triangle;
 use crate::{cone, disk, polygon, sphere};
 use glam::DVec3;
 use radsight_ir::{Scene, Shape};
@@ -56,10 +57,11 @@ pub(crate) fn bounds_of_plain(scene: &Scene, shape: Shape) -> Option<Bounds> {
     }
 }
 
-/// The vertices of a triangle.
-pub(crate) fn triangle_of(scene: &Scene, shape: Shape) -> Option<[DVec3; 3]> {
+/// The shape as a triangle, if it is one.
+pub(crate) fn triangle_of(scene: &Scene, shape: Shape) -> Option<Triangle> {
     let Shape::Polygon { start, count: 3 } = shape else { return None };
-    scene.vertices[start as usize..][..3].try_into().ok()
+    let corners = scene.vertices[start as usize..][..3].try_into().ok()?;
+    Some(Triangle { corners, start: Some(start) })
 }
 
 /// Unit normal of a polygon, if it has an area.

@@ -1,7 +1,7 @@
 //! Queries of the hierarchy: first hit and any hit.
 
 use crate::geometry::Geometry;
-use crate::hierarchy::Search;
+use crate::hierarchy::{AnyOrder, NearestFirst, Search, Visited};
 use crate::ids::{MemberId, PrimitiveId, ShaderTable};
 use crate::intersection::{Crossing, Intersection};
 use crate::limits::Limits;
@@ -9,6 +9,7 @@ use crate::outline::{GridResult, MANY_VERTICES};
 use crate::polygon::{self, RayFrame};
 use crate::ray::Ray;
 use crate::{coincident, cone, disk, sphere};
+use glam::DVec3;
 use radsight_ir::{Instance, MeshInstance, Scene, Shape, ValidScene};
 use std::ops::Range;
 
@@ -51,8 +52,12 @@ impl Geometry {
         let mut ties = Vec::new();
         // Hits farther than the best one by less than the tolerance are still considered.
         let mut tied_from = f64::INFINITY;
-        self.hierarchy.visit(self.search(ray, limits.farthest), |index| {
-            if let Some(crossing) = self.crossing(scene, MemberId(index), ray, &frame, from, &limits) {
+        self.hierarchy.visit(NearestFirst, self.search(scene, ray, limits.farthest), |Visited { slot, corners }| {
+            let crossing = match corners {
+                Some(corners) => triangle_crossing(corners, MemberId(slot), ray, &frame, from, &limits),
+                None => self.crossing(scene, MemberId(slot), ray, &frame, from, &limits),
+            };
+            if let Some(crossing) = crossing {
                 if crossing.distance < tied_from {
                     ties.clear();
                 } else {
@@ -70,8 +75,8 @@ impl Geometry {
     }
 
     #[inline]
-    pub(crate) fn search<'a>(&'a self, ray: &'a Ray, limit: f64) -> Search<'a> {
-        Search { ray, limit, corners: &self.corners }
+    pub(crate) fn search<'a>(&self, scene: &'a Scene, ray: &'a Ray, limit: f64) -> Search<'a> {
+        Search { ray, limit, vertices: &scene.vertices }
     }
 
     /// The first crossing of a ray with a member before `farthest`.
@@ -101,10 +106,6 @@ impl Geometry {
     ) -> Option<Crossing> {
         let range = limits.range();
         let from_here = from == Some(member.primitive());
-        if let Some(corners) = self.corners.get(member.0 as usize) {
-            let distance = polygon::intersect_triangle(corners, ray, frame, limits.range()).filter(|_| !from_here)?;
-            return Some(Crossing { distance, primitive: member.primitive() });
-        }
         let distance = match self.shapes[member.0 as usize] {
             // A ray never hits the flat surface from which it starts.
             Shape::Polygon { .. } | Shape::Ring(_) if from_here => None,
@@ -203,11 +204,11 @@ impl Geometry {
     ) -> bool {
         let frame = RayFrame::new(ray);
         let mut blocked = false;
-        self.hierarchy.visit(self.search(ray, limits.farthest), |index| {
-            let member = MemberId(index);
+        self.hierarchy.visit(AnyOrder, self.search(scene, ray, limits.farthest), |Visited { slot, corners }| {
+            let member = MemberId(slot);
             if !blocked {
-                blocked = if !self.corners.is_empty() {
-                    self.crossing(scene, member, ray, &frame, from, limits).is_some_and(&mut *block)
+                blocked = if let Some(corners) = corners {
+                    triangle_crossing(corners, member, ray, &frame, from, limits).is_some_and(&mut *block)
                 } else if self.is_plain(member) {
                     self.any_crossing(scene, member, (ray, &frame), from, limits, block)
                 } else {
@@ -293,6 +294,20 @@ impl Geometry {
             _ => false,
         }
     }
+}
+
+/// The crossing of a ray with a triangle.
+#[inline(always)]
+fn triangle_crossing(
+    corners: &[DVec3; 3],
+    member: MemberId,
+    ray: &Ray,
+    frame: &RayFrame,
+    from: Option<PrimitiveId>,
+    limits: &Limits,
+) -> Option<Crossing> {
+    let distance = polygon::intersect_triangle(corners, ray, frame, limits.range())?;
+    (from != Some(member.primitive())).then_some(Crossing { distance, primitive: member.primitive() })
 }
 
 /// Passes crossings of a member to `block`, with primitives offset by `first` and distances scaled.
