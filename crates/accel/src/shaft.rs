@@ -20,6 +20,8 @@ pub struct Shaft {
     apex: DVec3,
     /// Inward unit normals, and their dot product with a point of the side relative to the apex.
     sides: [(DVec3, f64); SIDES],
+    /// The centre and the radius of the disk in the quadrilateral that alone matters.
+    disk: Option<(DVec3, f64)>,
 }
 
 impl Shaft {
@@ -42,7 +44,23 @@ impl Shaft {
         }
         sides[BASE] = (base, height);
         sides[BASE + 1] = (-base, 0.0);
-        Some(Shaft { apex, sides })
+        Some(Shaft { apex, sides, disk: None })
+    }
+
+    /// The same around the rays to a disk alone, which lies in the quadrilateral.
+    #[must_use]
+    pub fn to_disk(self, center: DVec3, radius: f64) -> Shaft {
+        Shaft { disk: Some((center, radius)), ..self }
+    }
+
+    /// Whether a disk lies in the plane of the base, without overlapping the disk there: lamps of a
+    /// ring beside each other.
+    pub(crate) fn has_beside_it(&self, (center, normal, radius): (DVec3, DVec3, f64), tolerance: f64) -> bool {
+        let (base, height) = self.sides[BASE];
+        let is_in_plane = (base.dot(center - self.apex) - height).abs() <= tolerance
+            && radius * base.cross(normal).length() <= tolerance;
+        let is_apart = |(own, own_radius): (DVec3, f64)| own.distance(center) >= own_radius + radius + tolerance;
+        is_in_plane && self.disk.is_some_and(is_apart)
     }
 
     /// The sides relative to another point in single precision: normals, and offsets that are

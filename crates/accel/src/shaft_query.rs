@@ -26,6 +26,14 @@ impl Geometry {
             Shape::Polygon { start, count } => {
                 shaft.excludes(&scene.vertices[start as usize..][..count as usize], self.tolerance)
             }
+            Shape::Ring(handle)
+                if shaft.has_beside_it(
+                    (scene.rings[handle].center, scene.rings[handle].normal, scene.rings[handle].outer_radius),
+                    self.tolerance,
+                ) =>
+            {
+                true
+            }
             shape => {
                 let bounds = self.bounds(scene, shape).map(Bounds::corners);
                 bounds.is_none_or(|corners| shaft.excludes(&corners, self.tolerance))
@@ -41,7 +49,7 @@ mod tests {
     use crate::coincident::Substance;
     use crate::random::numbers;
     use glam::DVec3;
-    use radsight_ir::{Facing, Scene, Sphere, Surface};
+    use radsight_ir::{Facing, Ring, Scene, Sphere, Surface};
 
     const LAMP: [DVec3; 4] = [
         DVec3::new(-1.0, -1.0, 2.0),
@@ -87,6 +95,28 @@ mod tests {
         let (scene, geometry) = scene(&[(DVec3::new(0.0, 0.0, 1.0), 0.1)]);
         let shaft = Shaft::new(DVec3::ZERO, LAMP).unwrap();
         assert!(!geometry.reaches_into(&scene, &shaft, [None, Some(PrimitiveId(0))]));
+    }
+
+    /// Two lamps of a ring, whose bounding squares overlap.
+    #[test]
+    fn a_disk_beside_a_disk_in_its_plane_does_not_block() {
+        let mut scene = Scene::default();
+        let name = scene.names.add("lamp");
+        let mut blocks = |center: DVec3, normal: DVec3| {
+            let mut scene = scene.clone();
+            let ring = scene.rings.add(Ring { center, normal, inner_radius: 0.0, outer_radius: 1.0 });
+            scene.surfaces.add(Surface { name, span: None, modifier: None, shape: Shape::Ring(ring) });
+            let scene = scene.validate().unwrap().scene;
+            let geometry = Geometry::build(&scene, |_, _| Substance::Opaque, |_| true, Builder::Quick).unwrap();
+            let shaft = Shaft::new(DVec3::ZERO, LAMP).unwrap().to_disk(2.0 * DVec3::Z, 1.0);
+            geometry.reaches_into(&scene, &shaft, [None; 2])
+        };
+        assert!(!blocks(DVec3::new(1.5, 1.5, 2.0), -DVec3::Z));
+        assert!(blocks(DVec3::new(1.3, 1.3, 2.0), -DVec3::Z));
+        assert!(blocks(DVec3::new(1.5, 1.5, 1.9), -DVec3::Z));
+        // Perpendicular to the plane it reaches into the shaft, in the plane it does not.
+        let beside = DVec3::new(0.9, 1.8, 2.0);
+        assert!(blocks(beside, DVec3::X) && !blocks(beside, DVec3::Z));
     }
 
     #[test]

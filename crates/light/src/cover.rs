@@ -2,13 +2,13 @@
 
 use crate::form::LightForm;
 use glam::DVec3;
+use radsight_accel::Shaft;
 use radsight_ir::Facing;
 
 impl LightForm {
     /// The corners of a quadrangle, one after the other: the light that a point sees lies in the
     /// pyramid between the two. None for a distant light and for other forms around the point.
-    #[must_use]
-    pub fn cover(&self, receiver: DVec3) -> Option<[DVec3; 4]> {
+    fn cover(&self, receiver: DVec3) -> Option<[DVec3; 4]> {
         match self {
             LightForm::Disk { center, x, y, outer_squared, .. } => {
                 let radius = outer_squared.sqrt();
@@ -31,6 +31,18 @@ impl LightForm {
             }
             _ => None,
         }
+    }
+
+    /// The shaft around all rays from a receiver to the light; `None` where none is known.
+    #[must_use]
+    pub fn shaft(&self, receiver: DVec3) -> Option<Shaft> {
+        let shaft = Shaft::new(receiver, self.cover(receiver)?)?;
+        Some(match self {
+            LightForm::Disk { center, x, y, outer_squared, .. } => {
+                shaft.to_disk(*center, outer_squared.sqrt() * x.length().max(y.length()))
+            }
+            _ => shaft,
+        })
     }
 }
 

@@ -5,7 +5,7 @@ use crate::subtraction::SubtractionId;
 use crate::trace::PathIntegrator;
 use crate::trace::path_state::MediumId;
 use glam::DVec3;
-use radsight_accel::{Beam, PrimitiveId, Shaft};
+use radsight_accel::{Beam, PrimitiveId};
 use radsight_bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
 use radsight_compile::{RenderPlan, VisibilityClass, VisiblePortals, emission, given};
 use radsight_light::{Light, LightForm, LightSample, LightTree, MOST_SAMPLES, Reception, TreeCut};
@@ -225,7 +225,7 @@ impl DirectSampler<'_> {
                 !blockers.iter().any(|blocker| plan.geometry.may_block(&plan.scene, *blocker, &beam))
             }
             VisibilityClass::Anything => {
-                let shaft = light.form.cover(self.point).and_then(|cover| Shaft::new(self.point, cover));
+                let shaft = light.form.shaft(self.point);
                 let ends = [self.primitive, light.primitive];
                 shaft.is_some_and(|shaft| !plan.geometry.reaches_into(&plan.scene, &shaft, ends))
             }
