@@ -13,7 +13,7 @@ use radsight_ir::{Scene, Shape, SurfaceHandle, ValidScene};
 use radsight_light::{Light, LightForm};
 use std::f64::consts::PI;
 
-/// Maximum number of tests (pairs times surfaces).
+/// Maximum number of tests (pairs times surfaces). In larger scenes only some receivers are classified.
 const MAX_TESTS: usize = 4_000_000;
 
 /// Maximum number of blockers in a list; with more the acceleration structure is used.
@@ -56,11 +56,16 @@ pub enum UnsampledLight {
     Some,
 }
 
-/// Visibility at all primitives; empty if the scene is too large for all pairs.
+/// Visibility at the primitives that are classified: all of them, or in a large scene only
+/// retroreflectors, which are lit by lamps alone if their highlight is known to be wider.
 #[derive(Debug, Default)]
 pub struct Visibility {
     receivers: Vec<Receiver>,
+    /// By primitive, the index of the receiver; [`UNCLASSIFIED`] for none.
+    by_primitive: Vec<u32>,
 }
+
+const UNCLASSIFIED: u32 = u32::MAX;
 
 impl Visibility {
     /// Without information: everything is computed.
@@ -78,40 +83,47 @@ impl Visibility {
         unsampled_light: UnsampledLight,
     ) -> Visibility {
         let count = geometry.len();
-        if count.saturating_mul(count).saturating_mul(lights.len().max(1)) > MAX_TESTS {
+        let most = MAX_TESTS / count.saturating_mul(lights.len().max(1)).max(1);
+        let is_retroreflector = |handle: SurfaceHandle| matches!(shader(handle).kind, Kind::Retro(_));
+        if most < count && (most == 0 || !geometry.members().any(|(_, handle)| is_retroreflector(handle))) {
             return Visibility::everything();
         }
         let occluders: Vec<Occluder> = geometry
             .members()
             .map(|(member, handle)| Occluder::new(scene, geometry, member, &shader(handle).kind, lights))
             .collect();
+        let order = largest_first(&occluders);
+        let is_classified = |index: &usize| most >= count || is_retroreflector(occluders[*index].surface);
+        let classified: Vec<usize> = order.iter().copied().filter(is_classified).take(most).collect();
         let (_, radius) = geometry.bounding_sphere();
         let tolerance = IN_PLANE * radius;
         let emitters: Vec<Option<Emitter>> =
             lights.iter().map(|light| Emitter::new(light, &occluders, geometry.tolerance())).collect();
-        let order = largest_first(&occluders);
-        let receivers = occluders
-            .iter()
-            .map(|occluder| Receiver {
-                between: emitters
-                    .iter()
-                    .map(|emitter| match emitter {
-                        Some(emitter) => between(occluder, emitter, (&occluders, &order), tolerance),
-                        None => VisibilityClass::Anything,
-                    })
-                    .collect(),
-                sees_only_lights: unsampled_light == UnsampledLight::None
-                    && sees_only_lights(occluder, &occluders, lights, tolerance),
-                lights_suffice: lights_are_small(occluder, lights),
-            })
-            .collect();
-        Visibility { receivers }
+        let receiver = |occluder: &Occluder| Receiver {
+            between: emitters
+                .iter()
+                .map(|emitter| match emitter {
+                    Some(emitter) => between(occluder, emitter, (&occluders, &order), tolerance),
+                    None => VisibilityClass::Anything,
+                })
+                .collect(),
+            sees_only_lights: unsampled_light == UnsampledLight::None
+                && sees_only_lights(occluder, &occluders, lights, tolerance),
+            lights_suffice: lights_are_small(occluder, lights),
+        };
+        let mut by_primitive = vec![UNCLASSIFIED; count];
+        for (receiver, member) in classified.iter().enumerate() {
+            by_primitive[*member] = receiver as u32;
+        }
+        let receivers = classified.iter().map(|member| receiver(&occluders[*member])).collect();
+        Visibility { receivers, by_primitive }
     }
 
     /// Visibility of the lights at a primitive.
     #[inline]
     pub fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {
-        self.receivers.get(primitive.0 as usize)
+        let index = self.by_primitive.get(primitive.0 as usize)?;
+        self.receivers.get(*index as usize)
     }
 
     /// Counts of the savings, as text.
