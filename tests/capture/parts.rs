@@ -87,6 +87,28 @@ fn a_torus_of_triangles_shows_leds_along_its_crest() {
     check("part-torus", &gripps("part-torus.rad"), 0.05);
 }
 
+/// The number of rays of a capture by `part-fine.toml` of the sheet with more of a scene.
+fn rays_with(scene: &str) -> u64 {
+    let folder = Folder::new();
+    folder.file("more.rad", scene);
+    let (camera, sheet, more) = (file("part-fine.toml"), gripps("sheet-retro.rad"), folder.word("more.rad"));
+    let record = folder.word("record.json");
+    radsight(&["capture", &camera, &sheet, &more, "--error", ".01", "--record", &record]).done();
+    let text = std::fs::read_to_string(folder.path("record.json")).expect("a record");
+    let (_, rays) = text.split_once("\"rays\": ").expect("the number of rays");
+    rays.split(',').next().and_then(|digits| digits.trim().parse().ok()).expect("a number")
+}
+
+/// The lamps that light the sheet are still known to be free, and integrated.
+#[test]
+fn a_mesh_of_thousands_of_facets_outside_of_the_picture_takes_hardly_any_rays() {
+    let torus = "void metal chrome\n0\n0\n5 .8 .8 .8 1 0\n\
+                 !gensurf chrome torus '.2+(.02+.006*cos(2*PI*t))*cos(2*PI*s)' '(.02+.006*cos(2*PI*t))*sin(2*PI*s)' \
+                 '.006+.006*sin(2*PI*t)' 80 40 -s\n";
+    let (alone, with_mesh) = (rays_with(""), rays_with(torus));
+    assert!(with_mesh <= alone + alone / 5, "{with_mesh} instead of {alone} rays");
+}
+
 /// With a fixed number of rays there is no bias by the choice of pixels that get more.
 #[test]
 fn a_ball_of_glass_is_seen_without_bias() {

@@ -22,7 +22,7 @@ use radsight_adaptive::{
     SampleCounter, SampleSums, Selection, Stop, begin, ray_number, refine,
 };
 use radsight_pinhole::CameraRay;
-use radsight_render::{CountedLight, CubatureError, Ray};
+use radsight_render::{CountedLight, CubatureError, OutlinedSurface, Ray};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -316,7 +316,7 @@ impl<'a> AdaptiveSampler<'a> {
     /// What a ray of a film counts.
     pub(crate) fn counted_on_film(&self, ray: &FilmRay) -> CountedLight {
         match &self.images_apart {
-            ImagesApart::OnFilm(images) if images.are_shown_by(ray.pixel, &ray.ray) => CountedLight::WithoutImages,
+            ImagesApart::OnFilm(images) if images.are_shown_by(self.exposer.rays, ray) => CountedLight::WithoutImages,
             ImagesApart::OnFilm(_) => CountedLight::All,
             _ => ray.passage.map_or(CountedLight::All, |passage| self.counted(&passage)),
         }
@@ -376,10 +376,10 @@ impl<'a> AdaptiveSampler<'a> {
         self.summed(worker, pixel, samples.filter_map(drawn))
     }
 
-    /// The surface and the material that a ray sees first: the stratum to which it belongs.
-    pub(crate) fn stratum(&self, drawn: &DrawnRay) -> Option<impl Copy + PartialEq + use<'a>> {
+    /// What a ray sees first: the stratum to which it belongs.
+    pub(crate) fn stratum(&self, drawn: &DrawnRay) -> Option<Option<OutlinedSurface>> {
         let ray = Ray::new(drawn.ray.origin, drawn.ray.direction)?;
-        Some(self.exposer.renderer.plan().first_hit(&ray, None).map(|hit| (hit.surface, hit.shader)))
+        Some(self.exposer.renderer.plan().outlined_surface(&ray))
     }
 
     /// The rays of the second phase for some samples of a pixel ([`two_phase`](crate::two_phase)).

@@ -48,7 +48,7 @@ impl<'a> AdaptiveSampler<'a> {
         let seen = match &self.film {
             Some(film) => {
                 let own = film.in_picture(pixel)?;
-                film.pixel_seen(pixel, PixelPassage::new(own, self.audit_point(own).1))?
+                film.seen(pixel, PixelPassage::new(own, self.audit_point(own).1))?.1
             }
             None => pixel,
         };
@@ -70,8 +70,9 @@ impl<'a> AdaptiveSampler<'a> {
             Some(film) => {
                 let passage = PixelPassage::new(own, u);
                 let ray = self.exposer.rays.ray(own as u64, u);
-                let seen = film.pixel_seen(pixel, passage);
-                let counted = seen.map(|pixel| self.counted_on_film(&FilmRay { ray, pixel, passage: Some(passage) }));
+                let counted = film
+                    .seen(pixel, passage)
+                    .map(|(point, pixel)| self.counted_on_film(&FilmRay { ray, pixel, point, passage: Some(passage) }));
                 Some(DrawnRay { number, ray, weight: 1.0, counted: counted.unwrap_or(CountedLight::All) })
             }
         };

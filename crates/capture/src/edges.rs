@@ -233,10 +233,7 @@ fn views(film: SearchedFilm<'_>, known: impl Fn(usize) -> Option<f64> + Sync) ->
 fn outlines(film: SearchedFilm<'_>, views: &[Option<SmoothView>]) -> Vec<bool> {
     let plan = film.exposer.renderer.plan();
     let [columns, rows] = film.size();
-    let surface = |pixel: usize, place: [f64; 2]| {
-        let ray = film.ray_through(pixel, place)?;
-        plan.first_hit(&ray, None).map(|hit| (hit.surface, hit.shader))
-    };
+    let surface = |pixel: usize, place: [f64; 2]| plan.outlined_surface(&film.ray_through(pixel, place)?);
     let sees = |pixel: usize| {
         if let Some(sees) = film.known.and_then(|known| known.sees_outline(pixel)) {
             return sees;

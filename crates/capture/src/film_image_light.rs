@@ -88,7 +88,7 @@ impl FilmImageLight {
         let images = self.images.clone();
         let target = image_target(squared, images.parts().len(), most_samples);
         let source = PartSource { sampler, images: &images, film: &self.film };
-        let estimate = |samples: &[Part]| PartErrors::new(images.parts(), samples);
+        let estimate = |samples: &[Part]| PartErrors::new(&images, samples);
         let (errors, _) = refine(&source, &mut self.state, &target, estimate);
         self.spread(sampler, &errors)
     }
@@ -180,20 +180,25 @@ struct PartErrors<'p> {
 }
 
 impl<'p> PartErrors<'p> {
-    /// The noise of single parts is uncertain, so the relative noise of all is pooled. Where a part has
-    /// shown no light yet, it may have what its cells make expect.
-    fn new(parts: &'p [ImagePart], samples: &[Part]) -> PartErrors<'p> {
-        let sum = |of_part: &dyn Fn(&ImagePart, &Part) -> f64| -> f64 {
-            parts.iter().zip(samples).map(|(part, samples)| of_part(part, samples)).sum()
-        };
-        // Of one sample.
-        let last = sum(&|_, samples| samples.last * f64::from(samples.samples));
-        let before = sum(&|_, samples| samples.before * f64::from(samples.samples));
-        let expected = |part: &ImagePart| part.expected * part.expected;
-        let relative = last / sum(&|part, _| expected(part)).max(f64::MIN_POSITIVE);
-        let gain = gain(last, before);
+    /// The noise of single parts is uncertain, so the relative noise of all is pooled: of those of known
+    /// images, and of those of the region. Where a part has shown no light yet, it may have what is
+    /// expected.
+    fn new(images: &'p FilmImages, samples: &[Part]) -> PartErrors<'p> {
+        let parts = images.parts();
+        let pooled = [false, true].map(|in_region| {
+            let of_group = || parts.iter().zip(samples).filter(|(part, _)| images.is_in_region(part) == in_region);
+            let sum = |of_part: &dyn Fn(&ImagePart, &Part) -> f64| -> f64 {
+                of_group().map(|(part, samples)| of_part(part, samples)).sum()
+            };
+            // Of one sample.
+            let last = sum(&|_, samples| samples.last * f64::from(samples.samples));
+            let before = sum(&|_, samples| samples.before * f64::from(samples.samples));
+            let relative = last / sum(&|part, _| part.expected * part.expected).max(f64::MIN_POSITIVE);
+            (relative, gain(last, before))
+        });
         let of_part = |(part, samples): (&ImagePart, &Part)| {
-            unit_error(samples, relative * expected(part), gain, part.squared_weights)
+            let (relative, gain) = pooled[usize::from(images.is_in_region(part))];
+            unit_error(samples, relative * part.expected * part.expected, gain, part.squared_weights)
         };
         PartErrors { parts, errors: parts.iter().zip(samples).map(of_part).collect() }
     }

@@ -12,7 +12,9 @@
 use crate::Exposer;
 use crate::curved_image::CurvedImage;
 use crate::disk_overlap::DiskOverlap;
-use crate::shared_rays::UnblurredFilm;
+use crate::image_region::ImageRegion;
+use crate::region_search::RegionSearch;
+use crate::shared_rays::{FilmRay, UnblurredFilm};
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Rays};
 use std::ops::Range;
@@ -29,6 +31,10 @@ pub(crate) struct FilmImages {
     parts: Vec<ImagePart>,
     /// By pixel of the film: the images that its rays may show.
     near: Vec<Vec<u32>>,
+    /// Where others may be seen. Its index is that after the last image's.
+    region: Option<ImageRegion>,
+    /// How the light of a point of the film is spread.
+    film_blur: ImageBlur,
 }
 
 /// An image on the film.
@@ -79,15 +85,51 @@ pub(crate) struct PartRay {
 }
 
 impl FilmImages {
-    /// `None` where the film shows no image.
-    pub(crate) fn new(exposer: &Exposer<'_>, film: &UnblurredFilm, curved: &[CurvedImage]) -> Option<FilmImages> {
+    /// `None` where the film shows no image. `allowed` is the squared error that images may add to
+    /// pixels, relative to the squared mean exposure.
+    pub(crate) fn new(
+        exposer: &Exposer<'_>,
+        film: &UnblurredFilm,
+        curved: &[CurvedImage],
+        allowed: f64,
+    ) -> Option<FilmImages> {
         let rays = exposer.rays;
-        let mut found =
-            FilmImages { images: Vec::new(), parts: Vec::new(), near: vec![Vec::new(); film.pixel_count()] };
+        let near = vec![Vec::new(); film.pixel_count()];
+        let film_blur = ImageBlur::at(DVec2::ZERO, DMat2::from_diagonal(film.shift()));
+        let mut found = FilmImages { images: Vec::new(), parts: Vec::new(), near, region: None, film_blur };
         for image in curved.iter().filter_map(|curved| FilmImage::new(rays, curved)) {
             found.add(rays, film, image);
         }
+        let is_known = |point: DVec2| {
+            let ray = rays.ray_through(0, film.picture_point(point).into(), [0.0; 2]);
+            let pixel = film.pixel_at(point);
+            pixel.zip(ray).is_some_and(|(pixel, ray)| found.image_of(rays, pixel, point, &ray).is_some())
+        };
+        if let Some(region) = RegionSearch::new(exposer, film, is_known).region(allowed) {
+            found.add_region(rays, film, region);
+        }
         (!found.parts.is_empty()).then_some(found)
+    }
+
+    /// Adds the region of other images.
+    fn add_region(&mut self, rays: &Rays, film: &UnblurredFilm, region: ImageRegion) {
+        let image = self.images.len();
+        for (index, (pixel, expected)) in region.pixels().enumerate() {
+            let cells = index..index + 1;
+            let center = film.picture_point(film.corner(pixel) + 0.5);
+            let mut part = ImagePart { image, expected, cells, center, visible: 0.0, squared_weights: 0.0 };
+            self.film_blur.for_each_pixel(rays, center, |_, overlap| {
+                part.visible += overlap.area;
+                part.squared_weights += overlap.area * overlap.area;
+            });
+            self.parts.push(part);
+        }
+        self.region = Some(region);
+    }
+
+    /// Whether a part is one of the region where images are not known.
+    pub(crate) fn is_in_region(&self, part: &ImagePart) -> bool {
+        part.image == self.images.len()
     }
 
     /// Adds an image if the picture shows any of it.
@@ -128,15 +170,19 @@ impl FilmImages {
     }
 
     /// Whether a ray of a pixel of the film shows an image.
-    pub(crate) fn are_shown_by(&self, film_pixel: usize, ray: &CameraRay) -> bool {
-        self.image_of(film_pixel, ray).is_some()
+    pub(crate) fn are_shown_by(&self, rays: &Rays, seen: &FilmRay) -> bool {
+        self.image_of(rays, seen.pixel, seen.point, &seen.ray).is_some()
     }
 
     /// The image of which a ray shows a place: the one with the highest density of rays there.
-    fn image_of(&self, film_pixel: usize, ray: &CameraRay) -> Option<usize> {
-        let near = self.near[film_pixel].iter().map(|image| *image as usize);
+    fn image_of(&self, rays: &Rays, pixel: usize, point: DVec2, ray: &CameraRay) -> Option<usize> {
+        let near = self.near[pixel].iter().map(|image| *image as usize);
         let with_density = near.map(|image| (image, self.images[image].density(ray)));
-        let shown = with_density.filter(|(_, density)| *density > 0.0);
+        let in_region = self.region.as_ref().map(|region| {
+            let by_pixel = region.density(pixel, point);
+            (self.images.len(), by_pixel * rays.camera().pixels_per_solid_angle(ray.direction))
+        });
+        let shown = with_density.chain(in_region).filter(|(_, density)| *density > 0.0);
         shown.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(image, _)| image)
     }
 
@@ -150,6 +196,9 @@ impl FilmImages {
         on_pinhole: DVec2,
     ) -> Option<PartRay> {
         let part = &self.parts[part];
+        if part.image == self.images.len() {
+            return self.ray_in_region((rays, film), part, u, on_pinhole);
+        }
         let FilmImage { curved, blur, .. } = &self.images[part.image];
         let place = curved.footprint.sample_cells(part.cells.clone(), u);
         let density = curved.footprint.in_cells(place) / curved.footprint.probability(part.cells.clone());
@@ -158,12 +207,28 @@ impl FilmImages {
         let at = rays.picture_point(direction, on_pinhole.into())?;
         let ray = rays.ray_through(0, at, on_pinhole.into())?;
         let at = DVec2::from(at);
-        let film_pixel = film.pixel_seen_from(at, on_pinhole)?;
-        if self.image_of(film_pixel, &ray) != Some(part.image) {
+        let (point, pixel) = film.seen_from(at, on_pinhole)?;
+        if self.image_of(rays, pixel, point, &ray) != Some(part.image) {
             return None;
         }
         let weight = curved.solid_angle(direction) * rays.camera().pixels_per_solid_angle(direction) / density;
         Some(PartRay { ray, center: at - blur.by_pinhole * on_pinhole, weight })
+    }
+
+    /// The same in the region.
+    fn ray_in_region(
+        &self,
+        (rays, film): (&Rays, &UnblurredFilm),
+        part: &ImagePart,
+        u: [f64; 2],
+        on_pinhole: DVec2,
+    ) -> Option<PartRay> {
+        let (point, density) = self.region.as_ref()?.sample(part.cells.start, u);
+        let seen = film.ray_to_point(rays, point, on_pinhole)?;
+        if self.image_of(rays, seen.pixel, point, &seen.ray) != Some(part.image) {
+            return None;
+        }
+        Some(PartRay { ray: seen.ray, center: film.picture_point(point), weight: density.recip() })
     }
 
     /// The pixels of the picture over which the light of a part is spread that is seen at a point through
@@ -174,13 +239,14 @@ impl FilmImages {
         (part, center): (usize, DVec2),
         of_pixel: impl FnMut(usize, DiskOverlap),
     ) {
-        self.images[self.parts[part].image].blur.for_each_pixel(rays, center, of_pixel);
+        let blur = self.images.get(self.parts[part].image).map_or(&self.film_blur, |image| &image.blur);
+        blur.for_each_pixel(rays, center, of_pixel);
     }
 
     /// The parts of each image.
     pub(crate) fn by_image(&self) -> impl Iterator<Item = Range<usize>> {
         let start = |image: usize| self.parts.partition_point(move |part| part.image < image);
-        (0..self.images.len()).map(move |image| start(image)..start(image + 1))
+        (0..self.images.len() + 1).map(move |image| start(image)..start(image + 1))
     }
 }
 
@@ -197,7 +263,7 @@ impl FilmImage {
         };
         let by_place = across(&|place| at(place, DVec2::ZERO))?;
         let by_pinhole = across(&|on_pinhole| at(DVec2::ZERO, on_pinhole))?;
-        let blur = ImageBlur { center: at(DVec2::ZERO, DVec2::ZERO)?, by_pinhole, inverse: by_pinhole.inverse() };
+        let blur = ImageBlur::at(at(DVec2::ZERO, DVec2::ZERO)?, by_pinhole);
         let is_regular = blur.inverse.is_finite() && blur.center.is_finite() && by_place.is_finite();
         is_regular.then(|| FilmImage { curved: curved.clone(), blur, by_place })
     }
@@ -228,6 +294,10 @@ fn extent(map: DMat2) -> DVec2 {
 }
 
 impl ImageBlur {
+    fn at(center: DVec2, by_pinhole: DMat2) -> ImageBlur {
+        ImageBlur { center, by_pinhole, inverse: by_pinhole.inverse() }
+    }
+
     fn for_each_pixel(&self, rays: &Rays, center: DVec2, mut of_pixel: impl FnMut(usize, DiskOverlap)) {
         let camera = rays.camera();
         let [columns, rows] = [camera.columns(), camera.rows()].map(|count| count as usize);

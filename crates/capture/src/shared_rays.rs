@@ -71,6 +71,8 @@ pub(crate) struct FilmRay {
     pub(crate) ray: CameraRay,
     /// The pixel of the film that it sees.
     pub(crate) pixel: usize,
+    /// The point of the film that it sees, pixels from its left and its top.
+    pub(crate) point: DVec2,
     /// The pixel of the picture through which it passes, if any, and where.
     pub(crate) passage: Option<PixelPassage>,
 }
@@ -195,14 +197,29 @@ impl UnblurredFilm {
     /// The ray that sees what a point pinhole would show at a place of a pixel, through a point of
     /// the pinhole, in its radii.
     pub(crate) fn ray(&self, rays: &Rays, pixel: usize, place: [f64; 2], on_pinhole: DVec2) -> Option<FilmRay> {
-        let film = DVec2::new((pixel % self.columns) as f64, (pixel / self.columns) as f64);
-        let place = film - self.margins() + DVec2::from(place) - self.shift * on_pinhole;
+        let point = self.corner(pixel) + DVec2::from(place);
+        self.ray_of(rays, (pixel, point), on_pinhole)
+    }
+
+    /// The same for a point of the film.
+    pub(crate) fn ray_to_point(&self, rays: &Rays, point: DVec2, on_pinhole: DVec2) -> Option<FilmRay> {
+        self.ray_of(rays, (self.pixel_at(point)?, point), on_pinhole)
+    }
+
+    fn ray_of(&self, rays: &Rays, (pixel, point): (usize, DVec2), on_pinhole: DVec2) -> Option<FilmRay> {
+        let place = self.picture_point(point) - self.shift * on_pinhole;
         let ray = rays.ray_through(0, place.into(), on_pinhole.into())?;
         let [columns, rows] = self.picture_size();
         let is_inside = place.cmpge(DVec2::ZERO).all() && place.x < columns as f64 && place.y < rows as f64;
         let own = || place.y as usize * columns + place.x as usize;
         let passage = is_inside.then(|| PixelPassage { pixel: own(), on_pixel: place.fract(), on_pinhole });
-        Some(FilmRay { ray, pixel, passage })
+        Some(FilmRay { ray, pixel, point, passage })
+    }
+
+    /// The ray that sees a point of the film through the middle of the pinhole.
+    pub(crate) fn ray_of_point(&self, rays: &Rays, point: DVec2) -> Option<Ray> {
+        let ray = rays.ray_through(0, self.picture_point(point).into(), [0.0; 2])?;
+        Ray::new(ray.origin, ray.direction)
     }
 
     /// The same for a point of the unit cube.
@@ -210,16 +227,22 @@ impl UnblurredFilm {
         self.ray(rays, pixel, [u[0], u[1]], unit_disk(u[2], u[3]).into())
     }
 
-    /// The pixel of the film that a ray of the picture sees. `pixel` is that of the picture, by its
-    /// index on the film.
-    pub(crate) fn pixel_seen(&self, pixel: usize, passage: PixelPassage) -> Option<usize> {
-        let film = DVec2::new((pixel % self.columns) as f64, (pixel / self.columns) as f64);
-        self.pixel_at(film + passage.on_pixel + self.shift * passage.on_pinhole)
+    /// The point of the film that a ray of the picture sees, with its pixel. `pixel` is that of the
+    /// picture, by its index on the film.
+    pub(crate) fn seen(&self, pixel: usize, passage: PixelPassage) -> Option<(DVec2, usize)> {
+        let point = self.corner(pixel) + passage.on_pixel + self.shift * passage.on_pinhole;
+        Some((point, self.pixel_at(point)?))
     }
 
     /// The same for a point of the picture, in pixels from its left and its top.
-    pub(crate) fn pixel_seen_from(&self, at: DVec2, on_pinhole: DVec2) -> Option<usize> {
-        self.pixel_at(at + self.margins() + self.shift * on_pinhole)
+    pub(crate) fn seen_from(&self, at: DVec2, on_pinhole: DVec2) -> Option<(DVec2, usize)> {
+        let point = at + self.margins() + self.shift * on_pinhole;
+        Some((point, self.pixel_at(point)?))
+    }
+
+    /// The point of the picture that a point of the film is, pixels from its left and its top.
+    pub(crate) fn picture_point(&self, point: DVec2) -> DVec2 {
+        point - self.margins()
     }
 
     /// The pixels of the film within a distance along each axis from a point of the picture.
@@ -237,11 +260,16 @@ impl UnblurredFilm {
         self.shift
     }
 
+    /// The first corner of a pixel, pixels from the left and the top of the film.
+    pub(crate) fn corner(&self, pixel: usize) -> DVec2 {
+        DVec2::new((pixel % self.columns) as f64, (pixel / self.columns) as f64)
+    }
+
     fn margins(&self) -> DVec2 {
         DVec2::new(self.margin[0] as f64, self.margin[1] as f64)
     }
 
-    fn pixel_at(&self, place: DVec2) -> Option<usize> {
+    pub(crate) fn pixel_at(&self, place: DVec2) -> Option<usize> {
         let is_inside = place.cmpge(DVec2::ZERO).all() && place.x < self.columns as f64 && place.y < self.rows as f64;
         is_inside.then(|| place.y as usize * self.columns + place.x as usize)
     }

@@ -181,7 +181,7 @@ impl<'a> AdaptiveSampler<'a> {
 
     /// Finds the lattice and exposes it.
     fn on_lattice(&mut self, state: &mut AdaptiveState, target: ErrorTarget) -> Option<(Estimate, Option<Stop>)> {
-        self.images_apart = self.images_apart();
+        self.images_apart = self.images_apart(target);
         let mut images = ApartImages::begin(self);
         let found = self.lattice().and_then(|(sparse, outlines)| {
             self.outlines = outlines;
@@ -195,8 +195,11 @@ impl<'a> AdaptiveSampler<'a> {
     }
 
     /// How the light of images is exposed with the film, if there is one.
-    fn images_apart(&self) -> ImagesApart {
-        let on_film = || FilmImages::new(self.exposer, self.film.as_deref()?, self.images.curved_alone()?);
+    fn images_apart(&self, target: ErrorTarget) -> ImagesApart {
+        let on_film = || {
+            let (film, curved) = (self.film.as_deref()?, self.images.curved_alone()?);
+            FilmImages::new(self.exposer, film, curved, IMAGE_FRACTION * (target.error / SELECTION_BIAS).powi(2))
+        };
         match self.is_plain().then(on_film) {
             Some(Some(images)) => ImagesApart::OnFilm(Arc::new(images)),
             Some(None) if !self.images.is_empty() => ImagesApart::ByPixel,

@@ -50,7 +50,7 @@ mod visibility_class;
 pub use antimatter::Antimatter;
 pub use direct_threshold::DirectThreshold;
 pub use emission::{emission, given};
-pub use first_hit::{DISTANT, FirstHit};
+pub use first_hit::{DISTANT, FirstHit, OutlinedSurface};
 pub use medium::{Medium, MistKind};
 pub use mist_lights::MistLights;
 pub use model_source::{ModelRequest, ModelSource, NoModels};

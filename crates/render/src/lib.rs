@@ -54,17 +54,18 @@ pub use contribution::Contribution;
 pub use cubature_error::CubatureError;
 pub use direct_record::{DirectRecord, NearRecord};
 pub use light_image::{LightImage, Viewpoint};
-pub use mirrored_light::MirroredLight;
+pub use mirrored_light::{MirroredLight, light_offset};
 pub use radsight_accel::Ray;
 pub use radsight_compile::{
     AmbientSurfaces, BackFaces, BareSurfaces, Caustics, DirectThreshold, FirstHit, Gathering, GlobalMedium,
-    LightDivision, Lights, ModelRequest, ModelSource, NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput,
-    RenderOptions, RenderPlan, Skip, Skipping, SmoothView, TrackedValue, Uncached, is_native_library,
+    LightDivision, Lights, ModelRequest, ModelSource, NoModels, OutlinedSurface, PathLimit, PlanDecision, Quantity,
+    RayTreeOutput, RenderOptions, RenderPlan, Skip, Skipping, SmoothView, TrackedValue, Uncached, is_native_library,
 };
 pub use radsight_spectrum::Sampling;
 pub use radsight_texture::BandValues;
 pub use ray_spacing::RaySpacing;
 pub use ray_tree::{RayValue, TreeRay};
 pub use renderer::{RayWorker, Renderer};
+pub use retrace::LastReflection;
 pub use saved_cache::CacheError;
 pub use trace::{CountedLight, Traced};

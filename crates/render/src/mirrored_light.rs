@@ -128,6 +128,20 @@ impl MirroredLight {
     }
 }
 
+/// Where a ray passes a light: its offset from the light's centre in the light's plane, in radii of the
+/// light. The plane of a light that is not flat is perpendicular to `towards`. `None` where the ray
+/// cannot see the light.
+#[must_use]
+pub fn light_offset(plan: &RenderPlan, light: usize, towards: DVec3, ray: &Ray) -> Option<DVec2> {
+    let light = &plan.lights[light];
+    if !light.virtual_sources.is_empty() || light.misses(ray.origin) {
+        return None;
+    }
+    let axis = light.form.plane().map_or(towards, |(normal, _)| -normal);
+    let (position, radius) = passing_point(light, &TangentPlane::new(axis), ray)?;
+    Some(position / radius)
+}
+
 /// A square grid of directions around the cone of a reflector.
 struct DirectionGrid {
     /// Around the axis of the cone.

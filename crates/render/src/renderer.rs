@@ -10,6 +10,7 @@ use crate::mirrored_light::MirroredLight;
 use crate::path_guide::PathGuide;
 use crate::ray_spacing::RaySpacing;
 use crate::ray_tree::TreeRay;
+use crate::retrace::LastReflection;
 use crate::saved_cache::{CacheError, load, save};
 use crate::trace::{CountedLight, PathIntegrator, Traced};
 use glam::{DVec2, DVec3};
@@ -253,6 +254,12 @@ impl RayWorker<'_> {
     #[must_use]
     pub fn offset_from(&mut self, image: &MirroredLight, ray: &Ray) -> Option<DVec2> {
         in_bands!(&mut self.0, Bands(tracer) => tracer.offset_from(image, ray))
+    }
+
+    /// The ray behind the last mirror to which a ray leads; `None` without mirrors.
+    #[must_use]
+    pub fn last_reflection(&mut self, ray: &Ray) -> Option<LastReflection> {
+        in_bands!(&mut self.0, Bands(tracer) => tracer.last_reflection(ray))
     }
 
     /// Ignores everything on later rays beyond a distance, scene units, up to their first

@@ -24,6 +24,15 @@ pub(crate) struct MirroredRay {
     pub(crate) events: Vec<SpecularEvent>,
 }
 
+/// The end of a ray behind mirrors.
+#[derive(Clone, Copy, Debug)]
+pub struct LastReflection {
+    /// Number of mirrors before.
+    pub mirrors: usize,
+    /// From the last of them.
+    pub ray: Ray,
+}
+
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The ray after these interactions; `None` if it does not have them.
     pub(crate) fn retrace(
@@ -72,6 +81,26 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             }
         }
         rays
+    }
+
+    /// The ray behind the last mirror that it leads to; `None` without mirrors.
+    pub(crate) fn last_reflection(&mut self, ray: &Ray) -> Option<LastReflection> {
+        let (mut ray, mut from) = (*ray, None);
+        let (mut last, mut events) = (None, 0);
+        let mut mirrors = 0;
+        while events < MAX_EVENTS
+            && let Some(hit) = self.next_visible(ray, from)
+            && let Some((event, direction)) = self.mirrored_step(&ray, &hit)
+        {
+            ray = Ray { origin: hit.point, direction };
+            from = Some(hit.primitive);
+            events += 1;
+            if event == SpecularEvent::Reflected {
+                mirrors += 1;
+                last = Some(LastReflection { mirrors, ray });
+            }
+        }
+        last
     }
 
     /// One step of a ray that searches for mirrors: panes transmit it, other surfaces reflect it if

@@ -1,0 +1,394 @@
+//! Where on a film lights may be seen behind several mirrors.
+//!
+//! In the hole of a torus each light appears behind one, two and three reflections, and a mesh breaks
+//! such images into pieces of a thousandth of a pixel: too many to find each. But where rays pass the
+//! lights is known at the corners of a square of the film, and so is about how much of the square
+//! shows a light: the area of the light relative to that over which the corners spread. Squares are
+//! divided where that lowers the variance most, as long as the rays that it takes are fewer than those
+//! that it saves.
+
+use crate::Exposer;
+use crate::fixed::radiance;
+use crate::image_region::{ImageRegion, MAX_LEVEL, RegionSquare};
+use crate::shared_rays::UnblurredFilm;
+use glam::{DMat2, DVec2, DVec3, UVec2, Vec2};
+use radsight_adaptive::ray_number;
+use radsight_render::{CountedLight, LastReflection, Ray, RayWorker, light_offset};
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, HashMap};
+use std::f64::consts::PI;
+
+/// How far from the corners of a square a light may be, relative to their extent, since the map to
+/// the light's plane is not linear.
+const MARGIN: f64 = 0.3;
+
+/// The extent of corners that is not known, in radii of the light.
+const UNKNOWN_EXTENT: f64 = 100.0;
+
+/// All squares are divided so many times: the rays of neighbouring pixels have little in common.
+const FIRST_LEVEL: u32 = 2;
+
+/// Variance of rays that are drawn by the expected light, relative to what is expected: lit fractions are
+/// estimated high, and mirrors absorb. Measured with a torus of 20,000 triangles.
+const VARIANCE_RATIO: f64 = 0.1;
+
+/// Rays that a division takes, by its time: it has five new corners, most of them shared by two squares.
+const RAYS_OF_DIVISION: f64 = 6.0;
+
+/// A region that would take fewer rays than this is left to chance.
+const MIN_RAYS: f64 = 100.0;
+
+/// Points along each side of a film whose mean radiance stands for that of the picture.
+const MEAN_SIDE: u32 = 8;
+
+/// Their ray numbers are those of this pixel.
+const MEAN_PIXEL: u64 = 1 << 43;
+
+/// Maximum number of rays of a search.
+const MAX_RAYS: usize = 200_000;
+
+/// Maximum number of offsets of all corners.
+const MAX_OFFSETS: usize = 4_000_000;
+
+/// A square to be divided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Candidate {
+    /// By how much that lowers the rms light at the most.
+    gain: f64,
+    square: usize,
+    /// Extent of its corners, in radii of a light.
+    extent: f64,
+}
+
+impl Eq for Candidate {}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Candidate) -> Ordering {
+        self.gain.total_cmp(&other.gain).then(other.square.cmp(&self.square))
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Candidate) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// The ray through a corner of squares.
+#[derive(Clone, Copy, Debug, Default)]
+struct Corner {
+    /// Number of mirrors to which it leads.
+    mirrors: usize,
+    /// Index of the first of its offsets; `None` where it passes no light.
+    offsets: Option<usize>,
+    /// The last mirror.
+    origin: DVec3,
+}
+
+/// What is known of the images of a film before the search.
+pub(crate) struct RegionSearch<'s, 'r, K> {
+    exposer: &'s Exposer<'s>,
+    film: &'s UnblurredFilm,
+    worker: RayWorker<'r>,
+    /// Whether the ray that sees a point of the film through the middle of the pinhole shows an image
+    /// that has rays of its own.
+    is_known: K,
+    /// Unit directions from the pinhole to the lights.
+    towards: Vec<DVec3>,
+    corners: HashMap<UVec2, Corner>,
+    /// Where the rays of corners pass the lights, in radii from their centres; all lights of a corner
+    /// together.
+    offsets: Vec<Option<Vec2>>,
+    squares: Vec<RegionSquare>,
+    waiting: BinaryHeap<Candidate>,
+}
+
+impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
+    pub(crate) fn new(exposer: &'s Exposer<'s>, film: &'s UnblurredFilm, is_known: K) -> RegionSearch<'s, 's, K> {
+        let camera = exposer.rays.camera();
+        let position = camera.position_m() / camera.scene_unit_m();
+        let lights = exposer.renderer.plan().lights.iter();
+        RegionSearch {
+            exposer,
+            film,
+            worker: exposer.renderer.worker(),
+            is_known,
+            towards: lights.map(|light| (light.center - position).normalize_or(DVec3::Z)).collect(),
+            corners: HashMap::new(),
+            offsets: Vec::new(),
+            squares: Vec::new(),
+            waiting: BinaryHeap::new(),
+        }
+    }
+
+    /// The region of the film that may show unknown images; `None` where hardly any light is expected.
+    /// `allowed` is the squared error that images may add to pixels, relative to the squared mean.
+    pub(crate) fn region(mut self, allowed: f64) -> Option<ImageRegion> {
+        let pixels = self.mirroring_pixels();
+        for pixel in &pixels {
+            let corner = self.film.corner(*pixel).as_uvec2() << MAX_LEVEL;
+            self.add(corner, 0, UNKNOWN_EXTENT);
+        }
+        let mut next = 0;
+        while let Some(RegionSquare { level: 0..FIRST_LEVEL, .. }) = self.squares.get(next) {
+            self.divide(next, UNKNOWN_EXTENT);
+            next += 1;
+        }
+        let squares = &self.squares;
+        self.waiting.retain(|candidate| squares[candidate.square].quarters.is_none());
+        self.squares[..next].iter_mut().for_each(|square| square.lit = 0.0);
+        let mut rms_light: f64 = self.squares.iter().map(RegionSquare::rms_light).sum();
+        let rays_needed = if rms_light > 0.0 { self.rays_needed(allowed) } else { 0.0 };
+        if rms_light * rms_light * rays_needed > MIN_RAYS {
+            while let Some(Candidate { gain, square, extent }) = self.waiting.pop() {
+                let saved = 2.0 * rms_light * gain * rays_needed;
+                if saved < RAYS_OF_DIVISION || self.corners.len() > MAX_RAYS || self.offsets.len() > MAX_OFFSETS {
+                    break;
+                }
+                rms_light += self.divide(square, extent);
+            }
+        }
+        let is_worth_it = rms_light * rms_light * rays_needed > MIN_RAYS;
+        is_worth_it.then(|| ImageRegion::new(self.squares, pixels, self.film.size()[0])).flatten()
+    }
+
+    /// The number of rays for the allowed error, if the rms of the light over the film were that of the
+    /// brightest light in one whole pixel.
+    fn rays_needed(&mut self, allowed: f64) -> f64 {
+        let Exposer { rays, weights, .. } = *self.exposer;
+        let mut worker = self.exposer.workers();
+        worker.count(CountedLight::WithoutImages);
+        let size = self.film.size().map(|count| count as f64 / f64::from(MEAN_SIDE));
+        let seen = (0..MEAN_SIDE * MEAN_SIDE).filter_map(|index| {
+            let at = DVec2::new(f64::from(index % MEAN_SIDE) + 0.5, f64::from(index / MEAN_SIDE) + 0.5);
+            let seen = self.film.ray_to_point(rays, at * DVec2::from(size), DVec2::ZERO)?;
+            Some(radiance(&mut worker, ray_number(MEAN_PIXEL, index), (rays, 0), &seen.ray, weights))
+        });
+        let mean = seen.sum::<f64>() / f64::from(MEAN_SIDE * MEAN_SIDE);
+        let relative = (self.radiance() / mean).powi(2) / (allowed * self.film.picture_pixels() as f64);
+        let rays = VARIANCE_RATIO * relative * self.film.squared_weights(1.0, 1.0);
+        if rays.is_finite() { rays } else { f64::MAX.sqrt() }
+    }
+
+    /// The pixels of the film that see a mirror in one of their corners.
+    fn mirroring_pixels(&mut self) -> Vec<usize> {
+        let film = self.film;
+        let reflectors = &self.exposer.renderer.plan().reflectors;
+        let half_diagonal = |pixel: usize, middle: &Ray| {
+            let corner = film.ray_of_point(self.exposer.rays, film.corner(pixel));
+            corner.map_or(f64::INFINITY, |corner| corner.direction.distance(middle.direction))
+        };
+        let is_near = |pixel: usize| {
+            let Some(middle) = film.ray_of_point(self.exposer.rays, film.corner(pixel) + 0.5) else { return false };
+            let half_diagonal = half_diagonal(pixel, &middle);
+            let meets = |(axis, reach): (DVec3, f64)| axis.distance(middle.direction) <= reach + 2.0 * half_diagonal;
+            reflectors.iter().any(|reflector| reflector.cone(middle.origin).is_none_or(meets))
+        };
+        let seen = (0..film.pixel_count()).filter(|pixel| film.share(*pixel) > 0.0 && is_near(*pixel));
+        let seen: Vec<usize> = seen.collect();
+        let mirrors = |pixel: &usize| {
+            let corner = film.corner(*pixel).as_uvec2() << MAX_LEVEL;
+            self.ends(corner, 0).iter().any(|end| end.mirrors > 0)
+        };
+        seen.into_iter().filter(mirrors).collect()
+    }
+
+    /// Divides a square, whose corners have an extent; by how much the rms light changes.
+    fn divide(&mut self, square: usize, extent: f64) -> f64 {
+        let RegionSquare { corner, level, .. } = self.squares[square];
+        let before = self.squares[square].rms_light();
+        let first = self.squares.len();
+        self.squares[square].quarters = Some(first);
+        let side = 1 << (MAX_LEVEL - level - 1);
+        for at in [UVec2::ZERO, UVec2::X, UVec2::Y, UVec2::ONE] {
+            self.add(corner + side * at, level + 1, extent);
+        }
+        self.squares[first..].iter().map(RegionSquare::rms_light).sum::<f64>() - before
+    }
+
+    /// Adds a square in one whose corners have an extent `around`.
+    fn add(&mut self, corner: UVec2, level: u32, around: f64) {
+        let (lit, extent) = self.lit(corner, level, around);
+        let square = RegionSquare::new(corner, level, lit);
+        if level < MAX_LEVEL && lit > 0.0 {
+            let gain = square.area() * (lit.sqrt() - lit);
+            self.waiting.push(Candidate { gain, square: self.squares.len(), extent });
+        }
+        self.squares.push(square);
+    }
+
+    /// The fraction of a square that may show a light of unknown images, and the extent of its corners.
+    fn lit(&mut self, corner: UVec2, level: u32, around: f64) -> (f64, f64) {
+        let ends = self.ends(corner, level);
+        let (unit, side) = (RegionSquare::side(MAX_LEVEL), RegionSquare::side(level));
+        let is_known = |place: DVec2| (self.is_known)(unit * corner.as_dvec2() + side * place);
+        let (mut lit, mut extent) = (0.0, 0.0_f64);
+        for (first, Corner { mirrors, .. }) in ends.iter().enumerate() {
+            let is_same = |end: &Corner| end.mirrors == *mirrors;
+            let same = ends.map(|end| end.offsets.filter(|_| is_same(&end)));
+            if ends[..first].iter().any(is_same) || same.iter().all(Option::is_none) {
+                continue;
+            }
+            for light in 0..self.towards.len() {
+                let offset = |offsets: usize| self.offsets[offsets + light].map(Vec2::as_dvec2);
+                let passing = Passing::new(same.map(|offsets| offsets.and_then(offset)), around);
+                let fraction = passing.lit();
+                if fraction > 0.0 && !passing.place().is_some_and(is_known) {
+                    lit += fraction;
+                    extent = extent.max(passing.extent);
+                }
+            }
+        }
+        if lit > 0.0 && is_known(DVec2::splat(0.5)) {
+            return (0.0, around);
+        }
+        (f64::min(lit, 1.0), extent.min(around))
+    }
+
+    /// The corners of a square, in turn around it.
+    fn ends(&mut self, corner: UVec2, level: u32) -> [Corner; 4] {
+        let side = 1 << (MAX_LEVEL - level);
+        [UVec2::ZERO, UVec2::X, UVec2::ONE, UVec2::Y].map(|at| self.end(corner + side * at))
+    }
+
+    fn end(&mut self, at: UVec2) -> Corner {
+        if let Some(known) = self.corners.get(&at) {
+            return *known;
+        }
+        let corner = self.traced(at).unwrap_or_default();
+        self.corners.insert(at, corner);
+        corner
+    }
+
+    /// The ray that sees a point of the film through the middle of the pinhole; `None` where it meets no
+    /// mirror.
+    fn traced(&mut self, at: UVec2) -> Option<Corner> {
+        let plan = self.exposer.renderer.plan();
+        let ray = self.film.ray_of_point(self.exposer.rays, RegionSquare::side(MAX_LEVEL) * at.as_dvec2())?;
+        let LastReflection { mirrors, ray } = self.worker.last_reflection(&ray)?;
+        let first = self.offsets.len();
+        let offset = |(light, towards): (usize, &DVec3)| {
+            light_offset(plan, light, *towards, &ray).map(|offset| offset.as_vec2())
+        };
+        self.offsets.extend(self.towards.iter().enumerate().map(offset));
+        let passes_any = self.offsets[first..].iter().any(Option::is_some);
+        if !passes_any {
+            self.offsets.truncate(first);
+        }
+        Some(Corner { mirrors, offsets: passes_any.then_some(first), origin: ray.origin })
+    }
+
+    /// The radiance of the brightest light, from where rays lead nearest to it.
+    fn radiance(&mut self) -> f64 {
+        let plan = self.exposer.renderer.plan();
+        let mut corners: Vec<(UVec2, Corner)> = self.corners.iter().map(|(at, corner)| (*at, *corner)).collect();
+        corners.sort_by_key(|(at, _)| at.to_array());
+        let mut brightest = 0.0_f64;
+        for light in 0..self.towards.len() {
+            let passing = corners.iter().filter_map(|(_, corner)| {
+                let offset = self.offsets[corner.offsets? + light]?;
+                Some((offset.length_squared(), corner.origin))
+            });
+            let Some((_, origin)) = passing.min_by(|(a, _), (b, _)| a.total_cmp(b)) else { continue };
+            let ray = Ray::new(origin, plan.lights[light].center - origin);
+            brightest = ray.map_or(brightest, |ray| brightest.max(self.worker.trace(0, &ray).value.iter().sum()));
+        }
+        brightest
+    }
+}
+
+/// Where the rays of a square's corners pass a light, in radii from its centre.
+struct Passing {
+    /// In turn around the square; `None` where a ray does not pass it.
+    corners: [Option<DVec2>; 4],
+    /// Largest distance between them.
+    extent: f64,
+}
+
+impl Passing {
+    /// Where corners are missing, the extent is that of the square `around` it, by its size.
+    fn new(corners: [Option<DVec2>; 4], around: f64) -> Passing {
+        let known = || corners.iter().flatten();
+        let squared = known().flat_map(|a| known().map(|b| a.distance_squared(*b))).fold(0.0, f64::max);
+        let is_whole = corners.iter().all(Option::is_some);
+        Passing { corners, extent: if is_whole { squared.sqrt() } else { squared.sqrt().max(0.5 * around) } }
+    }
+
+    /// The fraction of the square that may show the light: the probability that a disk at random within
+    /// reach of the corners covers a point.
+    fn lit(&self) -> f64 {
+        if self.corners.iter().all(Option::is_none) {
+            return 0.0;
+        }
+        let reach = 1.0 + MARGIN * self.extent;
+        let nearest = self.corners.iter().flatten().map(|at| at.length()).fold(f64::INFINITY, f64::min);
+        // No point of the square is farther from the nearest corner than its extent.
+        if nearest - self.extent > reach {
+            return 0.0;
+        }
+        let (area, perimeter, distance) = match self.corners {
+            [Some(a), Some(b), Some(c), Some(d)] => of_quadrangle([a, b, c, d]),
+            _ => (self.extent * self.extent, 4.0 * self.extent, (nearest - self.extent).max(0.0)),
+        };
+        if distance > reach { 0.0 } else { PI / (area + perimeter * reach + PI * reach * reach) }
+    }
+
+    /// The place in the square that passes the centre of the light, from 0 to 1 along both axes, by a
+    /// linear map. `None` far outside.
+    fn place(&self) -> Option<DVec2> {
+        let [Some(a), Some(b), Some(c), Some(d)] = self.corners else { return None };
+        let map = DMat2::from_cols(0.5 * (b - a + c - d), 0.5 * (d - a + c - b));
+        let place = DVec2::splat(0.5) - map.inverse() * (0.25 * (a + b + c + d));
+        (place.is_finite() && place.abs().max_element() <= 2.0).then_some(place)
+    }
+}
+
+/// Area and perimeter of a quadrangle, and the distance of the origin from it.
+fn of_quadrangle([a, b, c, d]: [DVec2; 4]) -> (f64, f64, f64) {
+    let sides = [[a, b], [b, c], [c, d], [d, a]];
+    let turns = sides.map(|[from, to]| (to - from).perp_dot(-from) >= 0.0);
+    let is_inside = turns.iter().all(|turn| *turn == turns[0]);
+    let nearest = sides.iter().map(|[from, to]| distance_from_origin(*from, *to)).fold(f64::INFINITY, f64::min);
+    let perimeter = sides.iter().map(|[from, to]| from.distance(*to)).sum();
+    (0.5 * (c - a).perp_dot(d - b).abs(), perimeter, if is_inside { 0.0 } else { nearest })
+}
+
+/// Distance of a segment from the origin.
+fn distance_from_origin(from: DVec2, to: DVec2) -> f64 {
+    let along = to - from;
+    let nearest = (-from.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    (if nearest.is_finite() { from + along * nearest } else { from }).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(corner: DVec2, side: f64) -> [Option<DVec2>; 4] {
+        [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].map(|at| Some(corner + side * at))
+    }
+
+    #[test]
+    fn a_small_square_within_a_light_is_lit() {
+        let lit = Passing::new(square(DVec2::new(0.2, -0.3), 1e-3), 10.0).lit();
+        assert!((lit - 1.0).abs() < 0.01, "{lit}");
+        assert!(Passing::new(square(DVec2::new(2.0, 0.0), 1e-3), 10.0).lit() == 0.0);
+    }
+
+    #[test]
+    fn a_large_square_around_a_light_is_lit_by_the_ratio_of_areas() {
+        let passing = Passing::new(square(DVec2::new(-300.0, -500.0), 1000.0), 1e4);
+        let by_area = PI / 1e6;
+        assert!(passing.lit() > 0.2 * by_area && passing.lit() < by_area);
+        assert!(passing.place().is_some_and(|place| place.distance(DVec2::new(0.3, 0.5)) < 1e-9));
+    }
+
+    #[test]
+    fn a_broken_square_has_the_extent_of_the_one_around_it() {
+        let mut corners = square(DVec2::new(5.0, 0.0), 1.0);
+        corners[2] = None;
+        let passing = Passing::new(corners, 40.0);
+        assert!(passing.extent == 20.0 && passing.lit() > 0.0 && passing.place().is_none());
+        assert!(Passing::new([None; 4], 40.0).lit() == 0.0);
+    }
+}
