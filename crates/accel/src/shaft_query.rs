@@ -102,7 +102,7 @@ mod tests {
     fn a_disk_beside_a_disk_in_its_plane_does_not_block() {
         let mut scene = Scene::default();
         let name = scene.names.add("lamp");
-        let mut blocks = |center: DVec3, normal: DVec3| {
+        let blocks = |center: DVec3, normal: DVec3| {
             let mut scene = scene.clone();
             let ring = scene.rings.add(Ring { center, normal, inner_radius: 0.0, outer_radius: 1.0 });
             scene.surfaces.add(Surface { name, span: None, modifier: None, shape: Shape::Ring(ring) });

@@ -25,6 +25,9 @@ const MARGIN: f64 = 0.3;
 /// The extent of corners that is not known, in radii of the light.
 const UNKNOWN_EXTENT: f64 = 100.0;
 
+/// Distance from a pixel that sees a mirror in another one within which others may do, pixels.
+const DOUBLY_NEAR: usize = 2;
+
 /// All squares are divided so many times: the rays of neighbouring pixels have little in common.
 const FIRST_LEVEL: u32 = 2;
 
@@ -170,27 +173,37 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
         if rays.is_finite() { rays } else { f64::MAX.sqrt() }
     }
 
-    /// The pixels of the film that see a mirror in one of their corners.
+    /// The pixels of the film that see a mirror, and near which a corner of a pixel sees one in another.
     fn mirroring_pixels(&mut self) -> Vec<usize> {
-        let film = self.film;
-        let reflectors = &self.exposer.renderer.plan().reflectors;
-        let half_diagonal = |pixel: usize, middle: &Ray| {
-            let corner = film.ray_of_point(self.exposer.rays, film.corner(pixel));
-            corner.map_or(f64::INFINITY, |corner| corner.direction.distance(middle.direction))
+        let near_reflectors = self.pixels_near_reflectors();
+        let most_mirrors = |pixel: &usize| {
+            let corner = self.film.corner(*pixel).as_uvec2() << MAX_LEVEL;
+            (*pixel, self.ends(corner, 0).iter().map(|end| end.mirrors).max().unwrap_or(0))
         };
-        let is_near = |pixel: usize| {
-            let Some(middle) = film.ray_of_point(self.exposer.rays, film.corner(pixel) + 0.5) else { return false };
-            let half_diagonal = half_diagonal(pixel, &middle);
-            let meets = |(axis, reach): (DVec3, f64)| axis.distance(middle.direction) <= reach + 2.0 * half_diagonal;
+        let mirrors: HashMap<usize, usize> = near_reflectors.iter().map(most_mirrors).collect();
+        let columns = self.film.size()[0];
+        let within = |center: usize| center.saturating_sub(DOUBLY_NEAR)..=center + DOUBLY_NEAR;
+        let is_doubly_near = |pixel: usize| {
+            let rows = within(pixel / columns);
+            let mut near = rows.flat_map(|row| within(pixel % columns).map(move |column| row * columns + column));
+            near.any(|near| mirrors.get(&near).is_some_and(|most| *most > 1))
+        };
+        near_reflectors.into_iter().filter(|pixel| mirrors[pixel] > 0 && is_doubly_near(*pixel)).collect()
+    }
+
+    /// The pixels of the film that may see a mirror, by the cones around them.
+    fn pixels_near_reflectors(&self) -> Vec<usize> {
+        let (film, rays) = (self.film, self.exposer.rays);
+        let reflectors = &self.exposer.renderer.plan().reflectors;
+        let is_near = |pixel: &usize| {
+            let [corner, middle] = [0.0, 0.5].map(|at| film.ray_of_point(rays, film.corner(*pixel) + at));
+            let (Some(corner), Some(middle)) = (corner, middle) else { return false };
+            // Pixels are not exactly square.
+            let around = 2.0 * corner.direction.distance(middle.direction);
+            let meets = |(axis, reach): (DVec3, f64)| axis.distance(middle.direction) <= reach + around;
             reflectors.iter().any(|reflector| reflector.cone(middle.origin).is_none_or(meets))
         };
-        let seen = (0..film.pixel_count()).filter(|pixel| film.share(*pixel) > 0.0 && is_near(*pixel));
-        let seen: Vec<usize> = seen.collect();
-        let mirrors = |pixel: &usize| {
-            let corner = film.corner(*pixel).as_uvec2() << MAX_LEVEL;
-            self.ends(corner, 0).iter().any(|end| end.mirrors > 0)
-        };
-        seen.into_iter().filter(mirrors).collect()
+        (0..film.pixel_count()).filter(|pixel| film.share(*pixel) > 0.0).filter(is_near).collect()
     }
 
     /// Divides a square, whose corners have an extent; by how much the rms light changes.
