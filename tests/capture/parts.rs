@@ -93,7 +93,8 @@ fn rays_with(scene: &str) -> u64 {
     folder.file("more.rad", scene);
     let (camera, sheet, more) = (file("part-fine.toml"), gripps("sheet-retro.rad"), folder.word("more.rad"));
     let record = folder.word("record.json");
-    radsight(&["capture", &camera, &sheet, &more, "--error", ".01", "--record", &record]).done();
+    let out = folder.word("out.png");
+    radsight(&["capture", &camera, &sheet, &more, "--error", ".01", "-o", &out, "--record", &record]).done();
     let text = std::fs::read_to_string(folder.path("record.json")).expect("a record");
     let (_, rays) = text.split_once("\"rays\": ").expect("the number of rays");
     rays.split(',').next().and_then(|digits| digits.trim().parse().ok()).expect("a number")

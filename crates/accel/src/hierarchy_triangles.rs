@@ -4,11 +4,18 @@
 use crate::builder::Builder;
 use crate::hierarchy_child::MAX_LEAF_ITEMS;
 use crate::hierarchy_part::Leaves;
-use crate::hierarchy_vectors::Vectors;
+use crate::hierarchy_vectors::{Fetched, Vectors};
 use glam::DVec3;
 
 /// The vertices of a block's triangles.
 pub(crate) type Corners = [[DVec3; 3]; MAX_LEAF_ITEMS];
+
+impl Fetched for Corners {
+    #[inline(always)]
+    fn word(&self) -> u32 {
+        self[0][0].x as u32
+    }
+}
 
 /// The index of the first vertex of each of a block's triangles; [`NO_TRIANGLE`] for other items.
 type Starts = [u32; MAX_LEAF_ITEMS];

@@ -47,6 +47,7 @@ mod hierarchy_cluster;
 mod hierarchy_collapse;
 mod hierarchy_node;
 mod hierarchy_part;
+mod hierarchy_processor;
 mod hierarchy_triangles;
 mod hierarchy_vectors;
 mod ids;

@@ -27,6 +27,7 @@ mod mist_lights;
 mod model_source;
 mod native_model;
 mod options;
+mod outlined_surface;
 mod plan;
 mod plan_build;
 mod plan_decisions;
@@ -50,7 +51,7 @@ mod visibility_class;
 pub use antimatter::Antimatter;
 pub use direct_threshold::DirectThreshold;
 pub use emission::{emission, given};
-pub use first_hit::{DISTANT, FirstHit, OutlinedSurface};
+pub use first_hit::{DISTANT, FirstHit};
 pub use medium::{Medium, MistKind};
 pub use mist_lights::MistLights;
 pub use model_source::{ModelRequest, ModelSource, NoModels};
@@ -59,6 +60,7 @@ pub use options::{
     AmbientSurfaces, BackFaces, BareSurfaces, Caustics, Gathering, GlobalMedium, LightDivision, Lights, PathLimit,
     Quantity, RayTreeOutput, RenderOptions, Skip, Skipping, TrackedValue, Uncached,
 };
+pub use outlined_surface::OutlinedSurface;
 pub use plan::{IllumView, PlanDecision, RenderPlan, Sky};
 pub use portals::{MOST_PORTALS, Portal, PortalForm, Portals, VisiblePortals};
 pub use prism::PrismKind;
