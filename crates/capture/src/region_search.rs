@@ -28,6 +28,9 @@ const UNKNOWN_EXTENT: f64 = 100.0;
 /// Distance from a pixel that sees a mirror in another one within which others may do, pixels.
 const DOUBLY_NEAR: usize = 2;
 
+/// With more lights than this, the search costs more than it saves.
+const MAX_LIGHTS: usize = 256;
+
 /// All squares are divided so many times: the rays of neighbouring pixels have little in common.
 const FIRST_LEVEL: u32 = 2;
 
@@ -128,24 +131,13 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
     /// `allowed` is the squared error that images may add to pixels, relative to the squared mean.
     pub(crate) fn region(mut self, allowed: f64) -> Option<ImageRegion> {
         let pixels = self.mirroring_pixels();
-        for pixel in &pixels {
-            let corner = self.film.corner(*pixel).as_uvec2() << MAX_LEVEL;
-            self.add(corner, 0, UNKNOWN_EXTENT);
-        }
-        let mut next = 0;
-        while let Some(RegionSquare { level: 0..FIRST_LEVEL, .. }) = self.squares.get(next) {
-            self.divide(next, UNKNOWN_EXTENT);
-            next += 1;
-        }
-        let squares = &self.squares;
-        self.waiting.retain(|candidate| squares[candidate.square].quarters.is_none());
-        self.squares[..next].iter_mut().for_each(|square| square.lit = 0.0);
+        self.add_pixels(&pixels)?;
         let mut rms_light: f64 = self.squares.iter().map(RegionSquare::rms_light).sum();
         let rays_needed = if rms_light > 0.0 { self.rays_needed(allowed) } else { 0.0 };
         if rms_light * rms_light * rays_needed > MIN_RAYS {
             while let Some(Candidate { gain, square, extent }) = self.waiting.pop() {
                 let saved = 2.0 * rms_light * gain * rays_needed;
-                if saved < RAYS_OF_DIVISION || self.corners.len() > MAX_RAYS || self.offsets.len() > MAX_OFFSETS {
+                if saved < RAYS_OF_DIVISION || self.corners.len() > self.max_rays() {
                     break;
                 }
                 rms_light += self.divide(square, extent);
@@ -153,6 +145,31 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
         }
         let is_worth_it = rms_light * rms_light * rays_needed > MIN_RAYS;
         is_worth_it.then(|| ImageRegion::new(self.squares, pixels, self.film.size()[0])).flatten()
+    }
+
+    /// Adds the squares of pixels, divided as often as their number allows. `None` where there are too many,
+    /// which are left to chance.
+    fn add_pixels(&mut self, pixels: &[usize]) -> Option<()> {
+        let most = self.max_rays() / 4;
+        let level = (0..=FIRST_LEVEL).rev().find(|level| pixels.len() << (2 * level) <= most)?;
+        for pixel in pixels {
+            let corner = self.film.corner(*pixel).as_uvec2() << MAX_LEVEL;
+            self.add(corner, 0, UNKNOWN_EXTENT);
+        }
+        let mut next = 0;
+        while self.squares.get(next).is_some_and(|square| square.level < level) {
+            self.divide(next, UNKNOWN_EXTENT);
+            next += 1;
+        }
+        let squares = &self.squares;
+        self.waiting.retain(|candidate| squares[candidate.square].quarters.is_none());
+        self.squares[..next].iter_mut().for_each(|square| square.lit = 0.0);
+        Some(())
+    }
+
+    /// Maximum number of rays. Each keeps an offset from each light.
+    fn max_rays(&self) -> usize {
+        MAX_RAYS.min(MAX_OFFSETS / self.towards.len().max(1))
     }
 
     /// The number of rays for the allowed error, if the rms of the light over the film were that of the
@@ -176,6 +193,9 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
     /// The pixels of the film that see a mirror, and near which a corner of a pixel sees one in another.
     fn mirroring_pixels(&mut self) -> Vec<usize> {
         let near_reflectors = self.pixels_near_reflectors();
+        if near_reflectors.len() > self.max_rays() {
+            return Vec::new();
+        }
         let most_mirrors = |pixel: &usize| {
             let corner = self.film.corner(*pixel).as_uvec2() << MAX_LEVEL;
             (*pixel, self.ends(corner, 0).iter().map(|end| end.mirrors).max().unwrap_or(0))
@@ -195,6 +215,9 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
     fn pixels_near_reflectors(&self) -> Vec<usize> {
         let (film, rays) = (self.film, self.exposer.rays);
         let reflectors = &self.exposer.renderer.plan().reflectors;
+        if reflectors.is_empty() || self.towards.len() > MAX_LIGHTS {
+            return Vec::new();
+        }
         let is_near = |pixel: &usize| {
             let [corner, middle] = [0.0, 0.5].map(|at| film.ray_of_point(rays, film.corner(*pixel) + at));
             let (Some(corner), Some(middle)) = (corner, middle) else { return false };
