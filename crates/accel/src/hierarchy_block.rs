@@ -2,6 +2,7 @@
 //! the remaining candidates are tested in double precision.
 
 use crate::hierarchy_node::{Grid, lanes};
+use crate::ray::sheared_axes;
 use glam::{DVec3, Vec3, Vec4};
 
 /// Error of a projected coordinate relative to the bounding radius, due to the rounding of origin,
@@ -116,13 +117,9 @@ impl Probe {
     /// For a ray from `origin`, relative to the centre of a hierarchy with this radius.
     #[inline(always)]
     pub(crate) fn new(origin: Vec3, direction: Vec3, radius: f32) -> Probe {
-        let size = direction.abs();
-        // Branch-free, since the longest axis is unpredictable.
-        let without_x = if size.y > size.z { 1 } else { 2 };
-        let longest = if (size.x > size.y) & (size.x > size.z) { 0 } else { without_x };
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][longest];
+        let axes = sheared_axes(direction.abs().to_array());
         let (origin, direction) = (origin.to_array(), direction.to_array());
-        let inverse = direction[longest].recip();
+        let inverse = direction[axes[2]].recip();
         Probe {
             axes,
             origin: [origin[axes[0]], origin[axes[1]], origin[axes[2]]],

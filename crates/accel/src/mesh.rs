@@ -117,15 +117,28 @@ impl MeshGeometry {
         limits: &Limits,
     ) -> Option<Crossing> {
         let primitive = PrimitiveId(u64::from(slot));
-        let distance = match copied {
-            Some(corners) => polygon::intersect_triangle(corners, ray, frame, limits.range()),
+        match copied {
+            Some(corners) => triangle_crossing(corners, primitive, ray, frame, from, limits),
             None => {
                 let corners = corners(mesh, self.slots[slot as usize].0);
-                polygon::intersect_triangle(&corners, ray, frame, limits.range())
+                triangle_crossing(&corners, primitive, ray, frame, from, limits)
             }
-        }?;
-        (from != Some(primitive)).then_some(Crossing { distance, primitive })
+        }
     }
+}
+
+/// The crossing of a ray with a triangle, unless the ray starts from it.
+#[inline(always)]
+pub(crate) fn triangle_crossing(
+    corners: &[DVec3; 3],
+    primitive: PrimitiveId,
+    ray: &Ray,
+    frame: &RayFrame,
+    from: Option<PrimitiveId>,
+    limits: &Limits,
+) -> Option<Crossing> {
+    let distance = polygon::intersect_triangle(corners, ray, frame, limits.range())?;
+    (from != Some(primitive)).then_some(Crossing { distance, primitive })
 }
 
 #[inline]

@@ -1,6 +1,6 @@
 //! Flat polygons: convex, concave, and with holes joined by seams.
 
-use crate::ray::Ray;
+use crate::ray::{Ray, sheared_axes};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -25,11 +25,7 @@ impl RayFrame {
     #[inline(always)]
     #[must_use]
     pub fn new(ray: &Ray) -> RayFrame {
-        let size = ray.direction.abs();
-        // Branch-free, since the longest axis is unpredictable.
-        let without_x = if size.y > size.z { 1 } else { 2 };
-        let longest = if (size.x > size.y) & (size.x > size.z) { 0 } else { without_x };
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][longest];
+        let axes = sheared_axes(ray.direction.abs().to_array());
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         let along = direction[axes[2]];
         RayFrame {

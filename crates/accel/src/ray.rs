@@ -16,6 +16,15 @@ pub struct Ray {
     pub direction: DVec3,
 }
 
+/// The axes of u and v, and the longest one, of a vector with these absolute components: the frame of a
+/// sheared ray. Branch-free, since the longest axis is unpredictable.
+#[inline(always)]
+pub(crate) fn sheared_axes<T: PartialOrd>([x, y, z]: [T; 3]) -> [usize; 3] {
+    let without_x = if y > z { 1 } else { 2 };
+    let longest = if (x > y) & (x > z) { 0 } else { without_x };
+    [[1, 2, 0], [2, 0, 1], [0, 1, 2]][longest]
+}
+
 impl Ray {
     /// A ray from `origin` along `direction`, which is normalised here. Every program makes its
     /// rays in this way, so a ray read from a stream has the same bits. `None` if the direction has

@@ -5,11 +5,11 @@ use crate::hierarchy::{AnyOrder, NearestFirst, Search, Visited};
 use crate::ids::{MemberId, PrimitiveId, ShaderTable};
 use crate::intersection::{Crossing, Intersection};
 use crate::limits::Limits;
+use crate::mesh::triangle_crossing;
 use crate::outline::{GridResult, MANY_VERTICES};
 use crate::polygon::{self, RayFrame};
 use crate::ray::Ray;
 use crate::{coincident, cone, disk, sphere};
-use glam::DVec3;
 use radsight_ir::{Instance, MeshInstance, Scene, Shape, ValidScene};
 use std::ops::Range;
 
@@ -54,7 +54,7 @@ impl Geometry {
         let mut tied_from = f64::INFINITY;
         self.hierarchy.visit(NearestFirst, self.search(scene, ray, limits.farthest), |Visited { slot, corners }| {
             let crossing = match corners {
-                Some(corners) => triangle_crossing(corners, MemberId(slot), ray, &frame, from, &limits),
+                Some(corners) => triangle_crossing(corners, MemberId(slot).primitive(), ray, &frame, from, &limits),
                 None => self.crossing(scene, MemberId(slot), ray, &frame, from, &limits),
             };
             if let Some(crossing) = crossing {
@@ -208,7 +208,7 @@ impl Geometry {
             let member = MemberId(slot);
             if !blocked {
                 blocked = if let Some(corners) = corners {
-                    triangle_crossing(corners, member, ray, &frame, from, limits).is_some_and(&mut *block)
+                    triangle_crossing(corners, member.primitive(), ray, &frame, from, limits).is_some_and(&mut *block)
                 } else if self.is_plain(member) {
                     self.any_crossing(scene, member, (ray, &frame), from, limits, block)
                 } else {
@@ -294,20 +294,6 @@ impl Geometry {
             _ => false,
         }
     }
-}
-
-/// The crossing of a ray with a triangle.
-#[inline(always)]
-fn triangle_crossing(
-    corners: &[DVec3; 3],
-    member: MemberId,
-    ray: &Ray,
-    frame: &RayFrame,
-    from: Option<PrimitiveId>,
-    limits: &Limits,
-) -> Option<Crossing> {
-    let distance = polygon::intersect_triangle(corners, ray, frame, limits.range())?;
-    (from != Some(member.primitive())).then_some(Crossing { distance, primitive: member.primitive() })
 }
 
 /// Passes crossings of a member to `block`, with primitives offset by `first` and distances scaled.
