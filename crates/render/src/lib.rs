@@ -66,6 +66,6 @@ pub use radsight_texture::BandValues;
 pub use ray_spacing::RaySpacing;
 pub use ray_tree::{RayValue, TreeRay};
 pub use renderer::{RayWorker, Renderer};
-pub use retrace::LastReflection;
+pub use retrace::{LastReflection, MAX_LIGHTS as MAX_MIRRORED_LIGHTS};
 pub use saved_cache::CacheError;
 pub use trace::{CountedLight, Traced};

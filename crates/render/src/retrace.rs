@@ -12,7 +12,7 @@ use radsight_texture::{SurfaceInteraction, mirrored, reflect, shading_normal};
 const MAX_PASSED: u32 = 64;
 
 /// With more lights than this, searching each through mirrors costs more than it saves.
-pub(crate) const MAX_LIGHTS: usize = 256;
+pub const MAX_LIGHTS: usize = 256;
 
 /// Maximum number of mirrors, and of mirrors and panes, of a ray that searches for lights.
 pub(crate) const MAX_MIRRORS: usize = 3;
@@ -61,46 +61,49 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// The ray behind its first mirror, its second, and so on.
-    pub(crate) fn mirrored_rays(
-        &mut self,
-        (origin, mut from): (DVec3, Option<PrimitiveId>),
-        direction: DVec3,
-    ) -> Vec<MirroredRay> {
-        let mut ray = Ray { origin, direction };
+    pub(crate) fn mirrored_rays(&mut self, start: (DVec3, Option<PrimitiveId>), direction: DVec3) -> Vec<MirroredRay> {
         let (mut rays, mut events) = (Vec::new(), Vec::new());
-        while rays.len() < MAX_MIRRORS
-            && events.len() < MAX_EVENTS
-            && let Some(hit) = self.next_visible(ray, from)
-            && let Some((event, direction)) = self.mirrored_step(&ray, &hit)
-        {
-            ray = Ray { origin: hit.point, direction };
-            from = Some(hit.primitive);
+        self.follow_mirrors(start, direction, |event, ray| {
             events.push(event);
             if event == SpecularEvent::Reflected {
                 rays.push(MirroredRay { ray, events: events.clone() });
             }
-        }
+            rays.len() < MAX_MIRRORS
+        });
         rays
     }
 
     /// The ray behind the last mirror that it leads to; `None` without mirrors.
     pub(crate) fn last_reflection(&mut self, ray: &Ray) -> Option<LastReflection> {
-        let (mut ray, mut from) = (*ray, None);
-        let (mut last, mut events) = (None, 0);
-        let mut mirrors = 0;
-        while events < MAX_EVENTS
-            && let Some(hit) = self.next_visible(ray, from)
-            && let Some((event, direction)) = self.mirrored_step(&ray, &hit)
-        {
-            ray = Ray { origin: hit.point, direction };
-            from = Some(hit.primitive);
-            events += 1;
+        let (mut last, mut mirrors) = (None, 0);
+        self.follow_mirrors((ray.origin, None), ray.direction, |event, ray| {
             if event == SpecularEvent::Reflected {
                 mirrors += 1;
                 last = Some(LastReflection { mirrors, ray });
             }
-        }
+            true
+        });
         last
+    }
+
+    /// Follows a ray through panes and from mirror to mirror. `visit` gets each event and the ray after it,
+    /// and says whether to go on.
+    fn follow_mirrors(
+        &mut self,
+        (origin, mut from): (DVec3, Option<PrimitiveId>),
+        direction: DVec3,
+        mut visit: impl FnMut(SpecularEvent, Ray) -> bool,
+    ) {
+        let mut ray = Ray { origin, direction };
+        for _ in 0..MAX_EVENTS {
+            let Some(hit) = self.next_visible(ray, from) else { return };
+            let Some((event, direction)) = self.mirrored_step(&ray, &hit) else { return };
+            ray = Ray { origin: hit.point, direction };
+            from = Some(hit.primitive);
+            if !visit(event, ray) {
+                return;
+            }
+        }
     }
 
     /// One step of a ray that searches for mirrors: panes transmit it, other surfaces reflect it if
