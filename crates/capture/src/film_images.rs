@@ -41,6 +41,9 @@ pub(crate) struct FilmImages {
 #[derive(Debug)]
 struct FilmImage {
     curved: CurvedImage,
+    /// The point of the picture at which its middle is seen through the middle of the pinhole, pixels
+    /// from the left and the top.
+    center: DVec2,
     blur: ImageBlur,
     /// From places in the light's plane, in radii of the light, to pixels.
     by_place: DMat2,
@@ -49,10 +52,7 @@ struct FilmImage {
 /// How the light of an image is spread over the picture.
 #[derive(Clone, Copy, Debug)]
 struct ImageBlur {
-    /// The point of the picture at which the middle of the image is seen through the middle of the
-    /// pinhole, pixels from the left and the top.
-    center: DVec2,
-    /// Shift of that point per radius of the pinhole, pixels.
+    /// Shift of the point of the picture at which a place is seen, per radius of the pinhole, pixels.
     by_pinhole: DMat2,
     inverse: DMat2,
 }
@@ -84,6 +84,23 @@ pub(crate) struct PartRay {
     pub(crate) weight: f64,
 }
 
+impl ImagePart {
+    /// Of an image, with some of its cells. The light that is expected is seen at `center`.
+    fn new(
+        (image, cells): (usize, Range<usize>),
+        (center, expected): (DVec2, f64),
+        rays: &Rays,
+        blur: &ImageBlur,
+    ) -> ImagePart {
+        let [mut visible, mut squared_weights] = [0.0; 2];
+        blur.for_each_pixel(rays, center, |_, overlap| {
+            visible += overlap.area;
+            squared_weights += overlap.area * overlap.area;
+        });
+        ImagePart { image, cells, center, expected, visible, squared_weights }
+    }
+}
+
 impl FilmImages {
     /// `None` where the film shows no image. `allowed` is the squared error that images may add to
     /// pixels, relative to the squared mean exposure.
@@ -95,15 +112,14 @@ impl FilmImages {
     ) -> Option<FilmImages> {
         let rays = exposer.rays;
         let near = vec![Vec::new(); film.pixel_count()];
-        let film_blur = ImageBlur::at(DVec2::ZERO, DMat2::from_diagonal(film.shift()));
+        let film_blur = ImageBlur::new(DMat2::from_diagonal(film.shift()));
         let mut found = FilmImages { images: Vec::new(), parts: Vec::new(), near, region: None, film_blur };
         for image in curved.iter().filter_map(|curved| FilmImage::new(rays, curved)) {
             found.add(rays, film, image);
         }
         let is_known = |point: DVec2| {
-            let ray = rays.ray_through(0, film.picture_point(point).into(), [0.0; 2]);
-            let pixel = film.pixel_at(point);
-            pixel.zip(ray).is_some_and(|(pixel, ray)| found.image_of(rays, pixel, point, &ray).is_some())
+            let seen = film.ray_to_point(rays, point, DVec2::ZERO);
+            seen.is_some_and(|seen| found.are_shown_by(rays, &seen))
         };
         if let Some(region) = RegionSearch::new(exposer, film, is_known).region(allowed) {
             found.add_region(rays, film, region);
@@ -117,12 +133,7 @@ impl FilmImages {
         for (index, (pixel, expected)) in region.pixels().enumerate() {
             let cells = index..index + 1;
             let center = film.picture_point(film.corner(pixel) + 0.5);
-            let mut part = ImagePart { image, expected, cells, center, visible: 0.0, squared_weights: 0.0 };
-            self.film_blur.for_each_pixel(rays, center, |_, overlap| {
-                part.visible += overlap.area;
-                part.squared_weights += overlap.area * overlap.area;
-            });
-            self.parts.push(part);
+            self.parts.push(ImagePart::new((image, cells), (center, expected), rays, &self.film_blur));
         }
         self.region = Some(region);
     }
@@ -138,19 +149,9 @@ impl FilmImages {
         let light = image.curved.light();
         let index = self.images.len();
         let part = |cells: Range<usize>| {
-            let center = image.blur.center + image.by_place * footprint.middle(cells.clone());
-            let mut part = ImagePart {
-                image: index,
-                expected: light * footprint.probability(cells.clone()),
-                cells,
-                center,
-                visible: 0.0,
-                squared_weights: 0.0,
-            };
-            image.blur.for_each_pixel(rays, center, |_, overlap| {
-                part.visible += overlap.area;
-                part.squared_weights += overlap.area * overlap.area;
-            });
+            let center = image.center + image.by_place * footprint.middle(cells.clone());
+            let expected = light * footprint.probability(cells.clone());
+            let part = ImagePart::new((index, cells), (center, expected), rays, &image.blur);
             (part.visible > 0.0).then_some(part)
         };
         let parts: Vec<ImagePart> = ranges.into_iter().filter_map(part).collect();
@@ -159,7 +160,7 @@ impl FilmImages {
         }
         self.parts.extend(parts);
         image.curved.footprint = footprint;
-        for pixel in film.pixels_around(image.blur.center, image.reach(film)) {
+        for pixel in film.pixels_around(image.center, image.reach(film)) {
             self.near[pixel].push(index as u32);
         }
         self.images.push(image);
@@ -171,15 +172,15 @@ impl FilmImages {
 
     /// Whether a ray of a pixel of the film shows an image.
     pub(crate) fn are_shown_by(&self, rays: &Rays, seen: &FilmRay) -> bool {
-        self.image_of(rays, seen.pixel, seen.point, &seen.ray).is_some()
+        self.image_of(rays, seen).is_some()
     }
 
     /// The image of which a ray shows a place: the one with the highest density of rays there.
-    fn image_of(&self, rays: &Rays, pixel: usize, point: DVec2, ray: &CameraRay) -> Option<usize> {
-        let near = self.near[pixel].iter().map(|image| *image as usize);
+    fn image_of(&self, rays: &Rays, FilmRay { ray, pixel, point, .. }: &FilmRay) -> Option<usize> {
+        let near = self.near[*pixel].iter().map(|image| *image as usize);
         let with_density = near.map(|image| (image, self.images[image].density(ray)));
         let in_region = self.region.as_ref().map(|region| {
-            let by_pixel = region.density(pixel, point);
+            let by_pixel = region.density(*pixel, *point);
             (self.images.len(), by_pixel * rays.camera().pixels_per_solid_angle(ray.direction))
         });
         let shown = with_density.chain(in_region).filter(|(_, density)| *density > 0.0);
@@ -196,7 +197,7 @@ impl FilmImages {
         on_pinhole: DVec2,
     ) -> Option<PartRay> {
         let part = &self.parts[part];
-        if part.image == self.images.len() {
+        if self.is_in_region(part) {
             return self.ray_in_region((rays, film), part, u, on_pinhole);
         }
         let FilmImage { curved, blur, .. } = &self.images[part.image];
@@ -208,7 +209,7 @@ impl FilmImages {
         let ray = rays.ray_through(0, at, on_pinhole.into())?;
         let at = DVec2::from(at);
         let (point, pixel) = film.seen_from(at, on_pinhole)?;
-        if self.image_of(rays, pixel, point, &ray) != Some(part.image) {
+        if self.image_of(rays, &FilmRay { ray, pixel, point, passage: None }) != Some(part.image) {
             return None;
         }
         let weight = curved.solid_angle(direction) * rays.camera().pixels_per_solid_angle(direction) / density;
@@ -225,7 +226,7 @@ impl FilmImages {
     ) -> Option<PartRay> {
         let (point, density) = self.region.as_ref()?.sample(part.cells.start, u);
         let seen = film.ray_to_point(rays, point, on_pinhole)?;
-        if self.image_of(rays, seen.pixel, point, &seen.ray) != Some(part.image) {
+        if self.image_of(rays, &seen) != Some(part.image) {
             return None;
         }
         Some(PartRay { ray: seen.ray, center: film.picture_point(point), weight: density.recip() })
@@ -246,7 +247,7 @@ impl FilmImages {
     /// The parts of each image.
     pub(crate) fn by_image(&self) -> impl Iterator<Item = Range<usize>> {
         let start = |image: usize| self.parts.partition_point(move |part| part.image < image);
-        (0..self.images.len() + 1).map(move |image| start(image)..start(image + 1))
+        (0..=self.images.len()).map(move |image| start(image)..start(image + 1))
     }
 }
 
@@ -263,14 +264,14 @@ impl FilmImage {
         };
         let by_place = across(&|place| at(place, DVec2::ZERO))?;
         let by_pinhole = across(&|on_pinhole| at(DVec2::ZERO, on_pinhole))?;
-        let blur = ImageBlur::at(at(DVec2::ZERO, DVec2::ZERO)?, by_pinhole);
-        let is_regular = blur.inverse.is_finite() && blur.center.is_finite() && by_place.is_finite();
-        is_regular.then(|| FilmImage { curved: curved.clone(), blur, by_place })
+        let (center, blur) = (at(DVec2::ZERO, DVec2::ZERO)?, ImageBlur::new(by_pinhole));
+        let is_regular = blur.inverse.is_finite() && center.is_finite() && by_place.is_finite();
+        is_regular.then(|| FilmImage { curved: curved.clone(), center, blur, by_place })
     }
 
     /// The square of the picture in which a place is seen through the middle of the pinhole.
     fn square_of(&self, place: DVec2) -> [i32; 2] {
-        ((self.blur.center + self.by_place * place) * PARTS_PER_PIXEL).floor().as_ivec2().into()
+        ((self.center + self.by_place * place) * PARTS_PER_PIXEL).floor().as_ivec2().into()
     }
 
     /// Density of rays to the place that a ray shows, per solid angle. 0 outside of the cells.
@@ -294,8 +295,8 @@ fn extent(map: DMat2) -> DVec2 {
 }
 
 impl ImageBlur {
-    fn at(center: DVec2, by_pinhole: DMat2) -> ImageBlur {
-        ImageBlur { center, by_pinhole, inverse: by_pinhole.inverse() }
+    fn new(by_pinhole: DMat2) -> ImageBlur {
+        ImageBlur { by_pinhole, inverse: by_pinhole.inverse() }
     }
 
     fn for_each_pixel(&self, rays: &Rays, center: DVec2, mut of_pixel: impl FnMut(usize, DiskOverlap)) {

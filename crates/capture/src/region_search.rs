@@ -13,7 +13,7 @@ use crate::image_region::{ImageRegion, MAX_LEVEL, RegionSquare};
 use crate::shared_rays::UnblurredFilm;
 use glam::{DMat2, DVec2, DVec3, UVec2, Vec2};
 use radsight_adaptive::ray_number;
-use radsight_render::{CountedLight, LastReflection, Ray, RayWorker, light_offset};
+use radsight_render::{CountedLight, LastReflection, MAX_MIRRORED_LIGHTS, Ray, RayWorker, light_offset};
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 use std::f64::consts::PI;
@@ -26,10 +26,7 @@ const MARGIN: f64 = 0.3;
 const UNKNOWN_EXTENT: f64 = 100.0;
 
 /// Distance from a pixel that sees a mirror in another one within which others may do, pixels.
-const DOUBLY_NEAR: usize = 2;
-
-/// With more lights than this, the search costs more than it saves.
-const MAX_LIGHTS: usize = 256;
+const DOUBLY_NEAR: f64 = 2.0;
 
 /// All squares are divided so many times: the rays of neighbouring pixels have little in common.
 const FIRST_LEVEL: u32 = 2;
@@ -92,16 +89,19 @@ struct Corner {
 }
 
 /// What is known of the images of a film before the search.
-pub(crate) struct RegionSearch<'s, 'r, K> {
+pub(crate) struct RegionSearch<'s, K> {
     exposer: &'s Exposer<'s>,
     film: &'s UnblurredFilm,
-    worker: RayWorker<'r>,
+    worker: RayWorker<'s>,
     /// Whether the ray that sees a point of the film through the middle of the pinhole shows an image
     /// that has rays of its own.
     is_known: K,
     /// Unit directions from the pinhole to the lights.
     towards: Vec<DVec3>,
-    corners: HashMap<UVec2, Corner>,
+    /// In the order in which they were traced.
+    corners: Vec<Corner>,
+    /// By their place in sides of the smallest squares.
+    by_place: HashMap<UVec2, usize>,
     /// Where the rays of corners pass the lights, in radii from their centres; all lights of a corner
     /// together.
     offsets: Vec<Option<Vec2>>,
@@ -109,8 +109,8 @@ pub(crate) struct RegionSearch<'s, 'r, K> {
     waiting: BinaryHeap<Candidate>,
 }
 
-impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
-    pub(crate) fn new(exposer: &'s Exposer<'s>, film: &'s UnblurredFilm, is_known: K) -> RegionSearch<'s, 's, K> {
+impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
+    pub(crate) fn new(exposer: &'s Exposer<'s>, film: &'s UnblurredFilm, is_known: K) -> RegionSearch<'s, K> {
         let camera = exposer.rays.camera();
         let position = camera.position_m() / camera.scene_unit_m();
         let lights = exposer.renderer.plan().lights.iter();
@@ -120,7 +120,8 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
             worker: exposer.renderer.worker(),
             is_known,
             towards: lights.map(|light| (light.center - position).normalize_or(DVec3::Z)).collect(),
-            corners: HashMap::new(),
+            corners: Vec::new(),
+            by_place: HashMap::new(),
             offsets: Vec::new(),
             squares: Vec::new(),
             waiting: BinaryHeap::new(),
@@ -134,17 +135,18 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
         self.add_pixels(&pixels)?;
         let mut rms_light: f64 = self.squares.iter().map(RegionSquare::rms_light).sum();
         let rays_needed = if rms_light > 0.0 { self.rays_needed(allowed) } else { 0.0 };
-        if rms_light * rms_light * rays_needed > MIN_RAYS {
-            while let Some(Candidate { gain, square, extent }) = self.waiting.pop() {
-                let saved = 2.0 * rms_light * gain * rays_needed;
-                if saved < RAYS_OF_DIVISION || self.corners.len() > self.max_rays() {
-                    break;
-                }
-                rms_light += self.divide(square, extent);
-            }
+        let is_needed = |rms_light: f64| rms_light * rms_light * rays_needed > MIN_RAYS;
+        if !is_needed(rms_light) {
+            return None;
         }
-        let is_worth_it = rms_light * rms_light * rays_needed > MIN_RAYS;
-        is_worth_it.then(|| ImageRegion::new(self.squares, pixels, self.film.size()[0])).flatten()
+        while let Some(Candidate { gain, square, extent }) = self.waiting.pop() {
+            let saved = 2.0 * rms_light * gain * rays_needed;
+            if saved < RAYS_OF_DIVISION || self.corners.len() > self.max_rays() {
+                break;
+            }
+            rms_light += self.divide(square, extent);
+        }
+        if is_needed(rms_light) { ImageRegion::new(self.squares, pixels, self.film.size()[0]) } else { None }
     }
 
     /// Adds the squares of pixels, divided as often as their number allows. `None` where there are too many,
@@ -201,11 +203,9 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
             (*pixel, self.ends(corner, 0).iter().map(|end| end.mirrors).max().unwrap_or(0))
         };
         let mirrors: HashMap<usize, usize> = near_reflectors.iter().map(most_mirrors).collect();
-        let columns = self.film.size()[0];
-        let within = |center: usize| center.saturating_sub(DOUBLY_NEAR)..=center + DOUBLY_NEAR;
         let is_doubly_near = |pixel: usize| {
-            let rows = within(pixel / columns);
-            let mut near = rows.flat_map(|row| within(pixel % columns).map(move |column| row * columns + column));
+            let middle = self.film.picture_point(self.film.corner(pixel) + 0.5);
+            let mut near = self.film.pixels_around(middle, DVec2::splat(DOUBLY_NEAR));
             near.any(|near| mirrors.get(&near).is_some_and(|most| *most > 1))
         };
         near_reflectors.into_iter().filter(|pixel| mirrors[pixel] > 0 && is_doubly_near(*pixel)).collect()
@@ -215,7 +215,7 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
     fn pixels_near_reflectors(&self) -> Vec<usize> {
         let (film, rays) = (self.film, self.exposer.rays);
         let reflectors = &self.exposer.renderer.plan().reflectors;
-        if reflectors.is_empty() || self.towards.len() > MAX_LIGHTS {
+        if reflectors.is_empty() || self.towards.len() > MAX_MIRRORED_LIGHTS {
             return Vec::new();
         }
         let is_near = |pixel: &usize| {
@@ -288,11 +288,12 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
     }
 
     fn end(&mut self, at: UVec2) -> Corner {
-        if let Some(known) = self.corners.get(&at) {
-            return *known;
+        if let Some(known) = self.by_place.get(&at) {
+            return self.corners[*known];
         }
         let corner = self.traced(at).unwrap_or_default();
-        self.corners.insert(at, corner);
+        self.by_place.insert(at, self.corners.len());
+        self.corners.push(corner);
         corner
     }
 
@@ -317,11 +318,9 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, 's, K> {
     /// The radiance of the brightest light, from where rays lead nearest to it.
     fn radiance(&mut self) -> f64 {
         let plan = self.exposer.renderer.plan();
-        let mut corners: Vec<(UVec2, Corner)> = self.corners.iter().map(|(at, corner)| (*at, *corner)).collect();
-        corners.sort_by_key(|(at, _)| at.to_array());
         let mut brightest = 0.0_f64;
         for light in 0..self.towards.len() {
-            let passing = corners.iter().filter_map(|(_, corner)| {
+            let passing = self.corners.iter().filter_map(|corner| {
                 let offset = self.offsets[corner.offsets? + light]?;
                 Some((offset.length_squared(), corner.origin))
             });
