@@ -305,7 +305,7 @@ fn evaluate_constant(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64
     let entry = linker.expression_root(body, node);
     let (image, problems) = linker.finish();
     let mut stacks = Stacks::default();
-    let mut machine = Machine::new(&image, &mut stacks, &NoHost, *steps);
+    let mut machine = Machine::new(&image, &[], &mut stacks, &NoHost, *steps);
     let result = machine.run(Entry::Expression(entry), &[]);
     let fault = machine.fault;
     *steps = machine.steps_left().saturating_sub(image.code.len() as u64);

@@ -2,8 +2,9 @@
 
 mod writer;
 
-use crate::{Bindings, Definitions, Fault, Program, Root, Scope, Scratch};
+use crate::{Bindings, Definitions, Family, Fault, Program, Root, Scope, Scratch};
 use radsight_diag::SourceMap;
+use std::sync::Arc;
 use writer::{Dice, program_text};
 
 fn close(a: f64, b: f64) -> bool {
@@ -77,4 +78,48 @@ fn recursion_that_ends_soon_goes_fast() {
         assert_eq!(program.goes_fast(0, channels, &mut scratch), is_fast, "{channels:?}");
         assert_eq!(program.eval(0, &[], channels, &mut scratch), Ok(value));
     }
+}
+
+#[test]
+fn programs_of_a_family_compute_the_same_bits() {
+    let mut scratch = Scratch::new();
+    let (mut sharing, mut alone) = (0, 0);
+    for seed in 0..3000 {
+        let mut dice = Dice::new(seed);
+        dice.calls_library = true;
+        let (text, roots) = program_text(&mut dice);
+        let mut sources = SourceMap::default();
+        let file = sources.add("x.cal", text.as_bytes(), None);
+        let mut definitions = Definitions::with_initial_library();
+        if definitions.load(file, text.as_bytes(), &Scope::global()).is_err() {
+            continue;
+        }
+        let span = sources.span(file, 0, 0);
+        let roots = [Root::Expression { text: &roots[0], span }, Root::Expression { text: &roots[1], span }];
+        let mut family = Family::default();
+        for turn in 0..12 {
+            // Ones and zeros are simplified away where they are known.
+            let real_arguments = [dice.number(), [0.0, 1.0, -0.0, 0.25][turn % 4], dice.number()];
+            let bindings = Bindings { real_arguments: &real_arguments, ..Bindings::of_ray() };
+            let own = Program::compile(&definitions, &Scope::global(), &roots, &bindings);
+            let of_family = family.program(&definitions, &Scope::global(), &roots, &bindings);
+            assert_eq!(own.as_ref().err(), of_family.as_ref().err(), "{seed}");
+            let (Ok(own), Ok(of_family)) = (own, of_family) else { continue };
+            match Arc::strong_count(of_family.compiled_code()) > 1 {
+                true => sharing += 1,
+                false => alone += 1,
+            }
+            assert_eq!(own.constant(0).map(f64::to_bits), of_family.constant(0).map(f64::to_bits), "{seed}");
+            for _ in 0..4 {
+                let channels: Vec<f64> = (0..4).map(|_| dice.number()).collect();
+                let (mut first, mut second) = ([0.0; 2], [0.0; 2]);
+                let first_end = own.eval_all(&[], &channels[..], &mut scratch, &mut first);
+                let second_end = of_family.eval_all(&[], &channels[..], &mut scratch, &mut second);
+                assert_eq!(first_end.map_err(|fault| fault.kind), second_end.map_err(|fault| fault.kind), "{seed}");
+                let what = (first, second, real_arguments, &text, roots);
+                assert_eq!(first.map(f64::to_bits), second.map(f64::to_bits), "{seed}: {what:?}");
+            }
+        }
+    }
+    assert!(sharing > 500 && alone > 500, "{sharing} programs share code, {alone} do not");
 }

@@ -52,6 +52,8 @@ struct Emitter<'g> {
     count: u32,
     lists: Vec<Register>,
     chains: Vec<Chain>,
+    /// Late arguments, in the order of their registers, which are the first ones.
+    late: Vec<u16>,
     too_large: bool,
 }
 
@@ -81,6 +83,7 @@ pub(crate) fn emit(graph: &Graph, roots: &[Value]) -> Option<Code> {
         count: 0,
         lists: Vec::new(),
         chains: Vec::new(),
+        late: Vec::new(),
         too_large: false,
     };
     let results = emitter.roots(roots);
@@ -89,6 +92,7 @@ pub(crate) fn emit(graph: &Graph, roots: &[Value]) -> Option<Code> {
 
 impl Emitter<'_> {
     fn roots(&mut self, roots: &[Value]) -> Vec<Register> {
+        self.place_late_arguments();
         self.hoist(OUTERMOST);
         let mut results = Vec::with_capacity(roots.len());
         for &root in roots {
@@ -98,6 +102,19 @@ impl Emitter<'_> {
         self.ops.push(Op::End);
         self.emit_shared(OUTERMOST);
         results
+    }
+
+    /// Gives each late argument a register for the whole evaluation.
+    fn place_late_arguments(&mut self) {
+        for value in 0..self.graph.len() as Value {
+            if let Node::Late(index) = self.graph.node(value)
+                && self.schedule.is_used(value)
+            {
+                let register = self.fresh();
+                self.registers[value as usize] = Some(register);
+                self.late.push(index);
+            }
+        }
     }
 
     fn finish(mut self, mut results: Vec<Register>) -> Option<Code> {
@@ -133,7 +150,7 @@ impl Emitter<'_> {
         shorten(&mut self.ops);
         let tables = self.graph.tables.clone();
         let (ops, lists, chains, shared) = (self.ops, self.lists, self.chains, self.count as u16);
-        Some(Code { ops, results, tables, lists, chains, shared, registers })
+        Some(Code { ops, results, tables, lists, chains, late: self.late, shared, registers })
     }
 
     fn fresh(&mut self) -> Register {
@@ -279,6 +296,7 @@ impl Emitter<'_> {
             Node::Constant(bits) => Op::Constant { d, value: f64::from_bits(bits) },
             Node::Channel(channel) => Op::Channel { d, channel },
             Node::Argument(index) => Op::Argument { d, index },
+            Node::Late(_) => return self.compute_or_move(value, d, region),
             Node::Negate(a) => Op::Negate { d, a: self.value(a, region) },
             Node::Absolute(a) => Op::Absolute { d, a: self.value(a, region) },
             Node::Guarded(inner) => return self.compute_or_move(inner, d, region),

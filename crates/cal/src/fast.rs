@@ -323,6 +323,8 @@ pub(crate) struct Code {
     pub(crate) tables: Vec<Box<[f64]>>,
     pub(crate) lists: Vec<Register>,
     pub(crate) chains: Vec<Chain>,
+    /// The late real arguments that the first registers hold.
+    pub(crate) late: Vec<u16>,
     /// Number of shared values.
     pub(crate) shared: u16,
     /// Number of registers.
@@ -410,20 +412,30 @@ impl Code {
         self.registers as usize > FEW
     }
 
-    /// Runs the code; [`Registers::result`] then gives the values.
+    /// Runs the code; [`Registers::result`] then gives the values. `real` are the real arguments.
     #[inline]
     pub(crate) fn run<H: Host + ?Sized>(
         &self,
         memory: &mut Registers,
         host: &H,
         arguments: &[f64],
+        real: &[f64],
     ) -> Result<(), GaveUp> {
         memory.calls.begin(self.shared);
         if self.has_many_registers() {
             let many = memory.many.get_or_insert_with(zeros);
+            self.place_late(&mut many[..], real);
             self.run_on(many, &mut memory.calls, host, arguments)
         } else {
+            self.place_late(&mut memory.few[..], real);
             self.run_on(&mut memory.few, &mut memory.calls, host, arguments)
+        }
+    }
+
+    #[inline]
+    fn place_late(&self, registers: &mut [f64], real: &[f64]) {
+        for (register, &argument) in registers.iter_mut().zip(&self.late) {
+            *register = real[usize::from(argument)];
         }
     }
 

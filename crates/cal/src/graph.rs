@@ -25,6 +25,8 @@ pub(crate) enum Node {
     Channel(u32),
     /// Argument given by the host, from 0.
     Argument(u16),
+    /// A real argument, from 0, that each program of a [`Family`](crate::Family) has its own value of.
+    Late(u16),
     Negate(Value),
     Absolute(Value),
     Binary(Operator, Value, Value),
@@ -69,6 +71,9 @@ pub(crate) struct Graph {
     index: HashMap<Node, Value>,
     pub(crate) tables: Vec<Box<[f64]>>,
     pub(crate) lists: Vec<Box<[Value]>>,
+    /// Late arguments whose values the graph depends on: it holds for these values alone. Values
+    /// computed from them are faults here.
+    pub(crate) decisive: Vec<u16>,
 }
 
 /// Properties of a value.
@@ -102,6 +107,20 @@ impl Graph {
         }
     }
 
+    /// Notes that the graph depends on the values of those operands that are late, if all of them
+    /// are late or constant.
+    fn decided_by_all(&mut self, operands: &[Value]) -> bool {
+        let is_fixed = |value: &Value| matches!(self.node(*value), Node::Constant(_) | Node::Late(_));
+        operands.iter().all(is_fixed) && operands.iter().filter(|operand| self.decided_by(**operand)).count() > 0
+    }
+
+    /// Whether the value is late; notes that the graph depends on it.
+    pub(crate) fn decided_by(&mut self, value: Value) -> bool {
+        let Node::Late(index) = self.node(value) else { return false };
+        self.decisive.push(index);
+        true
+    }
+
     /// Whether the value is finite unless a fault was noticed.
     pub(crate) fn is_finite(&self, value: Value) -> bool {
         self.facts[value as usize].finite
@@ -119,7 +138,7 @@ impl Graph {
     /// Operands of a node, used always or sometimes.
     pub(crate) fn operands(&self, node: Node, mut each: impl FnMut(Value)) {
         match node {
-            Node::Constant(_) | Node::Channel(_) | Node::Argument(_) | Node::Fault => {}
+            Node::Constant(_) | Node::Channel(_) | Node::Argument(_) | Node::Late(_) | Node::Fault => {}
             Node::Negate(a) | Node::Absolute(a) | Node::Function(_, a) | Node::Guarded(a) | Node::Table(a, _) => {
                 each(a)
             }
@@ -144,11 +163,18 @@ impl Graph {
         self.insert(Node::Argument(index))
     }
 
+    pub(crate) fn late(&mut self, index: u16) -> Value {
+        self.insert(Node::Late(index))
+    }
+
     pub(crate) fn fault(&mut self) -> Value {
         self.insert(Node::Fault)
     }
 
     pub(crate) fn negate(&mut self, value: Value) -> Value {
+        if self.decided_by(value) {
+            return self.fault();
+        }
         match self.node(value) {
             Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
             Node::Negate(inner) => inner,
@@ -157,6 +183,15 @@ impl Graph {
     }
 
     pub(crate) fn binary(&mut self, operator: Operator, left: Value, right: Value) -> Value {
+        // A division by a constant becomes a product, which rounds differently.
+        let by_one = match operator {
+            Operator::Divide => self.decided_by(right),
+            Operator::Power => self.decided_by(left) | self.decided_by(right),
+            Operator::Add | Operator::Subtract | Operator::Multiply => false,
+        };
+        if by_one || self.decided_by_all(&[left, right]) {
+            return self.fault();
+        }
         match (operator, self.as_constant(left), self.as_constant(right)) {
             (Operator::Divide, _, Some(0.0)) => self.fault(),
             (Operator::Power, _, _) => self.power(left, right),
@@ -196,6 +231,9 @@ impl Graph {
 
     /// A built-in function that evaluates all its arguments.
     pub(crate) fn function(&mut self, builtin: Builtin, arguments: &[Value]) -> Value {
+        if self.decided_by_all(arguments) {
+            return self.fault();
+        }
         let numbers: Option<Vec<f64>> = arguments.iter().map(|&value| self.as_constant(value)).collect();
         if let Some(numbers) = numbers {
             let value = builtin.apply(&numbers);
@@ -211,6 +249,9 @@ impl Graph {
 
     /// `min` or `max` of two values, in Radiance's order of comparison.
     pub(crate) fn extreme(&mut self, builtin: Builtin, so_far: Value, next: Value) -> Value {
+        if self.decided_by_all(&[so_far, next]) {
+            return self.fault();
+        }
         let least = builtin == Builtin::Min;
         match (self.as_constant(so_far), self.as_constant(next)) {
             (Some(a), Some(b)) => {
@@ -333,6 +374,7 @@ impl Graph {
         });
         let finite = match node {
             Node::Constant(bits) => f64::from_bits(bits).is_finite(),
+            Node::Late(_) => true,
             // Built-in functions, and values from outside, are checked where they are computed.
             Node::Channel(_) | Node::Function(..) | Node::Function2(..) | Node::Noise(..) | Node::Host(..) => true,
             Node::Binary(Operator::Power, ..) | Node::Table(..) => true,

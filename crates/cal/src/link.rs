@@ -39,7 +39,7 @@ impl<'a> Linker<'a> {
         Linker {
             known,
             bindings,
-            image: Image::new(bindings.real_arguments),
+            image: Image::new(),
             functions: HashMap::new(),
             wrappers: HashMap::new(),
             host_wrappers: HashMap::new(),

@@ -45,6 +45,8 @@ pub(crate) struct Lowering<'a> {
     frames: Vec<Frame<'a>>,
     /// Functions that are being called, if recursion is unrolled.
     unrolled: Option<Vec<SymbolId>>,
+    /// Which real arguments are late.
+    late: &'a [bool],
     /// Position in a file that led to the current expression.
     place: Option<Span>,
     steps: usize,
@@ -82,6 +84,7 @@ impl<'a> Lowering<'a> {
             variables: HashMap::new(),
             frames: vec![Frame { arguments: Vec::new(), caller: 0 }],
             unrolled: None,
+            late: &[],
             place: None,
             steps: 0,
             depth: 0,
@@ -94,6 +97,11 @@ impl<'a> Lowering<'a> {
     /// machine evaluates. So problems and constants of this graph mean nothing.
     pub(crate) fn unrolled(known: &'a Known<'a>, bindings: &'a Bindings<'a>) -> Lowering<'a> {
         Lowering { unrolled: Some(Vec::new()), ..Lowering::new(known, bindings) }
+    }
+
+    /// Lowers for all values of the real arguments that are `late`.
+    pub(crate) fn of_family(known: &'a Known<'a>, bindings: &'a Bindings<'a>, late: &'a [bool]) -> Lowering<'a> {
+        Lowering { late, ..Lowering::new(known, bindings) }
     }
 
     /// A root that is an expression.
@@ -300,6 +308,7 @@ impl<'a> Lowering<'a> {
         match builtin {
             Builtin::If => {
                 let test = self.parameter(0, frame)?;
+                self.graph.decided_by(test);
                 if let Some(test) = self.graph.as_constant(test) {
                     let value = self.parameter(if test > 0.0 { 1 } else { 2 }, frame)?;
                     return Ok(self.graph.guarded(value));
@@ -329,7 +338,11 @@ impl<'a> Lowering<'a> {
     fn real_argument(&mut self, frame: usize, span: Option<Span>) -> Lowered<Value> {
         let index = self.parameter(0, frame)?;
         let given = self.bindings.real_arguments;
+        self.graph.decided_by(index);
         if let Some(number) = self.graph.as_constant(index) {
+            if let Some(late) = late_argument(self.late, number) {
+                return Ok(self.graph.late(late));
+            }
             return Ok(match crate::machine::real_argument(given, number) {
                 Some(value) => self.graph.constant(value),
                 None => {
@@ -339,12 +352,14 @@ impl<'a> Lowering<'a> {
                 }
             });
         }
+        self.graph.decisive.extend((0..).zip(self.late).filter(|(_, late)| **late).map(|(argument, _)| argument));
         let entries = std::iter::once(given.len() as f64).chain(given.iter().copied());
         Ok(self.graph.table(index, entries.collect()))
     }
 
     fn select(&mut self, frame: usize) -> Lowered<Value> {
         let index = self.parameter(0, frame)?;
+        self.graph.decided_by(index);
         let count = self.frames[frame].arguments.len();
         if let Some(number) = self.graph.as_constant(index) {
             let choice = crate::builtin::truncated(number + 0.5);
@@ -411,4 +426,11 @@ impl<'a> Lowering<'a> {
         channels.sort_unstable();
         channels
     }
+}
+
+/// The late argument, from 0, that `arg` of a number means.
+fn late_argument(late: &[bool], number: f64) -> Option<u16> {
+    let argument = crate::builtin::truncated(number + 0.5).checked_sub(1)?;
+    let is_late = usize::try_from(argument).ok().and_then(|argument| late.get(argument).copied());
+    if is_late == Some(true) { u16::try_from(argument).ok() } else { None }
 }

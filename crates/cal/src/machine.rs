@@ -105,13 +105,12 @@ pub(crate) struct Image {
     pub(crate) variables: Vec<u32>,
     pub(crate) tables: Vec<u32>,
     pub(crate) variadic: Vec<(Builtin, u16, u32)>,
-    pub(crate) real_arguments: Box<[f64]>,
     /// Channels that occur in the code.
     pub(crate) channels: Vec<u32>,
 }
 
 impl Image {
-    pub(crate) fn new(real_arguments: &[f64]) -> Image {
+    pub(crate) fn new() -> Image {
         Image {
             code: vec![Op::Fail],
             routines: Vec::new(),
@@ -119,7 +118,6 @@ impl Image {
             variables: Vec::new(),
             tables: Vec::new(),
             variadic: Vec::new(),
-            real_arguments: real_arguments.into(),
             channels: Vec::new(),
         }
     }
@@ -187,6 +185,7 @@ pub(crate) enum Entry {
 /// One evaluation, of one root or several.
 pub(crate) struct Machine<'m, H: ?Sized> {
     image: &'m Image,
+    real_arguments: &'m [f64],
     stacks: &'m mut Stacks,
     host: &'m H,
     steps: u64,
@@ -198,12 +197,18 @@ type Fatal = FaultKind;
 
 impl<'m, H: Host + ?Sized> Machine<'m, H> {
     /// Starts an evaluation without values of variables; `steps` limits the whole evaluation.
-    pub(crate) fn new(image: &'m Image, stacks: &'m mut Stacks, host: &'m H, steps: u64) -> Self {
+    pub(crate) fn new(
+        image: &'m Image,
+        real_arguments: &'m [f64],
+        stacks: &'m mut Stacks,
+        host: &'m H,
+        steps: u64,
+    ) -> Self {
         stacks.variables.clear();
         stacks.variables.resize(image.variables.len(), None);
         stacks.last.resize(image.variables.len(), 0.0);
         stacks.warnings.clear();
-        Machine { image, stacks, host, steps, fault: None }
+        Machine { image, real_arguments, stacks, host, steps, fault: None }
     }
 
     /// Remaining steps.
@@ -377,7 +382,7 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
             arguments[index] = self.pop();
         }
         let value = if builtin == Builtin::Arg {
-            real_argument(&self.image.real_arguments, arguments[0]).ok_or(FaultKind::Undefined)?
+            real_argument(self.real_arguments, arguments[0]).ok_or(FaultKind::Undefined)?
         } else {
             builtin.apply(&arguments[..count])
         };

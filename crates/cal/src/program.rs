@@ -104,13 +104,20 @@ impl Scratch {
 /// levels. Fast code stops at any possible fault and deeper calls, and the exact code runs instead.
 #[derive(Clone, Debug)]
 pub struct Program {
+    compiled: Arc<Compiled>,
+    real_arguments: Box<[f64]>,
+    faults: FaultLog,
+}
+
+/// The part of a program that all programs of a [`Family`](crate::Family) may share.
+#[derive(Debug)]
+pub(crate) struct Compiled {
     image: Image,
     entries: Vec<Entry>,
     fast: Vec<Option<Code>>,
     fast_all: Option<Code>,
     constants: Vec<Option<f64>>,
     channels: Vec<u32>,
-    faults: FaultLog,
 }
 
 impl Program {
@@ -139,23 +146,9 @@ impl Program {
         roots: &[ReadRoot],
         bindings: &Bindings<'_>,
     ) -> Result<(Program, Option<Diagnostic>), Vec<Diagnostic>> {
-        let mut linker = Linker::new(known, bindings);
+        let (image, entries, exact_problems) = link(known, roots, bindings);
         let mut lowering = Lowering::new(known, bindings);
-        let mut entries = Vec::with_capacity(roots.len());
-        let mut values = Vec::with_capacity(roots.len());
-        for root in roots {
-            match root {
-                ReadRoot::Expression(body) => {
-                    entries.push(Entry::Expression(linker.expression_root(body, body.root)));
-                }
-                ReadRoot::Function { symbol, arity, span } => {
-                    let routine = linker.function_root(*symbol, *arity, *span);
-                    entries.push(Entry::Function(routine.unwrap_or(0)));
-                }
-            }
-            values.push(lowering.root(root).ok());
-        }
-        let (image, exact_problems) = linker.finish();
+        let values: Vec<Option<Value>> = roots.iter().map(|root| lowering.root(root).ok()).collect();
         // The graph contains what an evaluation can reach; exact code also contains what constants
         // exclude.
         let all: Option<Vec<Value>> = values.iter().copied().collect();
@@ -180,20 +173,24 @@ impl Program {
                 fast_code(&unrolled.graph, &values)
             }
         };
-        let program = Program { fast, fast_all, constants, channels, image, entries, faults: FaultLog::default() };
-        Ok((program, lowering.circular()))
+        let compiled = Compiled { image, entries, fast, fast_all, constants, channels };
+        Ok((Program::new(Arc::new(compiled), bindings.real_arguments), lowering.circular()))
+    }
+
+    pub(crate) fn new(compiled: Arc<Compiled>, real_arguments: &[f64]) -> Program {
+        Program { compiled, real_arguments: real_arguments.into(), faults: FaultLog::default() }
     }
 
     /// Number of roots.
     #[must_use]
     pub fn roots(&self) -> usize {
-        self.entries.len()
+        self.compiled.entries.len()
     }
 
     /// Channels that an evaluation may read, in ascending order.
     #[must_use]
     pub fn channels_used(&self) -> &[u32] {
-        &self.channels
+        &self.compiled.channels
     }
 
     /// Value of a root that is the same for every ray.
@@ -202,13 +199,13 @@ impl Program {
     /// If there is no such root.
     #[must_use]
     pub fn constant(&self, root: usize) -> Option<f64> {
-        self.constants[root]
+        self.compiled.constants[root]
     }
 
     /// Whether every root is the same for every ray.
     #[must_use]
     pub fn is_constant(&self) -> bool {
-        self.constants.iter().all(Option::is_some)
+        self.compiled.constants.iter().all(Option::is_some)
     }
 
     /// Evaluates one root. `arguments` are those of a [`Root::Function`].
@@ -226,8 +223,8 @@ impl Program {
         host: &H,
         scratch: &mut Scratch,
     ) -> Result<f64, Fault> {
-        if let Some(code) = &self.fast[root]
-            && code.run(&mut scratch.registers, host, arguments).is_ok()
+        if let Some(code) = &self.compiled.fast[root]
+            && code.run(&mut scratch.registers, host, arguments, &self.real_arguments).is_ok()
         {
             let value = scratch.registers.result(code, 0);
             if is_beyond(value) {
@@ -254,9 +251,10 @@ impl Program {
         scratch: &mut Scratch,
         values: &mut [f64],
     ) -> Result<(), Fault> {
-        let code = if self.entries.len() == 1 { self.fast[0].as_ref() } else { self.fast_all.as_ref() };
+        let compiled = &self.compiled;
+        let code = if compiled.entries.len() == 1 { compiled.fast[0].as_ref() } else { compiled.fast_all.as_ref() };
         if let Some(code) = code
-            && code.run(&mut scratch.registers, host, arguments).is_ok()
+            && code.run(&mut scratch.registers, host, arguments, &self.real_arguments).is_ok()
         {
             for (root, value) in values.iter_mut().enumerate().take(code.results.len()) {
                 *value = scratch.registers.result(code, root);
@@ -279,7 +277,7 @@ impl Program {
     ) -> Result<(), Fault> {
         let mut machine = self.machine(host, scratch)?;
         let mut last = 0.0;
-        for (entry, value) in self.entries.iter().zip(values) {
+        for (entry, value) in self.compiled.entries.iter().zip(values) {
             *value = 0.0;
             last = machine.run(*entry, arguments).map_err(|kind| self.fault(kind, 0.0, host))?;
             *value = last;
@@ -291,8 +289,15 @@ impl Program {
     }
 
     #[cfg(test)]
+    pub(crate) fn compiled_code(&self) -> &Arc<Compiled> {
+        &self.compiled
+    }
+
+    #[cfg(test)]
     pub(crate) fn goes_fast<H: Host + ?Sized>(&self, root: usize, host: &H, scratch: &mut Scratch) -> bool {
-        self.fast[root].as_ref().is_some_and(|code| code.run(&mut scratch.registers, host, &[]).is_ok())
+        self.compiled.fast[root]
+            .as_ref()
+            .is_some_and(|code| code.run(&mut scratch.registers, host, &[], &self.real_arguments).is_ok())
     }
 
     #[cold]
@@ -304,7 +309,7 @@ impl Program {
         scratch: &mut Scratch,
     ) -> Result<f64, Fault> {
         let mut machine = self.machine(host, scratch)?;
-        match (machine.run(self.entries[root], arguments), machine.fault) {
+        match (machine.run(self.compiled.entries[root], arguments), machine.fault) {
             (Ok(value), None) => {
                 if is_beyond(value) {
                     self.faults.note(FaultKind::Overflow, host);
@@ -321,7 +326,7 @@ impl Program {
         if self.is_exhausted() {
             return Err(self.fault(FaultKind::TooLong, 0.0, host));
         }
-        Ok(Machine::new(&self.image, &mut scratch.stacks, host, MOST_STEPS))
+        Ok(Machine::new(&self.compiled.image, &self.real_arguments, &mut scratch.stacks, host, MOST_STEPS))
     }
 
     fn fault<H: Host + ?Sized>(&self, kind: FaultKind, value: f64, host: &H) -> Fault {
@@ -344,6 +349,49 @@ impl Program {
     }
 }
 
+impl Compiled {
+    /// Code for all values of the real arguments that are `late`; otherwise the arguments that the
+    /// code depends on. `None` if there is no such code.
+    pub(crate) fn of_family(
+        known: &Known<'_>,
+        roots: &[ReadRoot],
+        bindings: &Bindings<'_>,
+        late: &[bool],
+    ) -> Option<Result<Compiled, Vec<u16>>> {
+        let mut lowering = Lowering::of_family(known, bindings, late);
+        let values: Option<Vec<Value>> = roots.iter().map(|root| lowering.root(root).ok()).collect();
+        for &value in values.iter().flatten() {
+            lowering.graph.decided_by(value);
+        }
+        if !lowering.graph.decisive.is_empty() {
+            return Some(Err(lowering.graph.decisive));
+        }
+        let values = values.filter(|_| lowering.problems.is_empty() && lowering.circular().is_none())?;
+        let (image, entries, _) = link(known, roots, bindings);
+        let constants = values.iter().map(|&value| lowering.graph.as_constant(value)).collect();
+        let channels = lowering.channels(&values);
+        let values: Vec<Option<Value>> = values.into_iter().map(Some).collect();
+        let (fast, fast_all) = fast_code(&lowering.graph, &values);
+        Some(Ok(Compiled { image, entries, fast, fast_all, constants, channels }))
+    }
+}
+
+/// The exact code of roots, where each begins, and the mistakes in it.
+fn link(known: &Known<'_>, roots: &[ReadRoot], bindings: &Bindings<'_>) -> (Image, Vec<Entry>, Vec<Diagnostic>) {
+    let mut linker = Linker::new(known, bindings);
+    let mut entries = Vec::with_capacity(roots.len());
+    for root in roots {
+        entries.push(match root {
+            ReadRoot::Expression(body) => Entry::Expression(linker.expression_root(body, body.root)),
+            ReadRoot::Function { symbol, arity, span } => {
+                Entry::Function(linker.function_root(*symbol, *arity, *span).unwrap_or(0))
+            }
+        });
+    }
+    let (image, problems) = linker.finish();
+    (image, entries, problems)
+}
+
 /// Fast code of each root that a graph has a value of, and of all together.
 fn fast_code(graph: &Graph, values: &[Option<Value>]) -> (Vec<Option<Code>>, Option<Code>) {
     let all: Option<Vec<Value>> = values.iter().copied().collect();
@@ -363,7 +411,11 @@ pub(crate) enum ReadRoot {
     Function { symbol: SymbolId, arity: u16, span: Option<Span> },
 }
 
-fn read_roots(known: &mut Known<'_>, scope: &Scope, roots: &[Root<'_>]) -> Result<Vec<ReadRoot>, Vec<Diagnostic>> {
+pub(crate) fn read_roots(
+    known: &mut Known<'_>,
+    scope: &Scope,
+    roots: &[Root<'_>],
+) -> Result<Vec<ReadRoot>, Vec<Diagnostic>> {
     let mut read = Vec::with_capacity(roots.len());
     let mut mistakes = Vec::new();
     let mut names = RootNames { known, scope, steps: MOST_FOLDING_STEPS };

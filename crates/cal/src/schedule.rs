@@ -98,7 +98,7 @@ impl Schedule {
     fn cost(&self, graph: &Graph, value: Value) -> u32 {
         let node = graph.node(value);
         let own = match node {
-            Node::Constant(_) | Node::Guarded(_) | Node::Argument(_) => 0,
+            Node::Constant(_) | Node::Late(_) | Node::Guarded(_) | Node::Argument(_) => 0,
             Node::Channel(_) | Node::Table(..) => 3,
             // Before a branch it would end every evaluation.
             Node::Fault => CHEAP + 1,
@@ -168,7 +168,7 @@ impl Schedule {
     fn place(&mut self, graph: &Graph, value: Value) {
         let place = self.places[value as usize];
         let node = graph.node(value);
-        if matches!(node, Node::Constant(_)) {
+        if matches!(node, Node::Constant(_) | Node::Late(_)) {
             return;
         }
         let certain = place.outermost == place.common;
@@ -209,6 +209,11 @@ impl Schedule {
     pub(crate) fn is_plain(&self, region: RegionId) -> bool {
         let region = &self.regions[region as usize];
         region.hoisted.is_empty() && region.shared.is_empty()
+    }
+
+    /// Whether code uses the value.
+    pub(crate) fn is_used(&self, value: Value) -> bool {
+        self.places[value as usize].uses > 0
     }
 
     /// Whether the value is used once.

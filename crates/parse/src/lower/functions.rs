@@ -3,7 +3,7 @@
 use super::modifiers::{Raw, RawWord};
 use super::reader::Reader;
 use crate::transform_words::{self, begins_transform};
-use radsight_cal::{Bindings, Definitions, Program, Root, Scope};
+use radsight_cal::{Bindings, Definitions, Family, Program, Root, Scope};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{FunctionCall, Transform};
 use radsight_loader::{FileKind, LoadError, Loader};
@@ -16,26 +16,31 @@ pub(super) struct Functions {
     definitions: Option<Definitions>,
     /// Files that could not be read. Each is reported once, and no program uses it.
     failed: HashSet<Scope>,
-    /// Compiled programs. Copies of a modifier in an array share one, since they differ only in
-    /// their transform.
-    programs: HashMap<ProgramKey, Arc<Program>>,
+    programs: HashMap<FamilyKey, Programs>,
 }
 
-/// Everything that determines a program.
+/// Everything that determines a program, besides the real arguments.
 #[derive(PartialEq, Eq, Hash)]
-struct ProgramKey {
+struct FamilyKey {
     scope: Scope,
     roots: Vec<(RootWord, String)>,
-    /// The real arguments, as bits.
-    reals: Vec<u64>,
+    real_count: usize,
 }
 
-impl ProgramKey {
+impl FamilyKey {
     fn new(raw: &Raw, roots: &[RootWord], scope: &Scope) -> Self {
         let roots = roots.iter().map(|root| (*root, raw.strings[root.index()].text.clone())).collect();
-        let reals = raw.reals.iter().map(|value| value.to_bits()).collect();
-        ProgramKey { scope: scope.clone(), roots, reals }
+        FamilyKey { scope: scope.clone(), roots, real_count: raw.reals.len() }
     }
+}
+
+/// The programs of a family.
+#[derive(Default)]
+struct Programs {
+    family: Family,
+    /// By the real arguments, as bits. Copies of a modifier in an array share one program, since
+    /// they differ only in their transform.
+    compiled: HashMap<Box<[u64]>, Arc<Program>>,
 }
 
 /// A string argument to compile.
@@ -83,16 +88,25 @@ impl Reader<'_> {
         }
         let (words, to_scene) = self.split_transform(raw, last + 1)?;
         let scope = self.function_file(&raw.strings[form.file])?;
-        let key = ProgramKey::new(raw, form.roots, &scope);
-        let program = match self.functions.programs.get(&key) {
-            Some(program) => Arc::clone(program),
-            None => {
-                let program = Arc::new(self.compile(raw, form.roots, &scope)?);
-                self.functions.programs.insert(key, Arc::clone(&program));
-                program
-            }
-        };
+        let program = self.program(raw, form.roots, &scope)?;
         Some(FunctionCall { program, to_scene, words, numbers: raw.reals.clone() })
+    }
+
+    /// The program of a modifier, compiled if necessary.
+    fn program(&mut self, raw: &Raw, roots: &[RootWord], scope: &Scope) -> Option<Arc<Program>> {
+        let key = FamilyKey::new(raw, roots, scope);
+        let reals: Box<[u64]> = raw.reals.iter().map(|value| value.to_bits()).collect();
+        let mut programs = self.functions.programs.remove(&key).unwrap_or_default();
+        let program = match programs.compiled.get(&reals) {
+            Some(program) => Some(Arc::clone(program)),
+            None => self.compile(raw, roots, scope, &mut programs.family).map(|program| {
+                let program = Arc::new(program);
+                programs.compiled.insert(reals, Arc::clone(&program));
+                program
+            }),
+        };
+        self.functions.programs.insert(key, programs);
+        program
     }
 
     /// Splits the string arguments into those before the transform and the transform, combined with
@@ -171,7 +185,7 @@ impl Reader<'_> {
         None
     }
 
-    fn compile(&mut self, raw: &Raw, roots: &[RootWord], scope: &Scope) -> Option<Program> {
+    fn compile(&mut self, raw: &Raw, roots: &[RootWord], scope: &Scope, family: &mut Family) -> Option<Program> {
         for root in roots {
             if let RootWord::Band(index, band) = *root {
                 self.define_band(&raw.strings[index], band, scope);
@@ -207,7 +221,7 @@ impl Reader<'_> {
             })
             .collect();
         let bindings = Bindings { real_arguments: &raw.reals, ..Bindings::of_ray() };
-        match Program::compile(definitions, scope, &compiled, &bindings) {
+        match family.program(definitions, scope, &compiled, &bindings) {
             Ok(program) => Some(program),
             Err(mistakes) => {
                 let at_least =
