@@ -21,7 +21,7 @@ const CELL: f64 = 0.2;
 const MAX_CELLS: i32 = 80;
 
 /// Rays along each side of a cell.
-const RAYS: u32 = 2;
+const RAYS: u32 = 1;
 
 /// Density of cells without light, beside others with light, relative to the mean.
 const FLOOR: f64 = 0.2;

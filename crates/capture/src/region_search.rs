@@ -36,7 +36,7 @@ const FIRST_LEVEL: u32 = 2;
 const VARIANCE_RATIO: f64 = 0.1;
 
 /// Rays that a division takes, by its time: it has five new corners, most of them shared by two squares.
-const RAYS_OF_DIVISION: f64 = 6.0;
+const RAYS_OF_DIVISION: f64 = 12.0;
 
 /// A region that would take fewer rays than this is left to chance.
 const MIN_RAYS: f64 = 100.0;
@@ -106,6 +106,8 @@ pub(crate) struct RegionSearch<'s, K> {
     /// together.
     offsets: Vec<Option<Vec2>>,
     squares: Vec<RegionSquare>,
+    /// Of each square, the indices of its corners, in turn around it.
+    corners_of: Vec<[usize; 4]>,
     waiting: BinaryHeap<Candidate>,
 }
 
@@ -124,6 +126,7 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
             by_place: HashMap::new(),
             offsets: Vec::new(),
             squares: Vec::new(),
+            corners_of: Vec::new(),
             waiting: BinaryHeap::new(),
         }
     }
@@ -155,8 +158,8 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
         let most = self.max_rays() / 4;
         let level = (0..=FIRST_LEVEL).rev().find(|level| pixels.len() << (2 * level) <= most)?;
         for pixel in pixels {
-            let corner = self.film.corner(*pixel).as_uvec2() << MAX_LEVEL;
-            self.add(corner, 0, UNKNOWN_EXTENT);
+            let corners = self.corners_of_pixel(*pixel);
+            self.add(self.corner_place(*pixel), 0, (corners, UNKNOWN_EXTENT));
         }
         let mut next = 0;
         while self.squares.get(next).is_some_and(|square| square.level < level) {
@@ -199,8 +202,8 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
             return Vec::new();
         }
         let most_mirrors = |pixel: &usize| {
-            let corner = self.film.corner(*pixel).as_uvec2() << MAX_LEVEL;
-            (*pixel, self.ends(corner, 0).iter().map(|end| end.mirrors).max().unwrap_or(0))
+            let corners = self.corners_of_pixel(*pixel);
+            (*pixel, corners.map(|corner| self.corners[corner].mirrors).into_iter().max().unwrap_or(0))
         };
         let mirrors: HashMap<usize, usize> = near_reflectors.iter().map(most_mirrors).collect();
         let is_doubly_near = |pixel: usize| {
@@ -235,27 +238,36 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
         let before = self.squares[square].rms_light();
         let first = self.squares.len();
         self.squares[square].quarters = Some(first);
-        let side = 1 << (MAX_LEVEL - level - 1);
-        for at in [UVec2::ZERO, UVec2::X, UVec2::Y, UVec2::ONE] {
-            self.add(corner + side * at, level + 1, extent);
+        let half = 1 << (MAX_LEVEL - level - 1);
+        let [a, b, c, d] = self.corners_of[square];
+        let mut end = |column: u32, row: u32| self.end(corner + half * UVec2::new(column, row));
+        let (ab, bc, cd, da, middle) = (end(1, 0), end(2, 1), end(1, 2), end(0, 1), end(1, 1));
+        let quarters = [
+            (UVec2::ZERO, [a, ab, middle, da]),
+            (UVec2::X, [ab, b, bc, middle]),
+            (UVec2::Y, [da, middle, cd, d]),
+            (UVec2::ONE, [middle, bc, c, cd]),
+        ];
+        for (at, corners) in quarters {
+            self.add(corner + half * at, level + 1, (corners, extent));
         }
         self.squares[first..].iter().map(RegionSquare::rms_light).sum::<f64>() - before
     }
 
-    /// Adds a square in one whose corners have an extent `around`.
-    fn add(&mut self, corner: UVec2, level: u32, around: f64) {
-        let (lit, extent) = self.lit(corner, level, around);
+    /// Adds a square, from its corners, in one whose corners have an extent `around`.
+    fn add(&mut self, corner: UVec2, level: u32, (corners, around): ([usize; 4], f64)) {
+        let (lit, extent) = self.lit((corner, level), corners.map(|corner| self.corners[corner]), around);
         let square = RegionSquare::new(corner, level, lit);
         if level < MAX_LEVEL && lit > 0.0 {
             let gain = square.area() * (lit.sqrt() - lit);
             self.waiting.push(Candidate { gain, square: self.squares.len(), extent });
         }
         self.squares.push(square);
+        self.corners_of.push(corners);
     }
 
     /// The fraction of a square that may show a light of unknown images, and the extent of its corners.
-    fn lit(&mut self, corner: UVec2, level: u32, around: f64) -> (f64, f64) {
-        let ends = self.ends(corner, level);
+    fn lit(&self, (corner, level): (UVec2, u32), ends: [Corner; 4], around: f64) -> (f64, f64) {
         let (unit, side) = (RegionSquare::side(MAX_LEVEL), RegionSquare::side(level));
         let is_known = |place: DVec2| (self.is_known)(unit * corner.as_dvec2() + side * place);
         let (mut lit, mut extent) = (0.0, 0.0_f64);
@@ -281,20 +293,25 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
         (f64::min(lit, 1.0), extent.min(around))
     }
 
-    /// The corners of a square, in turn around it.
-    fn ends(&mut self, corner: UVec2, level: u32) -> [Corner; 4] {
-        let side = 1 << (MAX_LEVEL - level);
-        [UVec2::ZERO, UVec2::X, UVec2::ONE, UVec2::Y].map(|at| self.end(corner + side * at))
+    /// The corner of a pixel on the left and above, in sides of the smallest squares.
+    fn corner_place(&self, pixel: usize) -> UVec2 {
+        self.film.corner(pixel).as_uvec2() << MAX_LEVEL
     }
 
-    fn end(&mut self, at: UVec2) -> Corner {
+    /// The corners of a pixel, in turn around it.
+    fn corners_of_pixel(&mut self, pixel: usize) -> [usize; 4] {
+        let place = self.corner_place(pixel);
+        [UVec2::ZERO, UVec2::X, UVec2::ONE, UVec2::Y].map(|at| self.end(place + (at << MAX_LEVEL)))
+    }
+
+    fn end(&mut self, at: UVec2) -> usize {
         if let Some(known) = self.by_place.get(&at) {
-            return self.corners[*known];
+            return *known;
         }
-        let corner = self.traced(at).unwrap_or_default();
-        self.by_place.insert(at, self.corners.len());
+        let (corner, index) = (self.traced(at).unwrap_or_default(), self.corners.len());
+        self.by_place.insert(at, index);
         self.corners.push(corner);
-        corner
+        index
     }
 
     /// The ray that sees a point of the film through the middle of the pinhole; `None` where it meets no

@@ -183,31 +183,40 @@ impl Display for General {
 /// Buffer size of [`write_fast`].
 const FAST_WIDTH: usize = 32;
 
-/// Formats common numbers (moderate magnitude, up to 15 digits) at the end of the buffer. Returns
-/// the index of the first character; `None` for other numbers.
+/// Formats common numbers (0 and those of moderate magnitude, up to 15 digits) at the end of the
+/// buffer. Returns the index of the first character; `None` for other numbers.
 ///
 /// The digits are computed in integer arithmetic from m·2^q times a power of ten, so they are
 /// rounded exactly as in C.
 fn write_fast(buffer: &mut [u8; FAST_WIDTH], value: f64, precision: usize) -> Option<usize> {
     let size = value.abs();
-    if !(1e-4..1e15).contains(&size) || !(6..=15).contains(&precision) {
+    let is_zero = size == 0.0;
+    if !(is_zero || (1e-10..1e15).contains(&size)) || !(6..=15).contains(&precision) {
         return None;
     }
-    let (mut digits, exponent) = rounded_digits(size, precision)?;
-    if exponent < -4 || exponent >= precision as i32 {
+    let (mut digits, exponent) = if is_zero { (0, 0) } else { rounded_digits(size, precision)? };
+    if exponent >= precision as i32 {
         return None;
-    }
-    // The digit before the point is the first one, or a zero in front of it.
-    let mut decimals = precision as i32 - 1 - exponent;
-    while decimals > 0 && digits.is_multiple_of(10) {
-        digits /= 10;
-        decimals -= 1;
     }
     let mut place = FAST_WIDTH;
     let mut put = |byte: u8| {
         place -= 1;
         buffer[place] = byte;
     };
+    let mut decimals = precision as i32 - 1;
+    if exponent < -4 {
+        let size = exponent.unsigned_abs() as u8;
+        for byte in [b'0' + size % 10, b'0' + size / 10, b'-', b'e'] {
+            put(byte);
+        }
+    } else {
+        // The digit before the point is the first one, or a zero in front of it.
+        decimals -= exponent;
+    }
+    while decimals > 0 && digits.is_multiple_of(10) {
+        digits /= 10;
+        decimals -= 1;
+    }
     for _ in 0..decimals {
         put(b'0' + (digits % 10) as u8);
         digits /= 10;
@@ -222,7 +231,7 @@ fn write_fast(buffer: &mut [u8; FAST_WIDTH], value: f64, precision: usize) -> Op
             break;
         }
     }
-    if value < 0.0 {
+    if value.is_sign_negative() {
         put(b'-');
     }
     Some(place)
