@@ -40,8 +40,8 @@ const COARSE_RAYS: (u32, u32) = (2, 4);
 const NOISY_RAYS: (u32, u32) = (2, 2);
 const FINE_RAYS: (u32, u32) = (1, 1);
 
-/// Rays that find the surfaces in a silhouette pixel, besides that of its sample, and the offset of
-/// their ray numbers. Twice as many do not bring more blocks of 8 × 8 pixels near to the truth.
+/// Rays that find the surfaces in a silhouette pixel with a single ray, besides that, and the offset
+/// of their ray numbers. Twice as many do not bring more blocks of 8 × 8 pixels near to the truth.
 const SILHOUETTE_PROBES: u32 = 2;
 const PROBES: u64 = 1 << (46 + INDEX_LOG2);
 
@@ -468,7 +468,8 @@ impl Block<'_> {
     /// A silhouette pixel: probe rays find the fraction of it that each adjacent surface covers.
     fn antialiased(&self, averaged: &[[f64; 3]], (column, row): (usize, usize)) -> [f64; 3] {
         let own = averaged[self.at((column, row))];
-        let Some(sample) = self.sampled((column, row)) else { return own };
+        // Several rays of a pixel are spread over its surfaces already.
+        let Some(sample) = self.sampled((column, row)).filter(|sample| sample.rays == 1) else { return own };
         let is_edge = self
             .around((column, row))
             .any(|(at, near)| !self.is_alike(&own, &averaged[at]) && !sample.surface.continues(&near.surface));
