@@ -1,7 +1,7 @@
 //! Scene text for intersection tests, without light or materials.
 
 use glam::DVec3;
-use radsight_accel::{Builder, Geometry, Ray, ShaderId, ShaderTable, Substance};
+use radsight_accel::{Builder, Geometry, PrimitiveId, Ray, ShaderId, ShaderTable, Substance};
 use radsight_ir::{Cone, Ring, Scene, Shape, Sphere, Surface, Transform, ValidScene};
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, ReadOptions, read_scene};
@@ -69,7 +69,7 @@ impl Built {
     /// Whether anything occludes the segment between two points.
     pub(crate) fn is_blocked(&self, from: DVec3, to: DVec3) -> bool {
         let ray = Ray::new(from, to - from).expect("a direction");
-        self.geometry.any_between(&self.scene, &ray, None, from.distance(to), |_| true)
+        self.geometry.any_between(&self.scene, &ray, (None, PrimitiveId::NONE), from.distance(to), |_| true)
     }
 }
 

@@ -48,7 +48,12 @@ impl RayFrame {
 /// Distance along the ray to the polygon's plane, if the ray passes through the polygon.
 #[inline]
 pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
-    if !passes_through(vertices, frame) {
+    // Most polygons have four vertices, and loops of known length have no branches.
+    let passes = match vertices.first_chunk::<4>() {
+        Some(four) if vertices.len() == 4 => passes_through(four, frame),
+        _ => passes_through(vertices, frame),
+    };
+    if !passes {
         return None;
     }
     let normal = area_vector(vertices);
@@ -70,7 +75,7 @@ pub(crate) fn intersect_triangle(vertices: &[DVec3; 3], ray: &Ray, frame: &RayFr
 
 /// Whether the line of the ray crosses the polygon: the parity of edges that cross the positive
 /// half axis.
-#[inline]
+#[inline(always)]
 fn passes_through(vertices: &[DVec3], frame: &RayFrame) -> bool {
     let mut inside = false;
     let mut previous = frame.project(&vertices[vertices.len() - 1]);

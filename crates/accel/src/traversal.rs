@@ -181,24 +181,25 @@ impl Geometry {
     }
 
     /// Calls `block` for each crossing between `origin` and `origin + direction·distance`, until it
-    /// returns true.
+    /// returns true. The surface `target`, where the ray ends, is left out.
     pub fn any_between(
         &self,
         scene: &ValidScene,
         ray: &Ray,
-        from: Option<PrimitiveId>,
+        (from, target): (Option<PrimitiveId>, PrimitiveId),
         distance: f64,
         mut block: impl FnMut(Crossing) -> bool,
     ) -> bool {
         let mut block = |crossing: Crossing| !self.lies_on_start(scene, ray, from, &crossing) && block(crossing);
-        self.any(scene, ray, from, &Limits { nearest: self.nearest, farthest: distance }, &mut block)
+        let limits = Limits { nearest: self.nearest, farthest: distance };
+        self.any(scene, ray, (from, target), &limits, &mut block)
     }
 
     fn any(
         &self,
         scene: &Scene,
         ray: &Ray,
-        from: Option<PrimitiveId>,
+        (from, target): (Option<PrimitiveId>, PrimitiveId),
         limits: &Limits,
         block: &mut dyn FnMut(Crossing) -> bool,
     ) -> bool {
@@ -206,7 +207,7 @@ impl Geometry {
         let mut blocked = false;
         self.hierarchy.visit(AnyOrder, self.search(scene, ray, limits.farthest), |Visited { slot, corners }| {
             let member = MemberId(slot);
-            if !blocked {
+            if !blocked && member.primitive() != target {
                 blocked = if let Some(corners) = corners {
                     triangle_crossing(corners, member.primitive(), ray, &frame, from, limits).is_some_and(&mut *block)
                 } else if self.is_plain(member) {
@@ -289,7 +290,8 @@ impl Geometry {
                 let mut local = limits.seen_from(to_scene.scale);
                 local.nearest = local.nearest.max(inner.nearest);
                 let ray = ray.seen_from(to_scene);
-                inner.any(&scene.octrees[*octree].scene, &ray, from, &local, &mut shifted(block, first, to_scene.scale))
+                let ends = (from, PrimitiveId::NONE);
+                inner.any(&scene.octrees[*octree].scene, &ray, ends, &local, &mut shifted(block, first, to_scene.scale))
             }
             _ => false,
         }

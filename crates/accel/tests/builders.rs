@@ -1,7 +1,7 @@
 //! Hits do not depend on the builder.
 
 use glam::{DMat3, DVec3};
-use radsight_accel::{Builder, Geometry, Ray, ShaderId, ShaderTable, Substance};
+use radsight_accel::{Builder, Geometry, PrimitiveId, Ray, ShaderId, ShaderTable, Substance};
 use radsight_ir::{
     Cube, Facing, Instance, Material, Mesh, MeshInstance, MeshTriangle, Modifier, ModifierHandle, ModifierKind,
     OctreeScene, Rgb, Scene, Shape, Sphere, Surface, Transform,
@@ -121,7 +121,10 @@ fn traced(numbers: &mut Numbers, scene: &radsight_ir::ValidScene, geometry: &Geo
             (hit.distance.to_bits(), hit.surface.index(), hit.shader, place)
         });
         let distance = numbers.next();
-        (hit, geometry.any_between(scene, &ray, None, distance, |crossing| crossing.distance > 0.1))
+        (
+            hit,
+            geometry.any_between(scene, &ray, (None, PrimitiveId::NONE), distance, |crossing| crossing.distance > 0.1),
+        )
     };
     (0..4000).map(tell).collect()
 }

@@ -114,15 +114,17 @@ pub(crate) fn fractal(point: [f64; 3]) -> f64 {
             return mean;
         }
         let centre = origin.map(|start| start.wrapping_add(size));
-        let branch = (0..3).filter(|&axis| target[axis] > centre[axis]).fold(0, |mask, axis| mask | 1 << axis);
+        let branch = (0..3).fold(0, |mask, axis| mask | usize::from(target[axis] > centre[axis]) << axis);
         subdivide(&mut corners, mean, centre, branch, size);
         for (axis, start) in origin.iter_mut().enumerate() {
-            if branch >> axis & 1 == 1 {
-                *start = start.wrapping_add(size);
-            }
+            *start = start.wrapping_add(size * (branch as i64 >> axis & 1));
         }
     }
 }
+
+/// The corners of the lower and of the upper face of a cube across each axis. A table avoids branches.
+const FACES: [[[usize; 4]; 2]; 3] =
+    [[[0, 2, 4, 6], [1, 3, 5, 7]], [[0, 1, 4, 5], [2, 3, 6, 7]], [[0, 1, 2, 3], [4, 5, 6, 7]]];
 
 /// Replaces the corners of a cube by those of its octant `branch`: first the corner at the old
 /// cube's centre, then those on its faces, then those on its edges, each from the corners at that
@@ -134,8 +136,8 @@ fn subdivide(corners: &mut [f64; 8], mean: f64, centre: [i64; 3], branch: usize,
     for axis in 0..3 {
         let mut face = centre;
         face[axis] = face[axis].wrapping_add(toward(axis));
-        let on_face = (0..8).filter(|corner| !(corner ^ branch) & 1 << axis != 0);
-        let sum = on_face.fold(0.0, |sum, corner| sum + corners[corner]);
+        let on_face = FACES[axis][branch >> axis & 1];
+        let sum = on_face.into_iter().fold(0.0, |sum, corner| sum + corners[corner & 7]);
         corners[!(branch ^ 1 << axis) & 7] = 0.25 * sum + amplitude * lattice(face);
     }
     for axis in 0..3 {
@@ -143,8 +145,8 @@ fn subdivide(corners: &mut [f64; 8], mean: f64, centre: [i64; 3], branch: usize,
         for other in [(axis + 1) % 3, (axis + 2) % 3] {
             edge[other] = edge[other].wrapping_add(toward(other));
         }
-        let sum = corners[branch & !(1 << axis)] + corners[branch | 1 << axis];
-        corners[branch ^ 1 << axis] = 0.5 * sum + amplitude * lattice(edge);
+        let sum = corners[branch & !(1 << axis) & 7] + corners[(branch | 1 << axis) & 7];
+        corners[(branch ^ 1 << axis) & 7] = 0.5 * sum + amplitude * lattice(edge);
     }
 }
 

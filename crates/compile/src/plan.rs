@@ -263,7 +263,7 @@ impl RenderPlan {
     /// Whether any surface crosses a ray before a distance in scene units, whatever it transmits.
     #[must_use]
     pub fn is_blocked(&self, ray: &Ray, distance: f64) -> bool {
-        self.geometry.any_between(&self.scene, ray, None, distance, |_| true)
+        self.geometry.any_between(&self.scene, ray, (None, PrimitiveId::NONE), distance, |_| true)
     }
 
     /// Shader by id.

@@ -180,7 +180,13 @@ impl RenderPlan {
             (offset / distance, distance * (1.0 - SHORT_OF_LIGHT) - depth)
         };
         let ray = Ray { origin: hit.point, direction };
-        self.geometry.any_between(&self.scene, &ray, Some(hit.primitive), distance.max(0.0), |_| true)
+        self.geometry.any_between(
+            &self.scene,
+            &ray,
+            (Some(hit.primitive), PrimitiveId::NONE),
+            distance.max(0.0),
+            |_| true,
+        )
     }
 }
 

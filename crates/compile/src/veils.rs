@@ -36,16 +36,25 @@ pub(crate) fn find_veils<'a>(
     if candidates == 0 || candidates.saturating_mul(geometry.len()) > MAX_TESTS {
         return Vec::new();
     }
-    let flats: Vec<Flat> = geometry.members().filter_map(|of| flat(scene, geometry, of)).collect();
     let touch = DVec3::splat(geometry.tolerance());
+    let veils = geometry.members().zip(&is_candidate).filter(|(_, is)| **is);
+    let veils: Vec<Flat> = veils.filter_map(|(of, _)| flat(scene, geometry, of)).collect();
+    // Most surfaces of a large scene lie beside all veils.
+    let low = veils.iter().fold(DVec3::INFINITY, |low, veil| low.min(veil.low)) - touch;
+    let high = veils.iter().fold(DVec3::NEG_INFINITY, |high, veil| high.max(veil.high)) + touch;
+    let is_near = |surface: SurfaceHandle| {
+        let bounds = geometry.bounds(scene, scene.surfaces[surface].shape);
+        bounds.is_some_and(|bounds| bounds.min.cmple(high).all() && bounds.max.cmpge(low).all())
+    };
+    let near = geometry.members().filter(|(_, surface)| is_near(*surface));
+    let flats: Vec<Flat> = near.filter_map(|of| flat(scene, geometry, of)).collect();
     let touches = |a: &Flat, b: &Flat| {
         a.member != b.member
             && a.normal.dot(b.normal).abs() > PARALLEL
             && a.low.cmple(b.high + touch).all()
             && b.low.cmple(a.high + touch).all()
     };
-    let veils = flats.iter().filter(|flat| is_candidate[flat.member.0 as usize]);
-    veils.filter(|veil| flats.iter().any(|other| touches(veil, other))).map(|veil| veil.member).collect()
+    veils.iter().filter(|veil| flats.iter().any(|other| touches(veil, other))).map(|veil| veil.member).collect()
 }
 
 fn flat(scene: &Scene, geometry: &Geometry, (member, surface): (MemberId, SurfaceHandle)) -> Option<Flat> {

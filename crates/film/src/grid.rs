@@ -35,23 +35,27 @@ impl Cell {
     }
 
     /// The columns and rows of its subdivision.
-    pub(crate) fn parts(&self) -> (Vec<usize>, Vec<usize>) {
-        let halves = |first: usize, last: usize| {
-            let center = first + (last - first) / 2;
-            if center > first { vec![first, center, last] } else { vec![first, last] }
-        };
-        (halves(self.left, self.right), halves(self.top, self.bottom))
+    pub(crate) fn parts(&self) -> [impl Iterator<Item = usize> + Clone + use<>; 2] {
+        [[self.left, self.right], [self.top, self.bottom]].map(|[first, last]| {
+            let center = center(first, last);
+            [first, center, last].into_iter().skip(usize::from(center == first))
+        })
     }
 
     pub(crate) fn divided(&self) -> impl Iterator<Item = Cell> + use<> {
-        let (columns, rows) = self.parts();
-        let rows: Vec<(usize, usize)> = rows.windows(2).map(|pair| (pair[0], pair[1])).collect();
-        rows.into_iter().flat_map(move |(top, bottom)| {
-            let cells: Vec<Cell> =
-                columns.windows(2).map(|pair| Cell { left: pair[0], right: pair[1], top, bottom }).collect();
-            cells
-        })
+        let halves = |first: usize, last: usize| {
+            let center = center(first, last);
+            [[first, center], [center, last]].into_iter().skip(usize::from(center == first))
+        };
+        let columns = halves(self.left, self.right);
+        let rows = halves(self.top, self.bottom);
+        rows.flat_map(move |[top, bottom]| columns.clone().map(move |[left, right]| Cell { left, top, right, bottom }))
     }
+}
+
+/// The middle of two columns or rows; the first if they are adjacent.
+fn center(first: usize, last: usize) -> usize {
+    first + (last - first) / 2
 }
 
 /// The pixels of the coarsest grid that a stride adds, by the columns and rows of the grid.

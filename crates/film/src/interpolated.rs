@@ -40,8 +40,8 @@ const COARSE_RAYS: (u32, u32) = (2, 4);
 const NOISY_RAYS: (u32, u32) = (2, 2);
 const FINE_RAYS: (u32, u32) = (1, 1);
 
-/// Rays that find the surfaces in a silhouette pixel, besides that of its sample, and the offset of
-/// their ray numbers. Twice as many do not bring more blocks of 8 × 8 pixels near to the truth.
+/// Rays that find the surfaces in a silhouette pixel with a single ray, besides that, and the offset
+/// of their ray numbers. Twice as many do not bring more blocks of 8 × 8 pixels near to the truth.
 const SILHOUETTE_PROBES: u32 = 2;
 const PROBES: u64 = 1 << (46 + INDEX_LOG2);
 
@@ -239,9 +239,9 @@ impl Block<'_> {
         // By pixel: one more than its index in `wanted`, or 0.
         let mut places = vec![0_u32; self.samples.len()];
         for cell in cells {
-            let (columns, rows) = cell.parts();
+            let [columns, rows] = cell.parts();
             let noise = if self.is_noisy(cell) { Noise::High } else { Noise::Low };
-            for pixel in rows.iter().flat_map(|row| columns.iter().map(move |column| (*column, *row))) {
+            for pixel in rows.flat_map(|row| columns.clone().map(move |column| (column, row))) {
                 let at = self.at(pixel);
                 if self.samples[at].is_some() {
                     continue;
@@ -418,13 +418,12 @@ impl Block<'_> {
     fn probes(&self, cell: &Cell) -> impl Iterator<Item = (usize, usize)> + use<> {
         let quarters = |first: usize, last: usize| {
             let size = last - first;
-            if size >= 4 { vec![first + size / 4, last - size / 4] } else { vec![first + size / 2] }
+            let (places, count) =
+                if size >= 4 { ([first + size / 4, last - size / 4], 2) } else { ([first + size / 2; 2], 1) };
+            places.into_iter().take(count)
         };
-        let (columns, rows) = (quarters(cell.left, cell.right), quarters(cell.top, cell.bottom));
-        rows.into_iter().flat_map(move |row| {
-            let row: Vec<(usize, usize)> = columns.iter().map(|column| (*column, row)).collect();
-            row
-        })
+        let columns = quarters(cell.left, cell.right);
+        quarters(cell.top, cell.bottom).flat_map(move |row| columns.clone().map(move |column| (column, row)))
     }
 
     /// Whether a pixel sees the surface of a corner first, or nothing but drawn lights.
@@ -469,24 +468,32 @@ impl Block<'_> {
     /// A silhouette pixel: probe rays find the fraction of it that each adjacent surface covers.
     fn antialiased(&self, averaged: &[[f64; 3]], (column, row): (usize, usize)) -> [f64; 3] {
         let own = averaged[self.at((column, row))];
-        let Some(sample) = self.sampled((column, row)) else { return own };
-        let [left, top] = [column, row].map(|at| at.saturating_sub(1));
-        let [right, bottom] = [(column + 1).min(self.camera.columns() - 1), (row + 1).min(self.rows - 1)];
-        let near = (top..=bottom).flat_map(|row| (left..=right).map(move |column| (column, row))).filter_map(|pixel| {
-            let at = self.at(pixel);
-            self.samples[at].as_ref().map(|sample| (&sample.surface, averaged[at]))
-        });
-        if near.clone().all(|(surface, value)| self.is_alike(&own, &value) || sample.surface.continues(surface)) {
+        // Several rays of a pixel are spread over its surfaces already.
+        let Some(sample) = self.sampled((column, row)).filter(|sample| sample.rays == 1) else { return own };
+        let is_edge = self
+            .around((column, row))
+            .any(|(at, near)| !self.is_alike(&own, &averaged[at]) && !sample.surface.continues(&near.surface));
+        if !is_edge {
             return own;
         }
-        let near: Vec<(&Surface, [f64; 3])> = near.collect();
         let mut sum = own;
         for probe in 0..SILHOUETTE_PROBES {
             let index = numbered([column, row + self.first_row], (1, 1), SILHOUETTE_PROBES, probe) | PROBES;
-            let value = self.silhouette_probe((column, row), index, &sample.surface, &near).unwrap_or(own);
+            let value = self.silhouette_probe((column, row), index, &sample.surface, averaged).unwrap_or(own);
             sum = std::array::from_fn(|band| sum[band] + value[band]);
         }
         sum.map(|band| band / f64::from(SILHOUETTE_PROBES + 1))
+    }
+
+    /// The samples of a pixel and of those adjacent to it, with their indices.
+    fn around(&self, (column, row): (usize, usize)) -> impl Iterator<Item = (usize, &Sample)> {
+        let [left, top] = [column, row].map(|at| at.saturating_sub(1));
+        let [right, bottom] = [(column + 1).min(self.camera.columns() - 1), (row + 1).min(self.rows - 1)];
+        (top..bottom + 1).flat_map(move |row| {
+            let [first, last] = [left, right].map(|column| self.at((column, row)));
+            let samples = self.samples[first..=last].iter().zip(first..);
+            samples.filter_map(|(sample, at)| Some((at, sample.as_ref()?)))
+        })
     }
 
     /// The value of the adjacent surface that a probe through a pixel hits; `None` for its own
@@ -496,7 +503,7 @@ impl Block<'_> {
         (column, row): (usize, usize),
         index: u64,
         own: &Surface,
-        near: &[(&Surface, [f64; 3])],
+        averaged: &[[f64; 3]],
     ) -> Option<[f64; 3]> {
         let sampler = RaySampler::new(self.renderer.plan().seed(), index);
         let ray = self.lights.ray_beside(self.camera, column, row + self.first_row, &sampler)?;
@@ -504,6 +511,6 @@ impl Block<'_> {
         if own.continues(&met) {
             return None;
         }
-        near.iter().find(|(surface, _)| surface.continues(&met)).map(|(_, value)| *value)
+        self.around((column, row)).find(|(_, near)| near.surface.continues(&met)).map(|(at, _)| averaged[at])
     }
 }

@@ -7,18 +7,30 @@
 use crate::interpolated::Block;
 use crate::pixel_sample::{SEVERAL, Sample, mean};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Radius of the filter, in steps of the grid.
 const FILTER_RADIUS: usize = 2;
 
-/// The minimum weight ([`Steps`]) of samples one step away.
+/// The minimum weight of samples one step away.
 const ADJACENT_WEIGHT: f64 = 4.0;
+
+/// Width of the square around a pixel, in steps of the grid; the number of places in it, and the
+/// pixel's own.
+const WIDTH: usize = 2 * FILTER_RADIUS + 1;
+const PLACES: usize = WIDTH * WIDTH;
+const OWN_PLACE: usize = PLACES / 2;
+
+/// The weight of the distance of a column or row of the square.
+const WEIGHTS: [f64; WIDTH] = [1.0, 2.0, 3.0, 2.0, 1.0];
 
 impl Block<'_> {
     /// The values of all samples, each averaged with those around it; black between them.
     pub(crate) fn all_averaged(&self) -> Vec<[f64; 3]> {
         let all = || (0..self.samples.len()).into_par_iter().with_min_len(256);
-        let patches: Vec<Patch> = all().map(|at| self.patch(at)).collect();
+        let several: Vec<bool> = all().map(|at| self.samples[at].is_some_and(|sample| sample.rays > 1)).collect();
+        let later: Vec<Later> = all().map(|at| self.later(&several, at)).collect();
+        let patches: Vec<Patch> = all().map(|at| self.patch((&several, &later), at)).collect();
         all().map(|at| self.averaged(&patches, at)).collect()
     }
 
@@ -38,66 +50,105 @@ impl Block<'_> {
         step.max(1)
     }
 
-    /// Calls `visit` for the samples on the grid of a pixel, up to two steps away, with their place
-    /// in the square around it and the weight of their distance; includes the pixel.
-    #[inline]
-    fn for_each_around(&self, at: usize, mut visit: impl FnMut(u32, usize, &Sample, Steps)) {
+    /// The step of a pixel's square, and the places of it that lie inside of the picture: the columns
+    /// and rows, as steps from the pixel.
+    fn square(&self, at: usize) -> (usize, [Range<isize>; 2]) {
         let columns = self.camera.columns();
         let (column, row) = (at % columns, at / columns);
         let step = self.step_around((column, row));
-        // The steps that stay inside of the picture.
         let steps = |place: usize, count: usize| {
             let before = (place / step).min(FILTER_RADIUS) as isize;
             let after = ((count - 1 - place) / step).min(FILTER_RADIUS) as isize;
-            -before..=after
+            -before..after + 1
         };
-        let weight = |steps: isize| FILTER_RADIUS + 1 - steps.unsigned_abs();
-        for down in steps(row, self.rows) {
-            let first = row.wrapping_add_signed(down * step as isize) * columns;
-            for right in steps(column, columns) {
-                let other = first + column.wrapping_add_signed(right * step as isize);
-                let Some(near) = &self.samples[other] else { continue };
-                let radius = FILTER_RADIUS as isize;
-                let place = ((down + radius) * (2 * radius + 1) + right + radius) as u32;
-                visit(place, other, near, Steps { step, weight: (weight(right) * weight(down)) as f64 });
-            }
+        (step, [steps(column, columns), steps(row, self.rows)])
+    }
+
+    /// The places of a square with their pixels.
+    #[inline]
+    fn places(
+        &self,
+        at: usize,
+        (step, [columns, rows]): (usize, [Range<isize>; 2]),
+    ) -> impl Iterator<Item = (usize, usize)> + use<'_> {
+        let width = self.camera.columns();
+        rows.flat_map(move |down| {
+            let first = at.wrapping_add_signed(down * (step * width) as isize);
+            let place = ((down + FILTER_RADIUS as isize) * WIDTH as isize + FILTER_RADIUS as isize) as usize;
+            let columns = columns.clone();
+            columns
+                .map(move |right| (place.wrapping_add_signed(right), first.wrapping_add_signed(right * step as isize)))
+        })
+    }
+
+    /// Which later samples of its square see the same surface as a pixel whose square has the step 1
+    /// and known noise.
+    fn later(&self, several: &[bool], at: usize) -> Later {
+        let Some(own) = self.single_surface(at) else { return Later::UNKNOWN };
+        let (step, square) = self.square(at);
+        if step > 1 || !self.places(at, (step, square.clone())).any(|(_, other)| several[other]) {
+            return Later::UNKNOWN;
         }
+        let mut later = 0;
+        for (place, other) in self.places(at, (step, square)).filter(|(place, _)| *place > OWN_PLACE) {
+            let joins = self.samples[other].as_ref().is_some_and(|near| own.surface.joins(&near.surface));
+            later |= u16::from(joins) << (place - OWN_PLACE - 1);
+        }
+        Later(later)
+    }
+
+    /// The sample of a pixel that sees a single surface.
+    fn single_surface(&self, at: usize) -> Option<&Sample> {
+        self.samples[at].as_ref().filter(|sample| sample.surface.key != SEVERAL)
     }
 
     /// The samples around a pixel that see the same surface, if the noise of any is known.
-    fn neighbors(&self, at: usize) -> Neighbors {
-        let Some(own) = self.samples[at].as_ref().filter(|sample| sample.surface.key != SEVERAL) else {
-            return Neighbors::default();
-        };
-        let mut is_noise_known = false;
-        self.for_each_around(at, |_, _, near, _| is_noise_known |= near.rays > 1);
-        let mut neighbors = Neighbors::default();
-        if is_noise_known {
-            self.for_each_around(at, |place, other, near, Steps { step, .. }| {
-                // Between samples that are not adjacent light may change arbitrarily, unless they
-                // agree.
-                let joins = other == at || own.surface.joins(&near.surface) && (step == 1 || self.agree(own, near));
-                neighbors.0 |= u32::from(joins) << place;
-            });
+    fn neighbors(&self, (several, later): (&[bool], &[Later]), at: usize) -> Neighbors {
+        let none = Neighbors::default();
+        let Some(own) = self.single_surface(at) else { return none };
+        let (step, square) = self.square(at);
+        let is_known = later[at].is_known();
+        if !is_known && !self.places(at, (step, square.clone())).any(|(_, other)| several[other]) {
+            return none;
         }
-        neighbors
+        let mut places = 1 << OWN_PLACE;
+        for (place, other) in self.places(at, (step, square)) {
+            let Some(near) = &self.samples[other] else { continue };
+            // Between samples that are not adjacent light may change arbitrarily, unless they agree.
+            let joins = || own.surface.joins(&near.surface) && (step == 1 || self.agree(own, near));
+            let joins = match place {
+                OWN_PLACE => true,
+                // Two samples join each other.
+                ..OWN_PLACE if is_known && later[other].is_known() => later[other].holds(PLACES - 1 - place),
+                OWN_PLACE.. if is_known => later[at].holds(place),
+                _ => joins(),
+            };
+            places |= u32::from(joins) << place;
+        }
+        Neighbors { places, step: step as u32 }
     }
 
     /// Calls `visit` for the neighbours of a pixel, with their index and the weight of their
     /// distance.
     #[inline]
     fn for_each_neighbor(&self, at: usize, neighbors: Neighbors, mut visit: impl FnMut(usize, &Sample, f64)) {
-        self.for_each_around(at, |place, other, near, Steps { weight, .. }| {
-            if neighbors.0 >> place & 1 == 1 {
-                visit(other, near, weight);
+        let (step, columns) = (neighbors.step as isize, self.camera.columns() as isize);
+        let mut left = neighbors.places;
+        while left != 0 {
+            let place = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let [down, right] = [place / WIDTH, place % WIDTH].map(|steps| steps as isize - FILTER_RADIUS as isize);
+            let other = at.wrapping_add_signed(step * (down * columns + right));
+            if let Some(near) = &self.samples[other] {
+                visit(other, near, WEIGHTS[place / WIDTH] * WEIGHTS[place % WIDTH]);
             }
-        });
+        }
     }
 
     /// The combined statistics of the samples around a pixel.
-    fn patch(&self, at: usize) -> Patch {
-        let neighbors = self.neighbors(at);
-        let Some(sample) = self.samples[at].as_ref().filter(|_| neighbors.0 != 0) else { return Patch::default() };
+    fn patch(&self, known: (&[bool], &[Later]), at: usize) -> Patch {
+        let neighbors = self.neighbors(known, at);
+        let Some(sample) = self.samples[at].as_ref().filter(|_| neighbors.places != 0) else { return Patch::default() };
         let (mut variance, mut weights) = (0.0, 0.0);
         let (mut sum, mut near) = (0.0, 0.0);
         self.for_each_neighbor(at, neighbors, |_, other, weight| {
@@ -141,19 +192,31 @@ impl Block<'_> {
     }
 }
 
-/// The position of a sample relative to a pixel.
-#[derive(Clone, Copy, Debug)]
-struct Steps {
+/// The samples around a pixel with which it is averaged.
+#[derive(Clone, Copy, Debug, Default)]
+struct Neighbors {
+    /// A bit for each place in the square around it.
+    places: u32,
     /// A step of the pixel's grid, pixels.
-    step: usize,
-    /// The weight of the distance; [`ADJACENT_WEIGHT`] or more one step away.
-    weight: f64,
+    step: u32,
 }
 
-/// The samples around a pixel with which it is averaged: a bit for each place in the square around
-/// it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Neighbors(u32);
+/// The later samples of the square around a pixel that see the same surface, a bit for each place
+/// after its own: the others know of the earlier ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Later(u16);
+
+impl Later {
+    const UNKNOWN: Later = Later(u16::MAX);
+
+    fn is_known(self) -> bool {
+        self != Later::UNKNOWN
+    }
+
+    fn holds(self, place: usize) -> bool {
+        self.0 >> (place - OWN_PLACE - 1) & 1 == 1
+    }
+}
 
 /// Statistics of a sample and its adjacent samples.
 #[derive(Clone, Copy, Debug, Default)]

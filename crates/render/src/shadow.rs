@@ -388,7 +388,7 @@ impl DirectSampler<'_> {
                 }
             }
             VisibilityClass::Anything => {
-                plan.geometry.any_between(&plan.scene, ray, from, end, block);
+                plan.geometry.any_between(&plan.scene, ray, (from, target), end, block);
             }
         }
         if is_searched {
