@@ -13,6 +13,7 @@ use crate::transmission_lobe::Transmission;
 use radsight_cal::Scratch;
 use radsight_ir::{DataGrid, Handle, Rgb, ScatteringRole};
 use radsight_texture::{Function, bands, spread};
+use std::ops::Range;
 
 /// `plasfunc`, `metfunc`, `transfunc`, `plasdata`, `metdata`, `transdata`.
 #[derive(Clone, Debug)]
@@ -91,9 +92,19 @@ impl BrtdKind {
         self.has_grey_functions && self.diffuse.iter().all(|color| color.is_grey())
     }
 
+    /// Whether there may be a mirror reflection or straight-through transmission.
+    pub fn may_be_specular(&self) -> bool {
+        self.may_have(MIRROR..SCATTERING)
+    }
+
     /// Whether shadow rays can pass straight through.
     pub fn lets_through(&self) -> bool {
-        (STRAIGHT..SCATTERING).any(|root| self.function.program.constant(root) != Some(0.0))
+        self.may_have(STRAIGHT..SCATTERING)
+    }
+
+    /// Whether some of these roots may differ from 0.
+    fn may_have(&self, mut roots: Range<usize>) -> bool {
+        roots.any(|root| self.function.program.constant(root) != Some(0.0))
     }
 
     /// BSDF of the material at the intersection, and its perfectly specular rays.

@@ -58,6 +58,18 @@ impl Scatterer {
         }
     }
 
+    /// Whether some of the light may be reflected or transmitted in a single direction. Measured data
+    /// may have peaks that are as narrow.
+    pub fn may_be_specular(&self) -> bool {
+        match self {
+            Scatterer::Sheet(sheet) => sheet.may_be_specular(),
+            Scatterer::WardFunction(kind) => kind.may_be_specular(),
+            Scatterer::Brtd(kind) => kind.may_be_specular(),
+            Scatterer::Measured(_) => true,
+            Scatterer::Ashikhmin(_) | Scatterer::Function(_) => false,
+        }
+    }
+
     /// Straight-through transmittance for a shadow ray, by band.
     pub fn passage<const BANDS: usize>(
         &self,

@@ -55,6 +55,11 @@ impl Sheet {
         self.orientation.is_none() && self.roughness[0] <= SMOOTH_ROUGHNESS
     }
 
+    /// Whether there may be a mirror reflection or a clear view.
+    pub fn may_be_specular(&self) -> bool {
+        self.is_smooth() && self.specularity > 0.0 || self.lets_through()
+    }
+
     /// Whether shadow rays can pass straight through.
     pub fn lets_through(&self) -> bool {
         self.is_smooth() && self.transmissivity * self.transmitted_specularity > 0.0

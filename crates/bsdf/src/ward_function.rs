@@ -80,10 +80,19 @@ impl WardFunctionKind {
             && own.iter().all(|appearances| !matches!(appearances, Appearances::Own(chain) if chain.is_colored()))
     }
 
+    /// Whether there may be a mirror reflection or a clear view.
+    pub fn may_be_specular(&self) -> bool {
+        self.may_be_smooth(&self.reflection) || self.lets_through()
+    }
+
     /// Whether shadow rays can pass straight through.
     pub fn lets_through(&self) -> bool {
-        let program = &self.function.program;
-        let first = self.transmission.first_root;
+        self.may_be_smooth(&self.transmission)
+    }
+
+    /// Whether a specular part may exist without roughness.
+    fn may_be_smooth(&self, part: &Component) -> bool {
+        let (program, first) = (&self.function.program, part.first_root);
         let is_rough = |root| program.constant(root).is_some_and(|roughness| roughness > TINY);
         let nothing = program.constant(first).is_some_and(|share| share <= TINY);
         let all_rough = is_rough(first + 1) && is_rough(first + 2);

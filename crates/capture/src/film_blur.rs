@@ -33,6 +33,11 @@ impl<'a> AdaptiveSampler<'a> {
             record.probes = vec![None; nodes.len()];
             probes.iter().for_each(|(pixel, probe)| record.probes[*pixel] = Some(*probe));
         }
+        let probes: Vec<_> = if self.exposer.renderer.plan().scatters_glossily() {
+            probes.into_iter().map(|(pixel, probe)| (pixel, probe.smooth())).collect()
+        } else {
+            probes
+        };
         let derivatives = PinholeDerivatives::new(film, (lattice, &nodes), &probes, STRIDE as usize);
         PinholeBlur { film, derivatives, between: None }
     }

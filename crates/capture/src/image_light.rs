@@ -12,7 +12,7 @@ use crate::adaptive::{AdaptiveSampler, Estimate, ImagesApart, MAX_PASSES, Pixel,
 use crate::checkpoint::AdaptiveState;
 use crate::film_image_light::FilmImageLight;
 use crate::fixed::radiance;
-use crate::sparse_estimate::pooled_errors;
+use crate::sparse_estimate::{NoisePooling, pooled_errors};
 use crate::{Exposer, Workers};
 use radsight_adaptive::{
     ErrorEstimate, MAX_SAMPLES, NoiseTarget, PixelError, PixelSource, Selection, begin, ray_number, refine,
@@ -175,7 +175,8 @@ impl ImageErrors {
         let size = pixels.last().map_or(0, |last| (last / columns + 1) * columns);
         let mut picture = vec![Pixel::default(); size];
         pixels.iter().zip(samples).for_each(|(pixel, samples)| picture[*pixel] = *samples);
-        let errors = pooled_errors(&picture, columns, |pixel| usize::from(picture[pixel].samples > 0));
+        let errors =
+            pooled_errors((&picture, NoisePooling::Near), columns, |pixel| usize::from(picture[pixel].samples > 0));
         ImageErrors(errors.into_iter().map(|(_, error)| error).collect())
     }
 }

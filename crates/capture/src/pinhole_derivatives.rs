@@ -10,6 +10,13 @@ use glam::DVec2;
 #[derive(Debug)]
 pub(crate) struct PinholeDerivatives(pub(crate) [Vec<f64>; 2]);
 
+/// Maximum relative derivative of a smooth function, per radius of the pinhole: the lobe of sheeting
+/// has 0.3 at most.
+const STEEPEST: f64 = 0.5;
+
+/// Maximum difference between the sums over the points of both axes, relative to the sum over all.
+const MOST_UNEVEN: f64 = 0.05;
+
 /// The radiance of a film pixel through four points of the pinhole.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PinholeProbe {
@@ -17,6 +24,8 @@ pub(crate) struct PinholeProbe {
     sum: f64,
     /// Sums over the two points of each axis, weighted by their positions.
     moments: [f64; 2],
+    /// By how much the sum over the points of the first axis exceeds that of the second.
+    unevenness: f64,
 }
 
 impl PinholeProbe {
@@ -31,8 +40,18 @@ impl PinholeProbe {
             let [low, high] = [-Self::DISTANCE, Self::DISTANCE].map(|at| radiance(axis * at));
             *moment = Self::DISTANCE * (high - low);
             probe.sum += low + high;
+            probe.unevenness = low + high - probe.unevenness;
         }
         probe
+    }
+
+    /// Nothing, if the four values are not those of a smooth function, but those of scattered rays
+    /// that went to different surfaces. Their differences would be taken for derivatives of much
+    /// brighter pixels beside this one.
+    pub(crate) fn smooth(self) -> PinholeProbe {
+        let most = STEEPEST * 0.25 * self.sum;
+        let is_smooth = self.unevenness.abs() <= MOST_UNEVEN * self.sum && self.moments.iter().all(|m| m.abs() <= most);
+        if is_smooth { self } else { PinholeProbe::default() }
     }
 }
 
@@ -76,6 +95,19 @@ mod tests {
     impl PinholeDerivatives {
         pub(crate) fn zero(film: &UnblurredFilm) -> PinholeDerivatives {
             PinholeDerivatives([(); 2].map(|()| vec![0.0; film.pixel_count()]))
+        }
+    }
+
+    #[test]
+    fn values_of_scattered_rays_are_no_derivatives() {
+        let of = |values: [f64; 4]| {
+            let mut values = values.into_iter();
+            PinholeProbe::new(|_| values.next().expect("four points")).smooth().sum
+        };
+        assert_eq!(of([1.0, 1.1, 0.98, 1.12]), 4.2);
+        // One ray is bright, two are, or nothing is seen along one axis.
+        for values in [[1.0, 9.0, 1.0, 1.0], [9.0, 1.0, 1.0, 9.0], [1.0, 1.0, 0.0, 0.0]] {
+            assert_eq!(of(values), 0.0, "{values:?}");
         }
     }
 

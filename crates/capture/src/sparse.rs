@@ -20,7 +20,7 @@ use crate::film_images::FilmImages;
 use crate::image_light::{ApartImages, ExposedImages, IMAGE_FRACTION};
 use crate::lattice::Lattice;
 use crate::shared_rays::{PinholeBlur, UnblurredFilm};
-use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
+use crate::sparse_estimate::{NoisePooling, Picture, SparseEstimate, residual_ratio};
 use radsight_adaptive::{
     ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, selection_threshold,
 };
@@ -82,6 +82,7 @@ struct Sparse {
     ratios: Vec<f64>,
     /// By pixel: the width of the sharpest edge.
     edge_widths: Vec<f64>,
+    pooling: NoisePooling,
 }
 
 impl Sparse {
@@ -107,7 +108,8 @@ impl Sparse {
     }
 
     fn estimate(&self, state: &AdaptiveState, film: Option<&UnblurredFilm>) -> SparseEstimate {
-        SparseEstimate::new(&self.lattice, (&self.levels, &self.ratios), &self.nodes, &state.pixels, film)
+        let (cells, samples) = ((&*self.levels, &*self.ratios), (&*state.pixels, self.pooling));
+        SparseEstimate::new(&self.lattice, cells, &self.nodes, samples, film)
     }
 }
 
@@ -390,7 +392,9 @@ impl<'a> AdaptiveSampler<'a> {
         let ratios = levels.iter().enumerate().map(ratio).collect();
         let is_smooth = edges.are_wider_than_pixels();
         let (edge_widths, outlines) = edges.into_widths_and_outlines();
-        let sparse = Sparse { lattice, levels, nodes, is_smooth, ratios, edge_widths };
+        let is_glossy = exposer.renderer.plan().scatters_glossily();
+        let pooling = if is_glossy { NoisePooling::WideFirst } else { NoisePooling::Near };
+        let sparse = Sparse { lattice, levels, nodes, is_smooth, ratios, edge_widths, pooling };
         if sparse.is_dense() { None } else { Some((sparse, outlines)) }
     }
 

@@ -30,6 +30,27 @@ pub(crate) fn residual_ratio(blurs: EdgeBlurs) -> f64 {
 /// pixel.
 const MEAN_SQUARED_WEIGHT: f64 = 0.6;
 
+/// How the noise of a pixel is pooled with that of pixels around it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoisePooling {
+    /// With the pixels beside it.
+    Near,
+    /// With a wider window until the pixel has [`MIN_KNOWN`] samples, then with the pixels beside it.
+    /// Glossy surfaces that are lit by way of others have rare and bright rays. A pixel whose first rays
+    /// met some would get more of them, and one whose rays met none would stay too dark.
+    WideFirst,
+}
+
+impl NoisePooling {
+    /// Whether the noise of a pixel is that of a wider window.
+    fn is_wide(self, pixel: &Pixel) -> bool {
+        self == NoisePooling::WideFirst && pixel.samples < MIN_KNOWN
+    }
+}
+
+/// Number of samples from which a pixel's own noise counts, where some rays are rare and bright.
+const MIN_KNOWN: u32 = 16;
+
 /// How well the previous level predicts the nodes of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct InterpolationResidual {
@@ -86,12 +107,12 @@ impl SparseEstimate {
         lattice: &Lattice,
         (levels, ratios): (&[u8], &[f64]),
         nodes: &[u8],
-        pixels: &[Pixel],
+        (pixels, pooling): (&[Pixel], NoisePooling),
         film: Option<&UnblurredFilm>,
     ) -> SparseEstimate {
         let mut values: Vec<f64> = pixels.iter().map(Pixel::mean).collect();
         lattice.fill(&mut values, nodes, |weight| weight);
-        let errors = node_errors(lattice, nodes, pixels);
+        let errors = node_errors(lattice, nodes, (pixels, pooling));
         let mut noise = vec![0.0; values.len()];
         errors.iter().for_each(|(pixel, error)| noise[*pixel] = error.squared);
         lattice.fill(&mut noise, nodes, |weight| weight * weight);
@@ -196,15 +217,15 @@ fn area_of(level: u8) -> f64 {
 }
 
 /// The noise of each node, pooled with neighbouring nodes as the adaptive sampler pools pixels.
-fn node_errors(lattice: &Lattice, nodes: &[u8], pixels: &[Pixel]) -> Vec<(usize, PixelError)> {
-    pooled_errors(pixels, lattice.columns(), |pixel| if nodes[pixel] > 0 { Lattice::stride(nodes[pixel]) } else { 0 })
+fn node_errors(lattice: &Lattice, nodes: &[u8], samples: (&[Pixel], NoisePooling)) -> Vec<(usize, PixelError)> {
+    pooled_errors(samples, lattice.columns(), |pixel| if nodes[pixel] > 0 { Lattice::stride(nodes[pixel]) } else { 0 })
 }
 
 /// The noise of some pixels, pooled with the others near them. `stride` gives the distance between
 /// them around a pixel, and 0 for all other pixels. Those without a second half of samples are not
 /// pooled.
 pub(crate) fn pooled_errors(
-    pixels: &[Pixel],
+    (pixels, pooling): (&[Pixel], NoisePooling),
     columns: usize,
     stride: impl Fn(usize) -> usize,
 ) -> Vec<(usize, PixelError)> {
@@ -222,6 +243,10 @@ pub(crate) fn pooled_errors(
         let near = sums.around(index, ERROR_WINDOW * stride);
         let near = if near[0] < 0.5 { wide } else { near };
         let gain = gain(wide[1] / wide[0].max(1.0), wide[2] / wide[0].max(1.0));
+        if pooling.is_wide(&pixels[index]) {
+            let unknown = Pixel { last: 0.0, ..pixels[index] };
+            return (index, unit_error(&unknown, wide[1] / wide[0].max(1.0), gain, 1.0));
+        }
         (index, unit_error(&pixels[index], near[1] / near[0].max(1.0), gain, 1.0))
     };
     (0..pixels.len()).filter(|pixel| stride(*pixel) > 0).map(of_pixel).collect()
@@ -305,10 +330,25 @@ mod tests {
         let known = Pixel { samples: FIRST_SAMPLES, last: 0.5, before: 1.0, ..Pixel::default() };
         let mut pixels = vec![pair; 30];
         pixels[7] = known;
-        let errors = pooled_errors(&pixels, 10, |_| 1);
+        let errors = pooled_errors((&pixels, NoisePooling::Near), 10, |_| 1);
         let squared = |pixel: usize| errors[pixel].1.squared;
         assert_eq!(squared(7), 0.5);
         // Half as many samples, beside it and far away.
         assert_eq!([squared(6), squared(17), squared(20), squared(29)], [1.0; 4]);
+    }
+
+    #[test]
+    fn a_pixel_with_few_samples_has_the_noise_of_a_wider_window() {
+        let quiet = Pixel { samples: FIRST_SAMPLES, ..Pixel::default() };
+        let mut pixels = vec![quiet; 100];
+        pixels[33] = Pixel { last: 0.5, before: 1.0, ..quiet };
+        let squared = |pixels: &[Pixel], pixel: usize| {
+            pooled_errors((pixels, NoisePooling::WideFirst), 10, |_| 1)[pixel].1.squared
+        };
+        // The 49 pixels around it have the same noise, and those beyond have none.
+        assert_eq!([33, 34, 66].map(|pixel| squared(&pixels, pixel)), [0.5 / 49.0; 3]);
+        assert_eq!(squared(&pixels, 37), 0.0);
+        pixels[33].samples = MIN_KNOWN;
+        assert!(squared(&pixels, 33) > 0.1);
     }
 }

@@ -100,7 +100,7 @@ fn mirrors(kind: &Kind, shape: Option<Shape>) -> bool {
     match kind {
         Kind::Mirror { substitute, .. } => substitute.is_none() && !shape.is_some_and(is_flat),
         Kind::Glossy(glossy) => glossy.is_smooth() && glossy.specularity > 0.0,
-        Kind::Scatterer(scatterer) => !matches!(**scatterer, Scatterer::Measured(_)),
+        Kind::Scatterer(scatterer) => !matches!(**scatterer, Scatterer::Measured(_)) && scatterer.may_be_specular(),
         // Even a few per cent of a lamp are the brightest that a camera sees.
         Kind::Dielectric(_) => true,
         _ => false,

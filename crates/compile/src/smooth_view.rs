@@ -98,21 +98,33 @@ impl RenderPlan {
     }
 
     /// Whether sharp images of lights can be seen in mirrors alone: nothing refracts, mixes or
-    /// scatters by a measured distribution.
+    /// scatters by a measured distribution. A material that spreads all light over directions, such
+    /// as brushed metal, shows no sharp image.
     #[must_use]
     pub fn images_lights_by_mirrors_alone(&self) -> bool {
-        let is_known = |kind: &Kind| {
-            matches!(
-                kind,
-                Kind::Transparent
-                    | Kind::Emitter(_)
-                    | Kind::Glossy(_)
-                    | Kind::Retro(_)
-                    | Kind::Mirror { .. }
-                    | Kind::Plugin(_)
-            )
+        let is_known = |kind: &Kind| match kind {
+            Kind::Transparent
+            | Kind::Emitter(_)
+            | Kind::Glossy(_)
+            | Kind::Retro(_)
+            | Kind::Mirror { .. }
+            | Kind::Plugin(_) => true,
+            Kind::Scatterer(scatterer) => !scatterer.may_be_specular(),
+            _ => false,
         };
         !self.has_media && !self.has_antimatter && self.shaders.iter().all(|shader| is_known(&shader.kind))
+    }
+
+    /// Whether surfaces other than retroreflectors and perfect mirrors scatter light about a direction.
+    /// Scattered rays go to different surfaces, so their light is noisy.
+    #[must_use]
+    pub fn scatters_glossily(&self) -> bool {
+        let is_glossy = |kind: &Kind| match kind {
+            Kind::Glossy(glossy) => glossy.specularity > 0.0 && !glossy.is_smooth(),
+            Kind::Scatterer(_) | Kind::Plugin(_) => true,
+            _ => false,
+        };
+        self.shaders.iter().any(|shader| is_glossy(&shader.kind))
     }
 
     /// How a light reaches a point and what is within `margin` of it, scene units; `None` where it
