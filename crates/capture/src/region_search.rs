@@ -360,8 +360,8 @@ struct Passing {
 impl Passing {
     /// Where corners are missing, the extent is that of the square `around` it, by its size.
     fn new(corners: [Option<DVec2>; 4], around: f64) -> Passing {
-        let known = || corners.iter().flatten();
-        let squared = known().flat_map(|a| known().map(|b| a.distance_squared(*b))).fold(0.0, f64::max);
+        let pairs = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]].map(|[a, b]| corners[a].zip(corners[b]));
+        let squared = pairs.iter().flatten().map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max);
         let is_whole = corners.iter().all(Option::is_some);
         Passing { corners, extent: if is_whole { squared.sqrt() } else { squared.sqrt().max(0.5 * around) } }
     }
@@ -373,7 +373,7 @@ impl Passing {
             return 0.0;
         }
         let reach = 1.0 + MARGIN * self.extent;
-        let nearest = self.corners.iter().flatten().map(|at| at.length()).fold(f64::INFINITY, f64::min);
+        let nearest = self.corners.iter().flatten().map(|at| at.length_squared()).fold(f64::INFINITY, f64::min).sqrt();
         // No point of the square is farther from the nearest corner than its extent.
         if nearest - self.extent > reach {
             return 0.0;
