@@ -20,9 +20,6 @@ const STEP: f64 = 1e-6;
 const CELL: f64 = 0.2;
 const MAX_CELLS: i32 = 80;
 
-/// Rays along each side of a cell.
-const RAYS: u32 = 1;
-
 /// Density of cells without light, beside others with light, relative to the mean.
 const FLOOR: f64 = 0.2;
 
@@ -170,7 +167,8 @@ impl CurvedImage {
 }
 
 impl Footprint {
-    /// From the light that is seen at a place. `None` if there is none near the middle.
+    /// From the light that is seen at a place, by one ray to the middle of each cell. `None` if there is
+    /// none near the middle.
     fn filled(mut light_at: impl FnMut(DVec2) -> f64) -> Option<Footprint> {
         let side = 2 * MAX_CELLS + 1;
         let index = |cell: IVec2| ((cell.y + MAX_CELLS) * side + cell.x + MAX_CELLS) as usize;
@@ -181,7 +179,7 @@ impl Footprint {
             if cell.abs().max_element() > MAX_CELLS || std::mem::replace(&mut is_known[index(cell)], true) {
                 continue;
             }
-            let light = rays_of(cell).map(&mut light_at).sum::<f64>() / f64::from(RAYS * RAYS);
+            let light = light_at(CELL * cell.as_dvec2());
             found.push((cell, light));
             if light > 0.0 {
                 waiting.extend(square(1).map(|beside| cell + beside));
@@ -303,12 +301,6 @@ impl Footprint {
 /// The cells within a distance along both axes.
 fn square(reach: i32) -> impl Iterator<Item = IVec2> {
     (-reach..=reach).flat_map(move |y| (-reach..=reach).map(move |x| IVec2::new(x, y)))
-}
-
-/// The places of a cell's rays.
-fn rays_of(cell: IVec2) -> impl Iterator<Item = DVec2> {
-    let along = |index: u32| (f64::from(index) + 0.5) / f64::from(RAYS) - 0.5;
-    (0..RAYS * RAYS).map(move |index| CELL * (cell.as_dvec2() + DVec2::new(along(index % RAYS), along(index / RAYS))))
 }
 
 #[cfg(test)]
