@@ -103,6 +103,10 @@ pub(crate) struct PinholeBlur<'f> {
     pub(crate) between: Option<HalfPixels>,
 }
 
+/// Squared error beside an outline of which quadrants of pixels are known, relative to that without
+/// them.
+const CORRECTED_ERROR: f64 = 1.0 / 9.0;
+
 /// The picture of a film, in the frame of the film; 0 in the margin.
 #[derive(Debug)]
 pub(crate) struct BlurredPicture {
@@ -367,9 +371,28 @@ impl PinholeBlur<'_> {
         sum + slope(values, self.film.columns, nearest).dot(passage.on_pixel - 0.5)
     }
 
+    /// The picture of some values of the film.
+    pub(crate) fn picture(&self, values: &[f64]) -> BlurredPicture {
+        let film = self.film;
+        let mut picture = film.picture(values, &self.derivatives);
+        if let Some(between) = &self.between {
+            let mut added = vec![0.0; picture.values.len()];
+            between.add_blurred(film, &mut added);
+            let corrected: Vec<f64> = added.iter().map(|added| added * added).collect();
+            let [all, corrected] = [&picture.squared_errors, &corrected].map(|squares| film.mean_over_picture(squares));
+            // What is added is known to be wrong before, up to a fraction of it.
+            let left = (all - (1.0 - CORRECTED_ERROR) * corrected).max(CORRECTED_ERROR * all) / all;
+            picture.values.iter_mut().zip(added).for_each(|(value, added)| *value += added);
+            if left.is_finite() {
+                picture.squared_errors.iter_mut().for_each(|squared| *squared *= left);
+            }
+        }
+        picture
+    }
+
     /// Mean squared error over the picture that no number of rays lowers.
     pub(crate) fn mean_squared_error(&self, values: &[f64]) -> f64 {
-        self.film.mean_over_picture(&self.film.picture(values, &self.derivatives).squared_errors)
+        self.film.mean_over_picture(&self.picture(values).squared_errors)
     }
 }
 

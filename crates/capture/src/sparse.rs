@@ -261,10 +261,15 @@ impl<'a> AdaptiveSampler<'a> {
             let mut known = film_error.known(blur.as_ref(), &estimate);
             if known > most_known {
                 // Noise looks like edges.
-                if estimate.squared_errors()[0] <= QUIET * requested {
+                let is_quiet = estimate.squared_errors()[0] <= QUIET * requested;
+                if is_quiet && blur.as_ref().is_none_or(|blur| blur.between.is_some()) {
                     break;
                 }
                 film_error = FilmError::default();
+                if let Some(blur) = blur.as_mut().filter(|_| is_quiet) {
+                    self.refine_between(blur, &estimate);
+                    continue;
+                }
                 known = most_known;
             }
             let refined = cells_to_refine(&sparse, &estimate, requested - known);
@@ -279,8 +284,7 @@ impl<'a> AdaptiveSampler<'a> {
                 continue;
             }
             if let Some(blur) = blur.as_mut().filter(|_| known > NEGLIGIBLE_FILM * requested) {
-                let film = blur.film;
-                blur.between.get_or_insert_with(|| self.half_pixels(film)).refine(&estimate.values);
+                self.refine_between(blur, &estimate);
             }
             let picture = blur.as_ref().map(|blur| estimate.blurred(blur, (&sparse.lattice, &sparse.nodes)));
             let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
@@ -308,6 +312,12 @@ impl<'a> AdaptiveSampler<'a> {
         }
         self.abandon(state);
         None
+    }
+
+    /// Finds the film between its pixels beside outlines, from the values of the pixels.
+    fn refine_between(&self, blur: &mut PinholeBlur<'_>, estimate: &SparseEstimate) {
+        let film = blur.film;
+        blur.between.get_or_insert_with(|| self.half_pixels(film)).refine(&estimate.values);
     }
 
     /// Records a finished lattice where others use it.

@@ -178,7 +178,7 @@ impl SparseEstimate {
 
     /// The picture that the film blurs to, in the frame of the film.
     pub(crate) fn blurred(&self, blur: &PinholeBlur<'_>, (lattice, nodes): (&Lattice, &[u8])) -> Picture {
-        let PinholeBlur { film, derivatives, between } = blur;
+        let film = blur.film;
         let mut spread = vec![0.0; self.values.len()];
         for ((pixel, error), area) in self.nodes.iter().zip(&self.areas) {
             spread[*pixel] = error.squared / (area * film.share(*pixel)).max(f64::MIN_POSITIVE);
@@ -190,10 +190,7 @@ impl SparseEstimate {
             let scale = mean / film.mean_over_picture(&positive).max(f64::MIN_POSITIVE);
             positive.into_iter().map(|value| scale * value).collect()
         };
-        let mut picture = film.picture(&self.values, derivatives);
-        if let Some(between) = between {
-            between.add_blurred(film, &mut picture.values);
-        }
+        let picture = blur.picture(&self.values);
         let mut bias = with_mean(film.blurred(&self.bias), self.mean_bias);
         bias.iter_mut().zip(picture.squared_errors).for_each(|(bias, squared)| *bias += squared);
         let values = picture.values.into_iter().map(|value| value.max(0.0)).collect();
