@@ -3,7 +3,7 @@
 mod writer;
 
 use crate::{Bindings, Definitions, Family, Fault, Program, Root, Scope, Scratch};
-use radsight_diag::SourceMap;
+use radsight_diag::{SourceMap, Span};
 use std::sync::Arc;
 use writer::{Dice, program_text};
 
@@ -19,23 +19,37 @@ fn agree(fast: Result<f64, Fault>, exact: Result<f64, Fault>) -> bool {
     }
 }
 
+/// A function file and two expressions, at random.
+struct Generated {
+    dice: Dice,
+    text: String,
+    expressions: [String; 2],
+    span: Span,
+    definitions: Definitions,
+}
+
+impl Generated {
+    /// `None` where the file has an error: a constant subexpression that faults is one.
+    fn new(seed: u64) -> Option<Generated> {
+        let mut dice = Dice::new(seed);
+        dice.calls_library = true;
+        let (text, expressions) = program_text(&mut dice);
+        let mut sources = SourceMap::default();
+        let file = sources.add("x.cal", text.as_bytes(), None);
+        let mut definitions = Definitions::with_initial_library();
+        definitions.load(file, text.as_bytes(), &Scope::global()).ok()?;
+        let span = sources.span(file, 0, 0);
+        Some(Generated { dice, text, expressions, span, definitions })
+    }
+}
+
 #[test]
 fn fast_code_and_exact_code_agree() {
     let mut scratch = Scratch::new();
     let (mut compiled, mut went_fast, mut evaluations) = (0, 0, 0);
     for seed in 0..4000 {
-        let mut dice = Dice::new(seed);
-        dice.calls_library = true;
-        let (text, roots) = program_text(&mut dice);
-        let mut sources = SourceMap::default();
-        let file = sources.add("x.cal", text.as_bytes(), None);
-        let mut definitions = Definitions::with_initial_library();
-        // A constant subexpression that faults is an error.
-        if definitions.load(file, text.as_bytes(), &Scope::global()).is_err() {
-            continue;
-        }
-        let span = sources.span(file, 0, 0);
-        let roots = [Root::Expression { text: &roots[0], span }, Root::Expression { text: &roots[1], span }];
+        let Some(Generated { mut dice, text, expressions, span, definitions }) = Generated::new(seed) else { continue };
+        let roots = expressions.each_ref().map(|text| Root::Expression { text, span });
         let bindings = Bindings { real_arguments: &[0.5, -2.0, 3.0], ..Bindings::of_ray() };
         let Ok(program) = Program::compile(&definitions, &Scope::global(), &roots, &bindings) else { continue };
         compiled += 1;
@@ -85,17 +99,8 @@ fn programs_of_a_family_compute_the_same_bits() {
     let mut scratch = Scratch::new();
     let (mut sharing, mut alone) = (0, 0);
     for seed in 0..3000 {
-        let mut dice = Dice::new(seed);
-        dice.calls_library = true;
-        let (text, roots) = program_text(&mut dice);
-        let mut sources = SourceMap::default();
-        let file = sources.add("x.cal", text.as_bytes(), None);
-        let mut definitions = Definitions::with_initial_library();
-        if definitions.load(file, text.as_bytes(), &Scope::global()).is_err() {
-            continue;
-        }
-        let span = sources.span(file, 0, 0);
-        let roots = [Root::Expression { text: &roots[0], span }, Root::Expression { text: &roots[1], span }];
+        let Some(Generated { mut dice, text, expressions, span, definitions }) = Generated::new(seed) else { continue };
+        let roots = expressions.each_ref().map(|text| Root::Expression { text, span });
         let mut family = Family::default();
         for turn in 0..12 {
             // Ones and zeros are simplified away where they are known.

@@ -111,7 +111,14 @@ impl Graph {
     /// are late or constant.
     fn decided_by_all(&mut self, operands: &[Value]) -> bool {
         let is_fixed = |value: &Value| matches!(self.node(*value), Node::Constant(_) | Node::Late(_));
-        operands.iter().all(is_fixed) && operands.iter().filter(|operand| self.decided_by(**operand)).count() > 0
+        if !operands.iter().all(is_fixed) {
+            return false;
+        }
+        let decided_before = self.decisive.len();
+        for operand in operands {
+            self.decided_by(*operand);
+        }
+        self.decisive.len() > decided_before
     }
 
     /// Whether the value is late; notes that the graph depends on it.

@@ -159,21 +159,17 @@ impl Program {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let channels = match &all {
-            Some(all) => lowering.channels(all),
-            None => image.sorted_channels(),
-        };
-        let constant = |value: &Option<Value>| value.and_then(|value| lowering.graph.as_constant(value));
-        let constants = values.iter().map(constant).collect();
-        let (fast, fast_all) = match all {
-            Some(_) => fast_code(&lowering.graph, &values),
+        let compiled = match all {
+            Some(all) => Compiled::of_graph((image, entries), &lowering, &all),
             None => {
+                let constant = |value: &Option<Value>| value.and_then(|value| lowering.graph.as_constant(value));
+                let constants = values.iter().map(constant).collect();
                 let mut unrolled = Lowering::unrolled(known, bindings);
                 let values: Vec<Option<Value>> = roots.iter().map(|root| unrolled.root(root).ok()).collect();
-                fast_code(&unrolled.graph, &values)
+                let (fast, fast_all) = fast_code(&unrolled.graph, &values);
+                Compiled { channels: image.sorted_channels(), image, entries, fast, fast_all, constants }
             }
         };
-        let compiled = Compiled { image, entries, fast, fast_all, constants, channels };
         Ok((Program::new(Arc::new(compiled), bindings.real_arguments), lowering.circular()))
     }
 
@@ -368,11 +364,16 @@ impl Compiled {
         }
         let values = values.filter(|_| lowering.problems.is_empty() && lowering.circular().is_none())?;
         let (image, entries, _) = link(known, roots, bindings);
+        Some(Ok(Compiled::of_graph((image, entries), &lowering, &values)))
+    }
+
+    /// With the fast code of roots whose values a graph has.
+    fn of_graph((image, entries): (Image, Vec<Entry>), lowering: &Lowering<'_>, values: &[Value]) -> Compiled {
         let constants = values.iter().map(|&value| lowering.graph.as_constant(value)).collect();
-        let channels = lowering.channels(&values);
-        let values: Vec<Option<Value>> = values.into_iter().map(Some).collect();
+        let channels = lowering.channels(values);
+        let values: Vec<Option<Value>> = values.iter().copied().map(Some).collect();
         let (fast, fast_all) = fast_code(&lowering.graph, &values);
-        Some(Ok(Compiled { image, entries, fast, fast_all, constants, channels }))
+        Compiled { image, entries, fast, fast_all, constants, channels }
     }
 }
 
