@@ -1,6 +1,7 @@
 //! The part of a disk in a polygon.
 
-use glam::DVec2;
+use glam::{DMat2, DVec2};
+use std::f64::consts::PI;
 
 /// Area and first moments of the part of the unit disk that a polygon contains, relative to the area
 /// of the disk.
@@ -20,8 +21,41 @@ impl DiskOverlap {
             sum.add_edge(*corner, corners[(index + 1) % corners.len()]);
         }
         // The sign is that of the sense of the corners.
-        let unit = sum.area.signum() / std::f64::consts::PI;
+        let unit = sum.area.signum() / PI;
         DiskOverlap { area: unit * sum.area, moment: unit * sum.moment }
+    }
+}
+
+/// Parallelograms of one size.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Parallelogram {
+    /// Half of its sides.
+    half: [DVec2; 2],
+    /// Relative to that of the unit disk.
+    area: f64,
+    /// Distance of the farthest corner from the middle.
+    reach: f64,
+}
+
+impl Parallelogram {
+    /// The image of the unit square.
+    pub(crate) fn new(map: DMat2) -> Parallelogram {
+        let half @ [x, y] = [0.5 * map.x_axis, 0.5 * map.y_axis];
+        let area = map.determinant().abs() / PI;
+        Parallelogram { half, area, reach: (x + y).length().max((x - y).length()) }
+    }
+
+    /// The part of the unit disk in the one around a point.
+    pub(crate) fn overlap(&self, middle: DVec2) -> DiskOverlap {
+        let distance = middle.length();
+        if distance + self.reach <= 1.0 {
+            return DiskOverlap { area: self.area, moment: self.area * middle };
+        }
+        if distance >= 1.0 + self.reach {
+            return DiskOverlap::default();
+        }
+        let [x, y] = self.half;
+        DiskOverlap::new(&[-x - y, x - y, x + y, y - x].map(|corner| middle + corner))
     }
 }
 
@@ -84,7 +118,7 @@ mod tests {
             };
             let left = (0..corners.len()).filter(|index| is_left(*index)).count();
             if at.length_squared() < 1.0 && (left == 0 || left == corners.len()) {
-                let area = f64::from(steps * steps).recip() / std::f64::consts::PI;
+                let area = f64::from(steps * steps).recip() / PI;
                 sum = DiskOverlap { area: sum.area + area, moment: sum.moment + area * at };
             }
         }
@@ -106,6 +140,18 @@ mod tests {
             let (found, expected) = (DiskOverlap::new(&corners), counted(&corners));
             assert!((found.area - expected.area).abs() < 1e-3, "{found:?} for {expected:?}");
             assert!(found.moment.distance(expected.moment) < 1e-3, "{found:?} for {expected:?}");
+        }
+    }
+
+    #[test]
+    fn a_parallelogram_overlaps_as_its_corners_do() {
+        let map = DMat2::from_cols(DVec2::new(0.3, 0.1), DVec2::new(-0.15, 0.25));
+        for (x, y) in (-14..15).flat_map(|x| (-14..15).map(move |y| (x, y))) {
+            let middle = 0.1 * DVec2::new(f64::from(x), f64::from(y));
+            let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].map(|corner| middle + map * (corner - 0.5));
+            let (found, expected) = (Parallelogram::new(map).overlap(middle), DiskOverlap::new(&corners));
+            assert!((found.area - expected.area).abs() < 1e-14, "{middle}");
+            assert!(found.moment.distance(expected.moment) < 1e-14, "{middle}");
         }
     }
 

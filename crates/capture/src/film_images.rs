@@ -11,13 +11,12 @@
 
 use crate::Exposer;
 use crate::curved_image::CurvedImage;
-use crate::disk_overlap::DiskOverlap;
+use crate::disk_overlap::{DiskOverlap, Parallelogram};
 use crate::image_region::ImageRegion;
 use crate::region_search::RegionSearch;
 use crate::shared_rays::{FilmRay, UnblurredFilm};
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Rays};
-use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Parts of an image along each axis of a pixel: the light of a part is blurred as if it were all seen
@@ -308,21 +307,11 @@ impl ImageBlur {
             // Negative numbers become 0.
             ((at - extent).floor() as usize)..((at + extent).ceil() as usize).min(count)
         };
-        // A pixel is a parallelogram on the pinhole, of this area and extent.
-        let (x, y) = (0.5 * self.inverse.x_axis, 0.5 * self.inverse.y_axis);
-        let area = self.inverse.determinant().abs() / PI;
-        let reach = (x + y).length().max((x - y).length());
+        let pixel_on_pinhole = Parallelogram::new(self.inverse);
         for row in pixels(center.y, extent.y, rows) {
             for column in pixels(center.x, extent.x, columns) {
-                let middle = self.inverse * (DVec2::new(column as f64, row as f64) + 0.5 - center);
-                let distance = middle.length();
-                let overlap = if distance + reach <= 1.0 {
-                    DiskOverlap { area, moment: area * middle }
-                } else if distance >= 1.0 + reach {
-                    continue;
-                } else {
-                    DiskOverlap::new(&[-x - y, x - y, x + y, y - x].map(|corner| middle + corner))
-                };
+                let middle = DVec2::new(column as f64, row as f64) + 0.5 - center;
+                let overlap = pixel_on_pinhole.overlap(self.inverse * middle);
                 if overlap.area > 0.0 {
                     of_pixel(row * columns + column, overlap);
                 }
