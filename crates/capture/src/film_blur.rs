@@ -27,17 +27,15 @@ impl<'a> AdaptiveSampler<'a> {
             self.report_discarded(4);
             (pixel, PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, pixel, on_pinhole)))
         };
-        let probes: Vec<_> =
+        let mut probes: Vec<_> =
             probed.into_par_iter().with_min_len(8).map_init(|| self.exposer.workers(), probe).collect();
         if let Some(mut record) = self.shared.record() {
             record.probes = vec![None; nodes.len()];
             probes.iter().for_each(|(pixel, probe)| record.probes[*pixel] = Some(*probe));
         }
-        let probes: Vec<_> = if self.exposer.renderer.plan().scatters_glossily() {
-            probes.into_iter().map(|(pixel, probe)| (pixel, probe.smooth())).collect()
-        } else {
-            probes
-        };
+        if self.exposer.renderer.plan().scatters_glossily() {
+            probes.iter_mut().for_each(|(_, probe)| *probe = probe.smooth());
+        }
         let derivatives = PinholeDerivatives::new(film, (lattice, &nodes), &probes, STRIDE as usize);
         PinholeBlur { film, derivatives, between: None }
     }

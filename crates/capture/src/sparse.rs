@@ -260,16 +260,13 @@ impl<'a> AdaptiveSampler<'a> {
             let most_known = MAX_FILM_FRACTION * requested;
             let mut known = film_error.known(blur.as_ref(), &estimate);
             if known > most_known {
-                // Noise looks like edges.
-                let is_quiet = estimate.squared_errors()[0] <= QUIET * requested;
-                if is_quiet && blur.as_ref().is_none_or(|blur| blur.between.is_some()) {
-                    break;
-                }
                 film_error = FilmError::default();
-                if let Some(blur) = blur.as_mut().filter(|_| is_quiet) {
+                if estimate.squared_errors()[0] <= QUIET * requested {
+                    let Some(blur) = blur.as_mut().filter(|blur| blur.between.is_none()) else { break };
                     self.refine_between(blur, &estimate);
                     continue;
                 }
+                // Noise looks like edges.
                 known = most_known;
             }
             let refined = cells_to_refine(&sparse, &estimate, requested - known);
