@@ -108,7 +108,8 @@ impl Block<'_> {
         let Some(own) = self.single_surface(at) else { return none };
         let (step, square) = self.square(at);
         let is_known = later[at].is_known();
-        if !is_known && !self.places(at, (step, square.clone())).any(|(_, other)| several[other]) {
+        // With the step 1 it would be known.
+        if !is_known && (step == 1 || !self.places(at, (step, square.clone())).any(|(_, other)| several[other])) {
             return none;
         }
         let mut places = 1 << OWN_PLACE;
