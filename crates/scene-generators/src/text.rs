@@ -205,8 +205,8 @@ fn write_fast(buffer: &mut [u8; FAST_WIDTH], value: f64, precision: usize) -> Op
     };
     let mut decimals = precision as i32 - 1;
     if exponent < -4 {
-        let size = exponent.unsigned_abs() as u8;
-        for byte in [b'0' + size % 10, b'0' + size / 10, b'-', b'e'] {
+        let exponent = exponent.unsigned_abs() as u8;
+        for byte in [b'0' + exponent % 10, b'0' + exponent / 10, b'-', b'e'] {
             put(byte);
         }
     } else {
@@ -217,6 +217,15 @@ fn write_fast(buffer: &mut [u8; FAST_WIDTH], value: f64, precision: usize) -> Op
         digits /= 10;
         decimals -= 1;
     }
+    put_decimal(&mut put, digits, decimals);
+    if value.is_sign_negative() {
+        put(b'-');
+    }
+    Some(place)
+}
+
+/// Puts digits of which some are decimals, from the last one to the first.
+fn put_decimal(put: &mut impl FnMut(u8), mut digits: u64, decimals: i32) {
     for _ in 0..decimals {
         put(b'0' + (digits % 10) as u8);
         digits /= 10;
@@ -231,10 +240,6 @@ fn write_fast(buffer: &mut [u8; FAST_WIDTH], value: f64, precision: usize) -> Op
             break;
         }
     }
-    if value.is_sign_negative() {
-        put(b'-');
-    }
-    Some(place)
 }
 
 /// The first `precision` digits of a number as an integer, and the decimal exponent of the first
