@@ -1,6 +1,7 @@
 //! Conservative tests of what may block the segments from a point to a ball: shafts (Haines and
 //! Wallace 1991) that are exact for the curved primitives.
 
+use crate::bounds::Bounds;
 use crate::geometry::Geometry;
 use crate::ids::MemberId;
 use glam::DVec3;
@@ -42,6 +43,22 @@ impl Beam {
         let nearest = if share.is_finite() { first + along * share } else { first };
         let spread = self.radius * part[1];
         [nearest.length() - spread, first.length().max(last.length()) + spread]
+    }
+
+    /// Whether no segment comes within `tolerance` of a box.
+    #[must_use]
+    pub fn misses_bounds(&self, bounds: &Bounds, tolerance: f64) -> bool {
+        let mut part = [0.0, 1.0];
+        for axis in 0..3 {
+            let [start, end] = [self.from[axis], self.to[axis]];
+            let Some([first, last]) =
+                self.between([start, end], [bounds.min[axis] - tolerance, bounds.max[axis] + tolerance])
+            else {
+                return true;
+            };
+            part = [f64::max(part[0], first), f64::min(part[1], last)];
+        }
+        part[0] > part[1]
     }
 
     fn misses_sphere(&self, sphere: &Sphere, tolerance: f64) -> bool {
@@ -96,11 +113,7 @@ impl Geometry {
             Shape::Sphere(handle) => beam.misses_sphere(&scene.spheres[handle], self.tolerance),
             Shape::Ring(handle) => beam.misses_ring(&scene.rings[handle], self.tolerance),
             Shape::Cone(handle) => beam.misses_cone(&scene.cones[handle], self.tolerance),
-            shape => self.bounds(scene, shape).is_some_and(|bounds| {
-                let center = 0.5 * (bounds.min + bounds.max);
-                let [nearest, _] = beam.distances([beam.from, beam.to].map(|end| end - center), [0.0, 1.0]);
-                nearest > 0.5 * bounds.min.distance(bounds.max) + self.tolerance
-            }),
+            shape => self.bounds(scene, shape).is_some_and(|bounds| beam.misses_bounds(&bounds, self.tolerance)),
         };
         !misses
     }

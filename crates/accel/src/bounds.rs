@@ -4,7 +4,7 @@ use glam::DVec3;
 use radsight_ir::Transform;
 
 /// An axis-aligned box in double precision.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounds {
     /// The corner with the smallest coordinates.
     pub min: DVec3,
@@ -17,8 +17,16 @@ impl Bounds {
         Bounds { min: point, max: point }
     }
 
-    pub(crate) fn union(self, other: Bounds) -> Bounds {
+    /// The box around this and another one.
+    #[must_use]
+    pub fn union(self, other: Bounds) -> Bounds {
         Bounds { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Whether another box is within this one.
+    #[must_use]
+    pub fn contains(&self, other: &Bounds) -> bool {
+        self.min.cmple(other.min).all() && self.max.cmpge(other.max).all()
     }
 
     pub(crate) fn around(center: DVec3, half: DVec3) -> Bounds {

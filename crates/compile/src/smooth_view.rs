@@ -174,6 +174,7 @@ impl RenderPlan {
                     }
                     checked = blockers;
                 }
+                VisibilityClass::Within(bounds) if beam.misses_bounds(bounds, self.geometry.tolerance()) => {}
                 _ => return false,
             }
         }

@@ -8,7 +8,7 @@
 
 use crate::shader::{Kind, Shader, Substitution};
 use glam::DVec3;
-use radsight_accel::{Geometry, MemberId, PrimitiveId, flat_normal};
+use radsight_accel::{Bounds, Geometry, MemberId, PrimitiveId, flat_normal};
 use radsight_ir::{Scene, Shape, SurfaceHandle, ValidScene};
 use radsight_light::{Light, LightForm};
 use std::f64::consts::PI;
@@ -31,6 +31,8 @@ pub enum VisibilityClass {
     Nothing,
     /// At most these members block the light.
     Few(Vec<MemberId>),
+    /// Only surfaces within these bounds block the light.
+    Within(Bounds),
     /// Any surface may block the light.
     Anything,
 }
@@ -127,7 +129,7 @@ impl Visibility {
     }
 
     /// Counts of the savings, as text.
-    pub fn summary(&self) -> [(usize, &'static str, &'static str); 4] {
+    pub fn summary(&self) -> [(usize, &'static str, &'static str); 5] {
         let pairs = |kind: fn(&VisibilityClass) -> bool| {
             self.receivers.iter().map(|receiver| receiver.between.iter().filter(|b| kind(b)).count()).sum()
         };
@@ -150,6 +152,11 @@ impl Visibility {
                 "no other reaches into the space between them",
             ),
             (
+                pairs(|b| matches!(b, VisibilityClass::Within(_))),
+                "pairs of surface and light that need no shadow ray past some bounds",
+                "all that reaches into the space between them is within the bounds",
+            ),
+            (
                 direct_only,
                 "surfaces that sample the lights alone",
                 "nothing but lights is in front of them, each smaller than the highlight",
@@ -166,6 +173,7 @@ struct Occluder {
     hull: Vec<DVec3>,
     /// Its minimum and maximum along each coordinate axis.
     bounds: [(f64, f64); 3],
+    is_retroreflector: bool,
     /// Front normal and a point of the plane, if it is flat.
     plane: Option<(DVec3, DVec3)>,
     is_light: bool,
@@ -194,7 +202,13 @@ impl Occluder {
             Shape::Ring(handle) => Some((scene.rings[handle].center, scene.rings[handle].outer_radius)),
             _ => None,
         };
-        Occluder { member, surface, hull, bounds, plane, is_light, ring, highlight }
+        let is_retroreflector = matches!(kind, Kind::Retro(_));
+        Occluder { member, surface, hull, bounds, is_retroreflector, plane, is_light, ring, highlight }
+    }
+
+    fn bounds(&self) -> Bounds {
+        let [x, y, z] = self.bounds;
+        Bounds { min: DVec3::new(x.0, y.0, z.0), max: DVec3::new(x.1, y.1, z.1) }
     }
 
     /// Minimum and maximum of a linear function over the surface.
@@ -265,19 +279,28 @@ fn between(
     let normals = [occluder, *source].into_iter().filter_map(|of| of.plane.map(|(normal, _)| Axis::Other(normal)));
     let extents: Vec<Extent> =
         axes.chain(normals).filter_map(|axis| Extent::new(axis, [occluder, *source], tolerance)).collect();
-    let mut blockers: Vec<MemberId> = order
-        .iter()
-        .map(|index| (&occluders[*index], &hidden_by[*index]))
-        .filter(|(other, _)| other.surface != light.surface)
-        .filter(|(other, _)| other.member != occluder.member || occluder.plane.is_none())
-        .filter(|(other, hides)| **hides || !extents.iter().any(|extent| extent.leaves_out(other)))
-        .map(|(other, _)| other.member)
-        .take(MAX_BLOCKERS + 1)
-        .collect();
+    let may_block = |index: &&usize| {
+        let other = &occluders[**index];
+        other.surface != light.surface
+            && (other.member != occluder.member || occluder.plane.is_none())
+            && (hidden_by[**index] || !extents.iter().any(|extent| extent.leaves_out(other)))
+    };
+    let mut blockers: Vec<MemberId> =
+        order.iter().filter(may_block).map(|index| occluders[*index].member).take(MAX_BLOCKERS + 1).collect();
     blockers.sort_unstable_by_key(|member| member.0);
     match blockers.len() {
         0 => VisibilityClass::Nothing,
         1..=MAX_BLOCKERS => VisibilityClass::Few(blockers),
+        // The lamps around a camera light most of a retroreflector past the part that lies on it.
+        _ if occluder.is_retroreflector => {
+            // The largest ones come first: what is within their bounds needs no test.
+            let around = |around: Option<Bounds>, index: &usize| {
+                let bounds = occluders[*index].bounds();
+                let is_new = around.is_none_or(|around| !around.contains(&bounds)) && may_block(&index);
+                if is_new { Some(around.map_or(bounds, |around| around.union(bounds))) } else { around }
+            };
+            order.iter().fold(None, around).map_or(VisibilityClass::Anything, VisibilityClass::Within)
+        }
         _ => VisibilityClass::Anything,
     }
 }
@@ -352,9 +375,9 @@ fn lies_on(source: &Occluder, other: &Occluder, touch: f64) -> bool {
     };
     let Some((normal, _)) = source.plane else { return false };
     let overlaps = [Axis::X, Axis::Y, Axis::Z].map(overlap);
-    overlap(Axis::Other(normal)) >= -touch
-        && overlaps.iter().all(|overlap| *overlap >= -touch)
+    overlaps.iter().all(|overlap| *overlap >= -touch)
         && overlaps.iter().filter(|overlap| **overlap > touch).count() > 1
+        && overlap(Axis::Other(normal)) >= -touch
 }
 
 /// Whether everything in front of a flat surface is a light.

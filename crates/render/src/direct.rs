@@ -5,7 +5,7 @@ use crate::subtraction::SubtractionId;
 use crate::trace::PathIntegrator;
 use crate::trace::path_state::MediumId;
 use glam::DVec3;
-use radsight_accel::{Beam, PrimitiveId};
+use radsight_accel::{Beam, PrimitiveId, Shaft};
 use radsight_bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
 use radsight_compile::{RenderPlan, VisibilityClass, VisiblePortals, emission, given};
 use radsight_light::{Light, LightForm, LightSample, LightTree, MOST_SAMPLES, Reception, TreeCut};
@@ -224,13 +224,20 @@ impl DirectSampler<'_> {
                 let beam = Beam { from: self.point, to: light.center, radius: light.radius };
                 !blockers.iter().any(|blocker| plan.geometry.may_block(&plan.scene, *blocker, &beam))
             }
-            VisibilityClass::Anything => {
-                let shaft = light.form.shaft(self.point);
-                let ends = [self.primitive, light.primitive];
-                shaft.is_some_and(|shaft| !plan.geometry.reaches_into(&plan.scene, &shaft, ends))
+            VisibilityClass::Within(bounds) if light.radius.is_finite() => {
+                let beam = Beam { from: self.point, to: light.center, radius: light.radius };
+                beam.misses_bounds(bounds, plan.geometry.tolerance()) || self.has_empty_shaft(plan, light)
             }
-            _ => false,
+            VisibilityClass::Within(_) | VisibilityClass::Anything => self.has_empty_shaft(plan, light),
+            VisibilityClass::Few(_) | VisibilityClass::Dark | VisibilityClass::Nothing => false,
         }
+    }
+
+    /// Whether nothing is in the shaft to a light; false where there is no shaft.
+    fn has_empty_shaft(&self, plan: &RenderPlan, light: &Light) -> bool {
+        let ends = [self.primitive, light.primitive];
+        let is_empty = |shaft: &Shaft| !plan.geometry.reaches_into(&plan.scene, shaft, ends);
+        light.form.shaft(self.point).as_ref().is_some_and(is_empty)
     }
 
     /// Whether a light is entirely behind an opaque point. Skies consist of hundreds of suns, half of

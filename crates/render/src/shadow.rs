@@ -90,7 +90,7 @@ impl DirectSampler<'_> {
             && match between {
                 VisibilityClass::Dark | VisibilityClass::Nothing => true,
                 VisibilityClass::Few(list) => list.iter().all(blocks),
-                VisibilityClass::Anything => false,
+                VisibilityClass::Within(_) | VisibilityClass::Anything => false,
             }
     }
 
@@ -339,7 +339,7 @@ impl DirectSampler<'_> {
         let travelled = self.travelled;
         // A surface coincident with the target may hide it.
         let tolerance = plan.geometry.tolerance();
-        let is_searched = *between == VisibilityClass::Anything;
+        let is_searched = matches!(between, VisibilityClass::Within(_) | VisibilityClass::Anything);
         if is_searched && tracer.shadow_blockers.block_again(plan, (ray, from), distance - tolerance, target) {
             return [0.0; BANDS];
         }
@@ -387,7 +387,7 @@ impl DirectSampler<'_> {
                     }
                 }
             }
-            VisibilityClass::Anything => {
+            VisibilityClass::Within(_) | VisibilityClass::Anything => {
                 plan.geometry.any_between(&plan.scene, ray, (from, target), end, block);
             }
         }

@@ -6,6 +6,7 @@ use build::Builder;
 use glam::DVec3;
 use radsight_ir::{Cone, Facing, Material, ModifierHandle, Rgb, Ring, Sphere};
 use radsight_render::{CubatureError, Ray, RayWorker, RenderOptions, Renderer};
+use std::f64::consts::TAU;
 
 /// Height of the lamps and of the eye above the sheet.
 const HEIGHT: f64 = 0.48;
@@ -166,6 +167,39 @@ fn lamps_are_integrated_beside_and_within_a_washer() {
             assert_agrees(&scene, (x, 0.0), 5e-4);
         }
     }
+}
+
+/// A column of eight facets: too many blockers for a list, so that bounds around them decide.
+#[test]
+fn lamps_are_integrated_past_a_part_of_many_facets() {
+    let mut scene = Builder::default();
+    let material = scene.sheeting(0.086, 0.00612);
+    sheet(&mut scene, material);
+    lamps(&mut scene, 0.0025);
+    let alone = renderer(&scene);
+    let black = scene.plastic([0.0; 3], 0.0, 0.0);
+    let corner = |k: u32, height: f64| {
+        let (sin, cos) = (f64::from(k) * TAU / 8.0).sin_cos();
+        DVec3::new(0.01 + 0.002 * cos, 0.002 * sin, height)
+    };
+    for k in 0..8 {
+        scene.polygon(black, &[corner(k, 0.0), corner(k + 1, 0.0), corner(k + 1, 0.01), corner(k, 0.01)]);
+    }
+    let renderer = renderer(&scene);
+    for at in [(0.005, 0.0), (0.02, 0.002), (0.0, 0.02), (0.01, -0.006)] {
+        let ray = ray_to(at.0, at.1);
+        assert_eq!(integrated(&renderer, &ray, 5e-4), integrated(&alone, &ray, 5e-4), "{at:?}");
+    }
+    let mut shaded = 0;
+    for k in 0..24 {
+        let (sin, cos) = (f64::from(k) * TAU / 24.0).sin_cos();
+        let ray = ray_to(0.01 + 0.0021 * cos, 0.0021 * sin);
+        let ([mean, error, _], [truth, truth_error]) = (integrated_mean(&renderer, &ray), sampled(&renderer, &ray));
+        let allowed = 4.5 * error.hypot(truth_error) + 1e-3 * truth;
+        assert!((mean - truth).abs() <= allowed, "{k}: {mean} ± {error}, not {truth} ± {truth_error}");
+        shaded += u32::from(mean < 0.9 * integrated(&alone, &ray, 5e-4));
+    }
+    assert!((3..21).contains(&shaded), "{shaded} of 24 points beside it are in the shadow of a lamp");
 }
 
 /// Whether every ray has the same bits with cubature as without.
