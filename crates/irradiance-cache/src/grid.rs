@@ -1,8 +1,7 @@
 //! A spatial index of balls.
 
 use glam::DVec3;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
+use rustc_hash::FxHashMap;
 
 /// Numbered balls, found by the points that they contain.
 ///
@@ -17,7 +16,7 @@ pub(crate) struct Grid {
 #[derive(Clone, Debug)]
 struct Level {
     side: f64,
-    cubes: HashMap<Cube, Vec<Ball>, BuildHasherDefault<CubeHasher>>,
+    cubes: FxHashMap<Cube, Vec<Ball>>,
 }
 
 /// The indices of a cube.
@@ -41,7 +40,7 @@ impl Grid {
         let mut levels = Vec::new();
         let mut side = max_reach;
         while levels.len() < MAX_LEVELS {
-            levels.push(Level { side, cubes: HashMap::default() });
+            levels.push(Level { side, cubes: FxHashMap::default() });
             if 0.5 * side < min_reach {
                 break;
             }
@@ -78,7 +77,7 @@ impl Grid {
 
     /// The same grid without balls.
     pub(crate) fn cleared(&self) -> Grid {
-        let empty = |level: &Level| Level { side: level.side, cubes: HashMap::default() };
+        let empty = |level: &Level| Level { side: level.side, cubes: FxHashMap::default() };
         Grid { levels: self.levels.iter().map(empty).collect() }
     }
 }
@@ -90,32 +89,4 @@ fn cube(point: DVec3, side: f64) -> Cube {
     // Casting saturates, so a distant point shares a cube with others, which costs time only.
     let [x, y, z] = (point / side).floor().to_array().map(|coordinate| coordinate as i32);
     Cube { x, y, z }
-}
-
-/// Multiplies and mixes: cubes need no defence against chosen keys.
-#[derive(Clone, Copy, Debug, Default)]
-struct CubeHasher(u64);
-
-impl Hasher for CubeHasher {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 32)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.write_u32(u32::from(*byte));
-        }
-    }
-
-    fn write_u32(&mut self, value: u32) {
-        self.0 = (self.0.rotate_left(5) ^ u64::from(value)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    }
-
-    fn write_i32(&mut self, value: i32) {
-        self.write_u32(value as u32);
-    }
-
-    fn write_usize(&mut self, value: usize) {
-        self.write_u32(value as u32);
-    }
 }
