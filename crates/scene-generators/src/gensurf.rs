@@ -304,20 +304,19 @@ impl Surface<'_> {
         if self.wavefront {
             return self.write_wavefront_face(corners);
         }
-        let row = |text: &mut Text, [x, y, z]: [f64; 3]| writeln!(text, "{} {} {}", wide(x), wide(y), wide(z));
         self.faces += 1;
         let mut modifier = self.material;
         if let Some(Bilinear { axis, coefficients }) = smooth {
             let text = &mut self.text;
             write!(text, "\n{modifier} texfunc Phong\n4 surf_dx surf_dy surf_dz surf.cal\n0\n13\t{axis}\n")?;
-            coefficients[..3].iter().try_for_each(|coefficient| row(text, *coefficient))?;
+            coefficients[..3].iter().try_for_each(|coefficient| text.row(*coefficient))?;
             // The texture's perturbation of the face normal.
-            row(text, subtract(coefficients[3], normal))?;
+            text.row(subtract(coefficients[3], normal))?;
             modifier = "Phong";
         }
         let name = format_args!("{}.{}", self.name, self.faces);
         self.text.primitive(modifier, "polygon", name, 3 * corners.len())?;
-        Ok(corners.iter().try_for_each(|corner| row(&mut self.text, corner.position))?)
+        Ok(corners.iter().try_for_each(|corner| self.text.row(corner.position))?)
     }
 
     fn write_wavefront_face(&mut self, corners: &[&Point]) -> Result<(), Error> {

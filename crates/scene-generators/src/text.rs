@@ -86,7 +86,29 @@ impl Text {
 
     /// One line of three coordinates, each `%18.12g`, with a tab before and between them.
     pub(crate) fn vertex(&mut self, x: f64, y: f64, z: f64) -> fmt::Result {
-        writeln!(self, "\t{}\t{}\t{}", wide(x), wide(y), wide(z))
+        for number in [x, y, z] {
+            self.push_bytes(b"\t")?;
+            self.number(wide(number))?;
+        }
+        self.push_bytes(b"\n")
+    }
+
+    /// One line of three numbers, each `%18.12g`, with a space between them.
+    pub(crate) fn row(&mut self, [x, y, z]: [f64; 3]) -> fmt::Result {
+        for (number, end) in [(x, b" "), (y, b" "), (z, b"\n")] {
+            self.number(wide(number))?;
+            self.push_bytes(end)?;
+        }
+        Ok(())
+    }
+
+    /// Faster than formatting: meshes consist of numbers.
+    fn number(&mut self, number: General) -> fmt::Result {
+        let mut buffer = [b' '; FAST_WIDTH];
+        match number.write_fast(&mut buffer) {
+            Some(start) => self.push_bytes(&buffer[start..]),
+            None => write!(self, "{number}"),
+        }
     }
 
     /// The head of a primitive without string and integer arguments, up to the count of real
@@ -167,11 +189,19 @@ pub fn padded(value: f64, width: usize, precision: usize) -> General {
     General { value, width, precision }
 }
 
+impl General {
+    /// Writes common numbers at the end of a buffer of spaces. Returns the index of the first character,
+    /// padding included; `None` for other numbers.
+    fn write_fast(&self, buffer: &mut [u8; FAST_WIDTH]) -> Option<usize> {
+        let start = write_fast(buffer, self.value, self.precision)?;
+        Some(start.min(FAST_WIDTH.saturating_sub(self.width)))
+    }
+}
+
 impl Display for General {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let mut buffer = [b' '; FAST_WIDTH];
-        if let Some(start) = write_fast(&mut buffer, self.value, self.precision) {
-            let start = start.min(FAST_WIDTH.saturating_sub(self.width));
+        if let Some(start) = self.write_fast(&mut buffer) {
             // The buffer holds digits, a sign and a point only.
             return formatter.write_str(std::str::from_utf8(&buffer[start..]).unwrap_or_default());
         }
@@ -242,16 +272,36 @@ fn put_decimal(put: &mut impl FnMut(u8), mut digits: u64, decimals: i32) {
     }
 }
 
+/// All that an integer of 128 bits holds.
+const POWERS_OF_TEN: [u128; 39] = {
+    let mut powers = [1; 39];
+    let mut index = 1;
+    while index < powers.len() {
+        powers[index] = 10 * powers[index - 1];
+        index += 1;
+    }
+    powers
+};
+
+/// The exponent of the first digit of a normal number, given its bits, or one less. Bits are about a
+/// logarithm to base 2 in fixed point, at most .09 too small.
+fn decimal_exponent(bits: u64) -> i32 {
+    /// log₁₀ 2 · 2³².
+    const LOG_OF_TWO: i64 = 1_292_913_986;
+    let logarithm = (bits.cast_signed() - (1023 << 52)) >> 32;
+    ((logarithm * LOG_OF_TWO) >> 52) as i32
+}
+
 /// The first `precision` digits of a number as an integer, and the decimal exponent of the first
 /// digit.
 fn rounded_digits(size: f64, precision: usize) -> Option<(u64, i32)> {
     let bits = size.to_bits();
     let (mantissa, power) = ((bits & ((1 << 52) - 1)) | 1 << 52, ((bits >> 52) & 0x7ff) as i32 - 1075);
-    let mut exponent = size.log10().floor() as i32;
-    // The logarithm may be off by one near a power of ten.
+    let mut exponent = decimal_exponent(bits);
+    // It may be off by one near a power of ten.
     for _ in 0..2 {
-        let scale = precision as i32 - 1 - exponent;
-        let product = u128::from(mantissa).checked_mul(10u128.checked_pow(u32::try_from(scale).ok()?)?)?;
+        let scale = usize::try_from(precision as i32 - 1 - exponent).ok()?;
+        let product = u128::from(mantissa).checked_mul(*POWERS_OF_TEN.get(scale)?)?;
         let digits = match u32::try_from(-power) {
             Ok(shift) if shift < 128 => {
                 let (whole, rest) = (product >> shift, product & ((1u128 << shift) - 1));
@@ -262,7 +312,7 @@ fn rounded_digits(size: f64, precision: usize) -> Option<(u64, i32)> {
             Ok(_) => return None,
             Err(_) => product.checked_mul(1u128 << u32::try_from(power).ok()?.min(100))?,
         };
-        let smallest = 10u128.pow(precision as u32 - 1);
+        let smallest = POWERS_OF_TEN[precision - 1];
         if digits < smallest {
             exponent -= 1;
         } else if digits >= 10 * smallest {
