@@ -6,7 +6,7 @@
 //! none.
 
 use glam::{DVec2, UVec2};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// Squares are divided this many times at the most.
 pub(crate) const MAX_LEVEL: u32 = 9;
@@ -22,7 +22,7 @@ pub(crate) struct ImageRegion {
     /// Index of each of its pixels on the film, in the order of their squares.
     pixels: Vec<usize>,
     /// By pixel of the film, its square.
-    by_pixel: HashMap<usize, usize>,
+    by_pixel: FxHashMap<usize, usize>,
     /// Of the film.
     columns: usize,
 }

@@ -14,13 +14,17 @@ use crate::shared_rays::UnblurredFilm;
 use glam::{DMat2, DVec2, DVec3, UVec2, Vec2};
 use radsight_adaptive::ray_number;
 use radsight_render::{CountedLight, LastReflection, MAX_MIRRORED_LIGHTS, Ray, RayWorker, light_offset};
+use rustc_hash::FxHashMap;
 use std::cmp::Ordering;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
 /// How far from the corners of a square a light may be, relative to their extent, since the map to
 /// the light's plane is not linear.
 const MARGIN: f64 = 0.3;
+
+/// Relative error of offsets in single precision, at the most.
+const ROUNDING: f32 = 1e-4;
 
 /// The extent of corners that is not known, in radii of the light.
 const UNKNOWN_EXTENT: f64 = 100.0;
@@ -29,14 +33,14 @@ const UNKNOWN_EXTENT: f64 = 100.0;
 const DOUBLY_NEAR: f64 = 2.0;
 
 /// All squares are divided so many times: the rays of neighbouring pixels have little in common.
-const FIRST_LEVEL: u32 = 2;
+const FIRST_LEVEL: u32 = 1;
 
 /// Variance of rays that are drawn by the expected light, relative to what is expected: lit fractions are
 /// estimated high, and mirrors absorb. Measured with a torus of 20,000 triangles.
 const VARIANCE_RATIO: f64 = 0.1;
 
 /// Rays that a division takes, by its time: it has five new corners, most of them shared by two squares.
-const RAYS_OF_DIVISION: f64 = 12.0;
+const RAYS_OF_DIVISION: f64 = 16.0;
 
 /// A region that would take fewer rays than this is left to chance.
 const MIN_RAYS: f64 = 100.0;
@@ -101,7 +105,7 @@ pub(crate) struct RegionSearch<'s, K> {
     /// In the order in which they were traced.
     corners: Vec<Corner>,
     /// By their place in sides of the smallest squares.
-    by_place: HashMap<UVec2, usize>,
+    by_place: FxHashMap<UVec2, usize>,
     /// Where the rays of corners pass the lights, in radii from their centres; all lights of a corner
     /// together.
     offsets: Vec<Option<Vec2>>,
@@ -123,7 +127,7 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
             is_known,
             towards: lights.map(|light| (light.center - position).normalize_or(DVec3::Z)).collect(),
             corners: Vec::new(),
-            by_place: HashMap::new(),
+            by_place: FxHashMap::default(),
             offsets: Vec::new(),
             squares: Vec::new(),
             corners_of: Vec::new(),
@@ -201,17 +205,17 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
         if near_reflectors.len() > self.max_rays() {
             return Vec::new();
         }
-        let most_mirrors = |pixel: &usize| {
+        // The most mirrors to which a corner leads, by pixel.
+        let mut mirrors = vec![0; self.film.pixel_count()];
+        for pixel in &near_reflectors {
             let corners = self.corners_of_pixel(*pixel);
-            (*pixel, corners.map(|corner| self.corners[corner].mirrors).into_iter().max().unwrap_or(0))
-        };
-        let mirrors: HashMap<usize, usize> = near_reflectors.iter().map(most_mirrors).collect();
+            mirrors[*pixel] = corners.map(|corner| self.corners[corner].mirrors).into_iter().max().unwrap_or(0);
+        }
         let is_doubly_near = |pixel: usize| {
             let middle = self.film.picture_point(self.film.corner(pixel) + 0.5);
-            let mut near = self.film.pixels_around(middle, DVec2::splat(DOUBLY_NEAR));
-            near.any(|near| mirrors.get(&near).is_some_and(|most| *most > 1))
+            self.film.pixels_around(middle, DVec2::splat(DOUBLY_NEAR)).any(|near| mirrors[near] > 1)
         };
-        near_reflectors.into_iter().filter(|pixel| mirrors[pixel] > 0 && is_doubly_near(*pixel)).collect()
+        near_reflectors.into_iter().filter(|pixel| mirrors[*pixel] > 0 && is_doubly_near(*pixel)).collect()
     }
 
     /// The pixels of the film that may see a mirror, by the cones around them.
@@ -278,8 +282,12 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
                 continue;
             }
             for light in 0..self.towards.len() {
-                let offset = |offsets: usize| self.offsets[offsets + light].map(Vec2::as_dvec2);
-                let passing = Passing::new(same.map(|offsets| offsets.and_then(offset)), around);
+                let offset = |offsets: usize| self.offsets[offsets + light];
+                let corners = same.map(|offsets| offsets.and_then(offset));
+                if is_far(corners) {
+                    continue;
+                }
+                let passing = Passing::new(corners.map(|offset| offset.map(Vec2::as_dvec2)), around);
                 let fraction = passing.lit();
                 if fraction > 0.0 && !passing.place().is_some_and(is_known) {
                     lit += fraction;
@@ -393,6 +401,17 @@ impl Passing {
         let place = DVec2::splat(0.5) - map.inverse() * (0.25 * (a + b + c + d));
         (place.is_finite() && place.abs().max_element() <= 2.0).then_some(place)
     }
+}
+
+/// Whether [`Passing::lit`] is 0 without doubt, in single precision: most squares are far from most lights.
+#[inline]
+fn is_far(corners: [Option<Vec2>; 4]) -> bool {
+    let [Some(a), Some(b), Some(c), Some(d)] = corners else { return false };
+    let pairs = [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]];
+    let squared_extent = pairs.map(|[a, b]| a.distance_squared(b)).into_iter().fold(0.0, f32::max);
+    let nearest = [a, b, c, d].map(Vec2::length_squared).into_iter().fold(f32::INFINITY, f32::min);
+    let extent = squared_extent.sqrt();
+    nearest.sqrt() > (1.0 + ROUNDING) * (1.0 + extent + MARGIN as f32 * extent)
 }
 
 /// Area and perimeter of a quadrangle, and the distance of the origin from it.
