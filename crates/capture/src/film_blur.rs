@@ -37,7 +37,7 @@ impl<'a> AdaptiveSampler<'a> {
             probes.iter_mut().for_each(|(_, probe)| *probe = probe.smooth());
         }
         let derivatives = PinholeDerivatives::new(film, (lattice, &nodes), &probes, STRIDE as usize);
-        PinholeBlur { film, derivatives, between: None }
+        PinholeBlur { film, derivatives, subpixels: None }
     }
 
     /// The light of a film pixel through a point of the pinhole. All points have the same random
