@@ -183,13 +183,13 @@ impl<'f> Subpixels<'f> {
 /// which are 0 across the border.
 fn sharpened(values: &[f64], columns: usize) -> Vec<f64> {
     let rows = values.len() / columns;
-    let bend = |pixel: usize, (at, count): (usize, usize), step: usize| {
+    let second_difference = |pixel: usize, (at, count): (usize, usize), step: usize| {
         let is_inside = (1..count - 1).contains(&at);
         if is_inside { values[pixel + step] - 2.0 * values[pixel] + values[pixel - step] } else { 0.0 }
     };
     let of_pixel = |pixel: usize| {
         let [column, row] = [(pixel % columns, columns), (pixel / columns, rows)];
-        values[pixel] - (bend(pixel, column, 1) + bend(pixel, row, columns)) / 24.0
+        values[pixel] - (second_difference(pixel, column, 1) + second_difference(pixel, row, columns)) / 24.0
     };
     (0..values.len()).map(of_pixel).collect()
 }
