@@ -15,7 +15,8 @@ use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
 use crate::shared_film::{FilmRecord, SharedFilm};
 use crate::shared_rays::{FilmRay, PixelPassage, UnblurredFilm};
-use crate::two_phase::{FIRST_PHASE, choose};
+use crate::subpixels::SubpixelRecord;
+use crate::two_phase::{Chosen, FIRST_PHASE, choose, numbered};
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
 use radsight_adaptive::{
     ErrorEstimate, ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource,
@@ -145,6 +146,8 @@ pub(crate) struct AdaptiveSampler<'a> {
     pub(crate) images_apart: ImagesApart,
     /// What is exposed instead of the picture.
     pub(crate) film: Option<Arc<UnblurredFilm>>,
+    /// The samples of the film.
+    pub(crate) subpixels: SubpixelRecord,
     pub(crate) shared: SharedFilm<'a>,
     /// Whether each pixel of the lattice sees the outline of a surface; empty without a lattice.
     pub(crate) outlines: Vec<bool>,
@@ -175,6 +178,7 @@ impl<'a> AdaptiveSampler<'a> {
             images: images(exposer),
             images_apart: ImagesApart::No,
             film: None,
+            subpixels: SubpixelRecord::default(),
             shared,
             outlines: Vec::new(),
             progress,
@@ -341,6 +345,15 @@ impl<'a> AdaptiveSampler<'a> {
     }
 }
 
+/// Rays of a pixel in two phases.
+pub(crate) struct Phases {
+    /// Of the first phase: where each passes through the pixel, and the ray if it has radiance.
+    pub(crate) rays: Vec<([f64; 2], Option<DrawnRay>)>,
+    /// The numbers of their strata.
+    pub(crate) strata: Vec<Option<usize>>,
+    pub(crate) chosen: Vec<Chosen>,
+}
+
 /// A ray of a pixel.
 pub(crate) struct DrawnRay {
     pub(crate) number: u64,
@@ -372,8 +385,16 @@ impl<'a> AdaptiveSampler<'a> {
 
     /// Sums over some samples of a pixel, in one phase.
     pub(crate) fn plain_sums(&self, worker: &mut Workers<'a>, pixel: usize, samples: Range<u32>) -> Sums {
-        let drawn = |sample| self.drawn(pixel, ray_number(pixel as u64, sample), self.camera_point(pixel, sample));
+        let drawn = |sample| {
+            let (number, u) = self.sample_point(pixel, sample);
+            self.drawn(pixel, number, u)
+        };
         self.summed(worker, pixel, samples.filter_map(drawn))
+    }
+
+    /// The ray number and the point of the unit cube of a sample of a pixel.
+    pub(crate) fn sample_point(&self, pixel: usize, sample: u32) -> (u64, [f64; 4]) {
+        (ray_number(pixel as u64, sample), self.camera_point(pixel, sample))
     }
 
     /// What a ray sees first: the stratum to which it belongs.
@@ -382,8 +403,8 @@ impl<'a> AdaptiveSampler<'a> {
         Some(self.exposer.renderer.plan().outlined_surface(&ray))
     }
 
-    /// The rays of the second phase for some samples of a pixel ([`two_phase`](crate::two_phase)).
-    fn chosen_rays(&self, pixel: usize, samples: Range<u32>) -> Vec<DrawnRay> {
+    /// The rays for some samples of a pixel in two phases ([`two_phase`](crate::two_phase)).
+    pub(crate) fn phases(&self, pixel: usize, samples: Range<u32>) -> Phases {
         let wanted = samples.end - samples.start;
         let seed = self.exposer.rays.seed();
         let number = |sample| ray_number(FIRST_PHASE_PIXEL + pixel as u64, sample);
@@ -391,13 +412,20 @@ impl<'a> AdaptiveSampler<'a> {
         let [offset, ..] = RaySampler::new(seed, number(first)).take(DimensionSet::render(CHOICE_SET));
         let drawn = |sample| {
             let u = RaySampler::new(seed, number(sample)).take(DimensionSet::CAMERA);
-            self.drawn(pixel, number(sample), u)
+            ([u[0], u[1]], self.drawn(pixel, number(sample), u))
         };
-        let mut rays: Vec<Option<DrawnRay>> = (first..FIRST_PHASE * samples.end).map(drawn).collect();
-        let strata: Vec<Option<_>> = rays.iter().map(|ray| self.stratum(ray.as_ref()?)).collect();
+        let rays: Vec<_> = (first..FIRST_PHASE * samples.end).map(drawn).collect();
+        let strata: Vec<Option<_>> = rays.iter().map(|(_, ray)| self.stratum(ray.as_ref()?)).collect();
+        let strata = numbered(&strata);
         let chosen = choose(&strata, wanted, offset);
+        Phases { rays, strata, chosen }
+    }
+
+    /// The rays of the second phase for some samples of a pixel.
+    fn chosen_rays(&self, pixel: usize, samples: Range<u32>) -> Vec<DrawnRay> {
+        let Phases { mut rays, chosen, .. } = self.phases(pixel, samples);
         let taken = chosen.into_iter().filter_map(|chosen| {
-            let drawn = rays[chosen.index].take()?;
+            let drawn = rays[chosen.index].1.take()?;
             Some(DrawnRay { weight: chosen.weight * drawn.weight, ..drawn })
         });
         taken.collect()
@@ -436,7 +464,12 @@ impl<'a> PixelSource for AdaptiveSampler<'a> {
     /// sequence.
     fn sums(&self, worker: &mut Workers<'a>, pixel: usize, samples: Range<u32>) -> Sums {
         worker.integrate_lights((samples.start < MAX_INTEGRATED).then_some(self.cubature_error));
-        if samples.start < MAX_IN_PHASES && self.outlines.get(pixel) == Some(&true) {
+        let is_in_phases = samples.start < MAX_IN_PHASES && self.outlines.get(pixel) == Some(&true);
+        if self.film.is_some() {
+            let sums = if is_in_phases { Self::two_phase_film_sums } else { Self::film_sums };
+            return sums(self, worker, pixel, samples);
+        }
+        if is_in_phases {
             let rays = self.chosen_rays(pixel, samples);
             return self.summed(worker, pixel, rays.into_iter());
         }

@@ -20,33 +20,41 @@ impl<'a> AdaptiveSampler<'a> {
         let levels: Vec<u8> = levels.iter().map(|level| *level.min(&FINEST_PROBED)).collect();
         let nodes = lattice.nodes(&levels);
         let probed: Vec<usize> = (0..nodes.len()).filter(|pixel| nodes[*pixel] > 0).collect();
+        let is_glossy = self.exposer.renderer.plan().scatters_glossily();
         let probe = |worker: &mut Workers<'a>, pixel: usize| {
             if let Some(known) = self.shared.known().and_then(|known| known.probe(pixel)) {
                 return (pixel, known);
             }
-            self.report_discarded(4);
-            (pixel, PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, pixel, on_pinhole)))
+            let mut probe = |sample: u32| {
+                self.report_discarded(4);
+                PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, (pixel, sample), on_pinhole))
+            };
+            let first = probe(0);
+            (pixel, if is_glossy { first.smooth_with(|| probe(1)) } else { first })
         };
-        let mut probes: Vec<_> =
+        let probes: Vec<_> =
             probed.into_par_iter().with_min_len(8).map_init(|| self.exposer.workers(), probe).collect();
         if let Some(mut record) = self.shared.record() {
             record.probes = vec![None; nodes.len()];
             probes.iter().for_each(|(pixel, probe)| record.probes[*pixel] = Some(*probe));
         }
-        if self.exposer.renderer.plan().scatters_glossily() {
-            probes.iter_mut().for_each(|(_, probe)| *probe = probe.smooth());
-        }
         let derivatives = PinholeDerivatives::new(film, (lattice, &nodes), &probes, STRIDE as usize);
-        PinholeBlur { film, derivatives, between: None }
+        PinholeBlur { film, derivatives, subpixels: None }
     }
 
     /// The light of a film pixel through a point of the pinhole. All points have the same random
-    /// numbers.
-    fn light_of_film(&self, worker: &mut Workers<'a>, film: &UnblurredFilm, pixel: usize, on_pinhole: DVec2) -> f64 {
+    /// numbers, those of a sample of the pixel.
+    fn light_of_film(
+        &self,
+        worker: &mut Workers<'a>,
+        film: &UnblurredFilm,
+        (pixel, sample): (usize, u32),
+        on_pinhole: DVec2,
+    ) -> f64 {
         let Exposer { rays, weights, .. } = *self.exposer;
         let number = pixel as u64;
         let Some(ray) = film.ray(rays, pixel, [0.5; 2], on_pinhole) else { return 0.0 };
         worker.count(self.counted_on_film(&ray));
-        ray.ray.cos4 * radiance(worker, ray_number(number, 0), (rays, number), &ray.ray, weights)
+        ray.ray.cos4 * radiance(worker, ray_number(number, sample), (rays, number), &ray.ray, weights)
     }
 }

@@ -22,7 +22,6 @@ mod film_blur;
 mod film_image_light;
 mod film_images;
 mod fixed;
-mod half_pixels;
 mod image_light;
 mod image_region;
 mod lattice;
@@ -37,6 +36,7 @@ mod shared_film;
 mod shared_rays;
 mod sparse;
 mod sparse_estimate;
+mod subpixels;
 mod two_phase;
 
 pub use background::{Background, PlacedParts};

@@ -17,6 +17,10 @@ const STEEPEST: f64 = 0.5;
 /// Maximum difference between the sums over the points of both axes, relative to the sum over all.
 const MOST_UNEVEN: f64 = 0.05;
 
+/// Squared half difference of two probes' moments, relative to the square of their mean, from which
+/// nothing is known of the derivatives: half of it.
+const NOISE_RATIO: f64 = 2.0;
+
 /// The radiance of a film pixel through four points of the pinhole.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PinholeProbe {
@@ -45,13 +49,32 @@ impl PinholeProbe {
         probe
     }
 
-    /// Nothing, if the four values are not those of a smooth function, but those of scattered rays
-    /// that went to different surfaces. Their differences would be taken for derivatives of much
-    /// brighter pixels beside this one.
-    pub(crate) fn smooth(self) -> PinholeProbe {
+    /// The mean with another probe of the same pixel, whose rays have other random numbers. Nothing, if
+    /// the values are not those of a smooth function, but those of scattered rays that went to
+    /// different surfaces: their differences would be taken for derivatives of much brighter pixels
+    /// beside this one. As far as the probes differ, their derivatives are noise.
+    pub(crate) fn smooth_with(self, other: impl FnOnce() -> PinholeProbe) -> PinholeProbe {
+        if !self.is_smooth() {
+            return PinholeProbe::default();
+        }
+        let other = other();
+        if !other.is_smooth() {
+            return PinholeProbe::default();
+        }
+        let [mean, half_difference] = [1.0, -1.0].map(|sign| PinholeProbe {
+            sum: 0.5 * (self.sum + sign * other.sum),
+            moments: [0, 1].map(|axis| 0.5 * (self.moments[axis] + sign * other.moments[axis])),
+            unevenness: 0.5 * (self.unevenness + sign * other.unevenness),
+        });
+        let squared = |probe: &PinholeProbe| probe.moments.iter().map(|moment| moment * moment).sum::<f64>();
+        let kept = 1.0 - NOISE_RATIO * squared(&half_difference) / squared(&mean);
+        let kept = if kept > 0.0 { kept } else { 0.0 };
+        PinholeProbe { moments: mean.moments.map(|moment| kept * moment), ..mean }
+    }
+
+    fn is_smooth(&self) -> bool {
         let most = STEEPEST * 0.25 * self.sum;
-        let is_smooth = self.unevenness.abs() <= MOST_UNEVEN * self.sum && self.moments.iter().all(|m| m.abs() <= most);
-        if is_smooth { self } else { PinholeProbe::default() }
+        self.unevenness.abs() <= MOST_UNEVEN * self.sum && self.moments.iter().all(|m| m.abs() <= most)
     }
 }
 
@@ -102,13 +125,23 @@ mod tests {
     fn values_of_scattered_rays_are_no_derivatives() {
         let of = |values: [f64; 4]| {
             let mut values = values.into_iter();
-            PinholeProbe::new(|_| values.next().expect("four points")).smooth().sum
+            let probe = PinholeProbe::new(|_| values.next().expect("four points"));
+            probe.smooth_with(|| probe).sum
         };
         assert_eq!(of([1.0, 1.1, 0.98, 1.12]), 4.2);
         // One ray is bright, two are, or nothing is seen along one axis.
         for values in [[1.0, 9.0, 1.0, 1.0], [9.0, 1.0, 1.0, 9.0], [1.0, 1.0, 0.0, 0.0]] {
             assert_eq!(of(values), 0.0, "{values:?}");
         }
+    }
+
+    #[test]
+    fn derivatives_on_which_two_probes_disagree_are_noise() {
+        let of = |slope: f64| PinholeProbe::new(|p| 1.0 + slope * p.x);
+        let kept = |first: f64, second: f64| of(first).smooth_with(|| of(second)).moments[0];
+        assert!((kept(0.2, 0.2) - 0.2).abs() < 1e-12);
+        assert!(kept(0.2, 0.19) > 0.19);
+        assert_eq!([kept(0.2, 0.0), kept(0.2, -0.1)], [0.0; 2]);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 use crate::adaptive::Pixel;
 use crate::pinhole_derivatives::PinholeProbe;
 use crate::shared_rays::UnblurredFilm;
+use crate::subpixels::SubpixelSamples;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Whether an exposure shares its film.
@@ -32,6 +33,8 @@ pub(crate) struct FilmRecord {
     pub(crate) mirrors_points: bool,
     /// The samples of the exposed pixels, and interpolated values of the others.
     pub(crate) pixels: Vec<Pixel>,
+    /// By pixel of the film: its exposed samples by subpixel.
+    pub(crate) subpixels: Vec<Option<Box<SubpixelSamples>>>,
     /// By pixel, where the dependence on the point of the pinhole was measured.
     pub(crate) probes: Vec<Option<PinholeProbe>>,
     /// By pixel: the light of the rays of the first audit; NaN elsewhere.
@@ -98,6 +101,12 @@ impl KnownFilm<'_> {
     /// The samples of a pixel of the film.
     pub(crate) fn samples(&self, pixel: usize) -> Option<Pixel> {
         let recorded = || self.record.pixels.get(pixel).copied().filter(|samples| samples.samples > 0);
+        if self.is_affected[pixel] { None } else { recorded() }
+    }
+
+    /// The samples of a pixel of the film by subpixel.
+    pub(crate) fn subpixels(&self, pixel: usize) -> Option<&SubpixelSamples> {
+        let recorded = || self.record.subpixels.get(pixel)?.as_deref();
         if self.is_affected[pixel] { None } else { recorded() }
     }
 

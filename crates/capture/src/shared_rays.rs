@@ -17,10 +17,10 @@
 //! many times fewer rays of its own, and edges need not be resolved by the rays of each pixel.
 
 use crate::Exposer;
-use crate::half_pixels::HalfPixels;
 use crate::neighbourhood::slope;
 use crate::pinhole_derivatives::PinholeDerivatives;
 use crate::sparse_estimate::WindowSums;
+use crate::subpixels::{SUBPIXEL_ERROR, SubpixelKernels, Subpixels};
 use glam::DVec2;
 use radsight_pinhole::{CameraRay, Hole, Rays};
 use radsight_render::Ray;
@@ -59,6 +59,7 @@ pub(crate) struct UnblurredFilm {
     /// Shift of a film point per radius of the pinhole, pixels along columns and rows.
     shift: DVec2,
     kernels: Kernels,
+    pub(crate) subpixel_kernels: SubpixelKernels,
     /// The least and the greatest ratio of the focal distance to the depth of what is seen.
     focal_ratios: [f64; 2],
     /// For each pixel of the film the number of pixels of the picture that it adds up to.
@@ -99,13 +100,9 @@ impl PixelPassage {
 pub(crate) struct PinholeBlur<'f> {
     pub(crate) film: &'f UnblurredFilm,
     pub(crate) derivatives: PinholeDerivatives,
-    /// Beside outlines; `None` if it is not known.
-    pub(crate) between: Option<HalfPixels>,
+    /// Those of the values that are blurred; `None` if they are not known.
+    pub(crate) subpixels: Option<Subpixels<'f>>,
 }
-
-/// Squared error beside an outline of which quadrants of pixels are known, relative to that without
-/// them.
-const CORRECTED_ERROR: f64 = 1.0 / 9.0;
 
 /// The picture of a film, in the frame of the film; 0 in the margin.
 #[derive(Debug)]
@@ -113,7 +110,8 @@ pub(crate) struct BlurredPicture {
     pub(crate) values: Vec<f64>,
     /// Squared errors that no number of rays lowers. One is due to the finite size of the film's
     /// pixels: beside sharp edges it is nearly the difference from pixels of constant radiance (in
-    /// Figure 14 0.15 and 0.18 %, rms). The other is a fraction of what the derivatives change.
+    /// Figure 14 0.15 and 0.18 %, rms), and subpixels leave a fraction of it. The other is a fraction
+    /// of what the derivatives change.
     pub(crate) squared_errors: Vec<f64>,
 }
 
@@ -152,9 +150,10 @@ impl UnblurredFilm {
         let [columns, rows] = [(camera.columns(), margin[0]), (camera.rows(), margin[1])]
             .map(|(count, margin)| count as usize + 2 * margin);
         let kernels = Kernels::new(shift, margin);
-        let mut film = UnblurredFilm { columns, rows, margin, shift, kernels, focal_ratios, shares: Vec::new() };
-        film.shares = film.shares();
-        Some(film)
+        let subpixel_kernels = SubpixelKernels::new(shift, margin);
+        let shares = Vec::new();
+        let film = UnblurredFilm { columns, rows, margin, shift, kernels, subpixel_kernels, focal_ratios, shares };
+        Some(UnblurredFilm { shares: film.shares(), ..film })
     }
 
     /// Whether it suits a scene that differs in some pixels of the picture: they can share rays.
@@ -305,7 +304,7 @@ impl UnblurredFilm {
             picture.iter_mut().zip(self.convolved(&varying, kernel)).for_each(|(sum, term)| *sum += term);
         }
         let squared = |(blurred, (constant, picture)): (f64, (f64, &f64))| {
-            (blurred - constant).powi(2) + (DERIVATIVE_ERROR * (picture - blurred)).powi(2)
+            SUBPIXEL_ERROR * (blurred - constant).powi(2) + (DERIVATIVE_ERROR * (picture - blurred)).powi(2)
         };
         let squared_errors = blurred.into_iter().zip(constant.into_iter().zip(&picture)).map(squared).collect();
         BlurredPicture { values: picture, squared_errors }
@@ -317,7 +316,7 @@ impl UnblurredFilm {
         pixels.map(|(_, value)| value).sum::<f64>() / self.picture_pixels() as f64
     }
 
-    fn convolved(&self, values: &[f64], kernel: &[f64]) -> Vec<f64> {
+    pub(crate) fn convolved(&self, values: &[f64], kernel: &[f64]) -> Vec<f64> {
         let ([columns, rows], [left, top]) = (self.picture_size(), self.margin);
         let width = 2 * left + 1;
         let mut picture = vec![0.0; values.len()];
@@ -355,37 +354,30 @@ impl PinholeBlur<'_> {
     pub(crate) fn predicted(&self, values: &[f64], pixel: usize, passage: &PixelPassage) -> f64 {
         let (p, columns) = (passage.on_pinhole, self.film.columns as isize);
         let at = self.film.shift * p;
+        let [by_x, by_y] = &self.derivatives.0;
+        let by_point = |near: usize| 1.0 + by_x[near] * p.x + by_y[near] * p.y;
+        if let Some(subpixels) = &self.subpixels {
+            return subpixels.at(pixel, self.film.corner(pixel) + passage.on_pixel + at, by_point);
+        }
         let [across, down] = [at.x, at.y].map(cubic_weights);
         let seen = |x: f64, y: f64| pixel as isize + y as isize * columns + x as isize;
         let first = seen(at.x.floor() - 1.0, at.y.floor() - 1.0);
-        let [by_x, by_y] = &self.derivatives.0;
         let mut sum = 0.0;
         for (row, by_row) in down.into_iter().enumerate() {
             for (column, by_column) in across.into_iter().enumerate() {
                 let near = (first + row as isize * columns + column as isize) as usize;
-                sum += by_row * by_column * values[near] * (1.0 + by_x[near] * p.x + by_y[near] * p.y);
+                sum += by_row * by_column * values[near] * by_point(near);
             }
         }
         let nearest = seen(at.x.round(), at.y.round()) as usize;
-        sum += self.between.as_ref().map_or(0.0, |between| between.at(pixel, at));
         sum + slope(values, self.film.columns, nearest).dot(passage.on_pixel - 0.5)
     }
 
     /// The picture of some values of the film.
     pub(crate) fn picture(&self, values: &[f64]) -> BlurredPicture {
-        let film = self.film;
-        let mut picture = film.picture(values, &self.derivatives);
-        if let Some(between) = &self.between {
-            let mut added = vec![0.0; picture.values.len()];
-            between.add_blurred(film, &mut added);
-            let corrected: Vec<f64> = added.iter().map(|added| added * added).collect();
-            let [all, corrected] = [&picture.squared_errors, &corrected].map(|squares| film.mean_over_picture(squares));
-            // What is added is known to be wrong before, up to a fraction of it.
-            let left = (all - (1.0 - CORRECTED_ERROR) * corrected).max(CORRECTED_ERROR * all) / all;
-            picture.values.iter_mut().zip(added).for_each(|(value, added)| *value += added);
-            if left.is_finite() {
-                picture.squared_errors.iter_mut().for_each(|squared| *squared *= left);
-            }
+        let mut picture = self.film.picture(values, &self.derivatives);
+        if let Some(subpixels) = &self.subpixels {
+            subpixels.add_blurred(&self.film.blurred(values), &mut picture.values);
         }
         picture
     }
@@ -495,7 +487,9 @@ pub(crate) mod tests {
         let shift = DVec2::new(radii[0], -radii[1]);
         let kernels = Kernels::new(shift, margin);
         let focal_ratios = [0.0; 2];
-        let film = UnblurredFilm { columns, rows, margin, shift, kernels, focal_ratios, shares: Vec::new() };
+        let subpixel_kernels = SubpixelKernels::new(shift, margin);
+        let shares = Vec::new();
+        let film = UnblurredFilm { columns, rows, margin, shift, kernels, subpixel_kernels, focal_ratios, shares };
         UnblurredFilm { shares: film.shares(), ..film }
     }
 
@@ -557,7 +551,8 @@ pub(crate) mod tests {
                 let at = |step: i32| x - 0.5 + (f64::from(step) + 0.5) / f64::from(steps);
                 let blurred = (0..steps).map(|step| left_of(radius, edge - at(step))).sum::<f64>() / f64::from(steps);
                 correct += (picture[pixel] - blurred).powi(2);
-                estimated += squared[pixel];
+                // That of a film without subpixels.
+                estimated += squared[pixel] / SUBPIXEL_ERROR;
             }
         }
         let ratio = (estimated / correct).sqrt();

@@ -21,6 +21,7 @@ use crate::image_light::{ApartImages, ExposedImages, IMAGE_FRACTION};
 use crate::lattice::Lattice;
 use crate::shared_rays::{PinholeBlur, UnblurredFilm};
 use crate::sparse_estimate::{NoisePooling, Picture, SparseEstimate, residual_ratio};
+use crate::subpixels::{SubpixelRecord, Subpixels};
 use radsight_adaptive::{
     ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, selection_threshold,
 };
@@ -39,9 +40,6 @@ const INTERPOLATION_FRACTION: f64 = 0.1;
 /// Maximum fraction of the squared error that is due to blurring an unblurred film.
 const MAX_FILM_FRACTION: f64 = 0.7;
 
-/// Below this fraction the film between pixels is not refined beside outlines.
-const NEGLIGIBLE_FILM: f64 = 0.01;
-
 /// It is not trusted while the squared error due to noise is above this multiple of what is
 /// requested.
 const QUIET: f64 = 4.0;
@@ -51,6 +49,12 @@ const FILM_ERROR_STEP: f64 = 0.02;
 
 /// Cells are refined only when the noise is below this multiple of what is allowed.
 const LOW_NOISE: f64 = 2.0;
+
+/// Number of passes from which more samples are traced than seem to be needed, and the factor of the
+/// allowed noise for each further pass. What is known of rare bright rays grows with the samples, and
+/// the error would be followed in ever smaller steps.
+const UNHURRIED_PASSES: u32 = 12;
+const HASTE: f64 = 0.97;
 
 /// Number of samples of a point and its mirror image.
 const PAIR: u32 = 2;
@@ -168,8 +172,10 @@ impl<'a> AdaptiveSampler<'a> {
         }
         if let Some(film) = &self.film {
             let mut film_state = AdaptiveState::new(film.pixel_count());
+            self.subpixels = SubpixelRecord::new(film.pixel_count());
             let found = self.on_lattice(&mut film_state, target);
             self.film = None;
+            self.subpixels = SubpixelRecord::default();
             if found.is_some() {
                 *state = film_state;
                 return found;
@@ -244,7 +250,7 @@ impl<'a> AdaptiveSampler<'a> {
         self.is_on_lattice.store(true, Ordering::Relaxed);
         let mut blur = self.film.as_ref().map(|film| self.blur(film, (&sparse.lattice, &sparse.levels)));
         let (mut audits, mut film_error) = (0, FilmError::default());
-        while state.passes < MAX_PASSES {
+        loop {
             self.expose_nodes(state, &sparse.nodes);
             if self.progress.stops() {
                 return None;
@@ -262,32 +268,33 @@ impl<'a> AdaptiveSampler<'a> {
             if known > most_known {
                 film_error = FilmError::default();
                 if estimate.squared_errors()[0] <= QUIET * requested {
-                    let Some(blur) = blur.as_mut().filter(|blur| blur.between.is_none()) else { break };
-                    self.refine_between(blur, &estimate);
-                    continue;
+                    break;
                 }
                 // Noise looks like edges.
                 known = most_known;
             }
             let refined = cells_to_refine(&sparse, &estimate, requested - known);
-            let needed = samples_to_double(&estimate, requested - known, most);
+            let needed = samples_to_double(&estimate, (requested - known, state.passes), most);
+            let has_passes = state.passes < MAX_PASSES;
             state.passes += 1;
-            if !(refined.is_empty() && needed.is_empty()) {
+            if has_passes && !(refined.is_empty() && needed.is_empty()) {
                 self.expose_further(state, &mut sparse, refined, needed);
                 continue;
             }
             // With less noise there are more edges.
-            if film_error.has_grown(blur.as_ref(), &estimate, FILM_ERROR_STEP * requested) {
+            if has_passes && film_error.has_grown(blur.as_ref(), &estimate, FILM_ERROR_STEP * requested) {
                 continue;
             }
-            if let Some(blur) = blur.as_mut().filter(|_| known > NEGLIGIBLE_FILM * requested) {
-                self.refine_between(blur, &estimate);
+            if let Some(blur) = blur.as_mut() {
+                let stands_alone = |pixel: usize| sparse.nodes[pixel] == sparse.lattice.finest();
+                let samples = (&*state.pixels, stands_alone);
+                blur.subpixels = Some(Subpixels::new(blur.film, &estimate.values, &self.subpixels, samples));
             }
             let picture = blur.as_ref().map(|blur| estimate.blurred(blur, (&sparse.lattice, &sparse.nodes)));
             let values = picture.as_ref().map_or(&estimate.values, |picture| &picture.values);
             let audited = self.audited((&sparse.lattice, &sparse.nodes), audits);
             let mut refined = Vec::new();
-            if audits < MAX_AUDITS {
+            if has_passes && audits < MAX_AUDITS {
                 let audit = Audit::new(&sparse.lattice, values, &audited);
                 refined = audit.cells_to_refine(&sparse.lattice, &sparse.levels, MOST_CORRECTED * requested);
             }
@@ -311,12 +318,6 @@ impl<'a> AdaptiveSampler<'a> {
         None
     }
 
-    /// Finds the film between its pixels beside outlines, from the values of the pixels.
-    fn refine_between(&self, blur: &mut PinholeBlur<'_>, estimate: &SparseEstimate) {
-        let film = blur.film;
-        blur.between.get_or_insert_with(|| self.half_pixels(film)).refine(&estimate.values);
-    }
-
     /// Records a finished lattice where others use it.
     fn keep(&self, state: &AdaptiveState, sparse: &Sparse, estimate: &SparseEstimate) {
         if let Some(mut record) = self.shared.record() {
@@ -327,6 +328,7 @@ impl<'a> AdaptiveSampler<'a> {
             record.outlines.clone_from(&self.outlines);
             record.mirrors_points = self.mirrors_points.load(Ordering::Relaxed);
             record.pixels = state.pixels;
+            record.subpixels = self.subpixels.to_vec();
         }
     }
 
@@ -414,7 +416,11 @@ impl<'a> AdaptiveSampler<'a> {
             || self.worker(),
             |worker, (index, pixel)| {
                 if !self.progress.stops() {
-                    let known = self.shared.known().and_then(|known| known.samples(index));
+                    let shared = self.shared.known();
+                    if let Some(known) = shared.and_then(|known| known.subpixels(index)) {
+                        self.subpixels.add(index, known);
+                    }
+                    let known = shared.and_then(|known| known.samples(index));
                     *pixel = known.unwrap_or_else(|| self.first_of_node(worker, index, nodes[index]));
                     self.report(pixel.samples);
                 }
@@ -485,9 +491,11 @@ fn allowed_noise(bias: f64, allowed: f64) -> f64 {
 
 /// The nodes whose samples are to be doubled. A node that needs several doublings is in several
 /// lists.
-fn samples_to_double(estimate: &SparseEstimate, allowed: f64, most: u32) -> Vec<Vec<usize>> {
-    let [_, bias] = estimate.squared_errors();
-    let target = allowed_noise(bias, allowed) * estimate.pixel_count as f64;
+fn samples_to_double(estimate: &SparseEstimate, (allowed, passes): (f64, u32), most: u32) -> Vec<Vec<usize>> {
+    let [noise, bias] = estimate.squared_errors();
+    let allowed = allowed_noise(bias, allowed);
+    let haste = if noise > allowed { HASTE.powi(passes.saturating_sub(UNHURRIED_PASSES) as i32) } else { 1.0 };
+    let target = haste * allowed * estimate.pixel_count as f64;
     let errors: Vec<PixelError> = estimate.nodes.iter().map(|(_, error)| *error).collect();
     let needed = doublings(&errors, target / errors.len() as f64, most);
     // More than one doubling is an extrapolation, so one doubling less is done at a time.

@@ -11,7 +11,7 @@
 pub(crate) const FIRST_PHASE: u32 = 16;
 
 /// Maximum number of strata of a pixel; what is left belongs to the last one.
-const MAX_STRATA: usize = 4;
+pub(crate) const MAX_STRATA: usize = 4;
 
 /// A ray of the second phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,10 +23,8 @@ pub(crate) struct Chosen {
     pub(crate) weight: f64,
 }
 
-/// Chooses about `wanted` rays, at least one of each stratum, by systematic sampling. `strata` gives
-/// the stratum of each ray of the first phase; `None` for a ray without radiance. `offset` is
-/// uniform over the unit interval.
-pub(crate) fn choose<K: Copy + PartialEq>(strata: &[Option<K>], wanted: u32, offset: f64) -> Vec<Chosen> {
+/// The number of each ray's stratum, from 0.
+pub(crate) fn numbered<K: Copy + PartialEq>(strata: &[Option<K>]) -> Vec<Option<usize>> {
     let mut keys: Vec<K> = Vec::with_capacity(MAX_STRATA);
     let mut stratum_of = |key: K| {
         keys.iter().position(|known| *known == key).unwrap_or_else(|| {
@@ -36,10 +34,17 @@ pub(crate) fn choose<K: Copy + PartialEq>(strata: &[Option<K>], wanted: u32, off
             keys.len() - 1
         })
     };
+    strata.iter().map(|key| key.map(&mut stratum_of)).collect()
+}
+
+/// Chooses about `wanted` rays, at least one of each stratum, by systematic sampling. `strata` gives
+/// the stratum of each ray of the first phase; `None` for a ray without radiance. `offset` is
+/// uniform over the unit interval.
+pub(crate) fn choose<K: Copy + PartialEq>(strata: &[Option<K>], wanted: u32, offset: f64) -> Vec<Chosen> {
     let mut members: [Vec<usize>; MAX_STRATA] = Default::default();
-    for (index, key) in strata.iter().enumerate() {
-        if let Some(key) = key {
-            members[stratum_of(*key)].push(index);
+    for (index, stratum) in numbered(strata).into_iter().enumerate() {
+        if let Some(stratum) = stratum {
+            members[stratum].push(index);
         }
     }
     let mut chosen = Vec::with_capacity(wanted as usize + MAX_STRATA);
