@@ -2,10 +2,10 @@
 
 mod build;
 
-use build::{Builder, traced, values};
+use build::{Builder, plan, traced, values};
 use glam::DVec3;
-use radsight_ir::Ring;
-use radsight_render::{Gathering, Quantity, Ray, RenderOptions};
+use radsight_ir::{Facing, Ring, Sphere};
+use radsight_render::{Gathering, PathLimit, Quantity, Ray, RayTreeOutput, RenderOptions, Renderer};
 use std::f64::consts::{PI, TAU};
 
 const RAYS: usize = 16_384;
@@ -60,4 +60,40 @@ fn a_highlight_behind_dark_panes_is_found_by_most_rays_that_look_there() {
     let expected = PI * radiance;
     assert!((irradiance / expected - 1.0).abs() < 3.0 * error.hypot(error_of_eye), "{irradiance} against {expected}");
     assert!(error < 2.0 * error_of_eye, "±{error}, where rays of the eye leave ±{error_of_eye}");
+}
+
+/// Clear spheres about the origin in a sphere that glows with radiance 1: no light is lost at their
+/// surfaces, whose index of refraction is that of glass.
+fn clear_shells_in_a_furnace() -> Builder {
+    let mut scene = Builder::default();
+    let clear = scene.dielectric([1.0; 3], 1.5);
+    let glow = scene.glow([1.0; 3], 0.0);
+    for shell in 1..=64 {
+        let facing = if shell % 2 == 1 { Facing::Inward } else { Facing::Outward };
+        scene.sphere(clear, Sphere { center: DVec3::ZERO, radius: f64::from(shell), facing });
+    }
+    scene.sphere(glow, Sphere { center: DVec3::ZERO, radius: 1000.0, facing: Facing::Inward });
+    scene
+}
+
+#[test]
+fn the_tree_of_a_lossless_scene_is_limited_and_loses_no_light() {
+    let options = RenderOptions {
+        path_limit: PathLimit::Roulette,
+        least_weight: 1e-4,
+        ray_tree: Some(RayTreeOutput::All),
+        ..RenderOptions::default()
+    };
+    let renderer = Renderer::new(plan(&clear_shells_in_a_furnace(), options));
+    let ray = Ray::new(DVec3::new(0.0, 0.0, 0.1), DVec3::new(0.6, 0.0, 0.8)).expect("the test's ray is one");
+    let mut values = Vec::new();
+    let mut largest = 0;
+    for index in 0..64 {
+        let (traced, tree) = renderer.worker().tree(index, &ray);
+        values.push(traced.value[0]);
+        largest = largest.max(tree.len());
+    }
+    let (radiance, error) = mean_and_error(&values);
+    assert!((radiance - 1.0).abs() < 3.0 * error && error < 0.1, "{radiance} ± {error}");
+    assert!(largest < 100_000, "{largest} rays");
 }

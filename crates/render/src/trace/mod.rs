@@ -103,6 +103,8 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) next_set: u32,
     pub(crate) workspace: Workspace,
     waiting: Vec<PathState<BANDS>>,
+    /// Number of branches of the current ray that no sampled ray precedes.
+    view_rays: u32,
     /// Media of the current ray; the first fills the scene.
     media: Vec<Medium<BANDS>>,
     /// Subtractions of the current ray; the first is empty.
@@ -151,6 +153,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             next_set: 0,
             workspace: Workspace::default(),
             waiting: Vec::with_capacity(MAX_BRANCHES),
+            view_rays: 0,
             media: vec![plan.global_medium()],
             cuts: vec![Subtraction::default()],
             unshadowed: Vec::new(),
@@ -243,6 +246,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     pub(crate) fn begin(&mut self, sampler: RaySampler, medium: Medium<BANDS>) -> MediumId {
         self.sampler = sampler;
         self.next_set = 0;
+        self.view_rays = 0;
         self.splits = false;
         self.media.truncate(1);
         self.cuts.truncate(1);

@@ -17,8 +17,21 @@ const ROULETTE_THROUGHPUT: f64 = 0.25;
 /// small p makes fireflies.
 const ROULETTE_VIEW_THROUGHPUT: f64 = 0.05;
 
+/// Number of rays in the tree of a view ray beyond which Russian roulette gets stricter, and the
+/// minimum weight there. Without absorption, as many branches stay above the minimum weight at each
+/// of a hundred bounces as it allows.
+const LARGE_TREE: u32 = 4096;
+const LEAST_WEIGHT_IN_LARGE_TREE: f64 = 1e-4;
+
 /// Maximum path length. With a reflectance of 0.99 one path in 10¹⁷ would be longer.
 const MAX_DEPTH: u32 = 4096;
+
+/// The minimum weight of a view ray in a tree of this many rays. It grows as their square, so that a
+/// tree ends after a few times `LARGE_TREE`.
+fn least_weight_in_tree(least: f64, rays: u32) -> f64 {
+    let excess = f64::from(rays) / f64::from(LARGE_TREE);
+    if excess <= 1.0 { least } else { least.max(LEAST_WEIGHT_IN_LARGE_TREE) * excess * excess }
+}
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Whether a path continues, and with which weight: ends long paths, and weak ones by Russian
@@ -42,9 +55,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             return None;
         }
         let least = self.plan.options.least_weight;
+        let is_view = path.mis.is_none();
+        self.view_rays += u32::from(is_view);
         let roulette = match self.plan.options.path_limit {
             PathLimit::Cut(most) if reflections > most || unsplit < least => return None,
             PathLimit::RouletteUpTo(most) if reflections > most => return None,
+            _ if is_view => least_weight_in_tree(least, self.view_rays),
             _ => least,
         };
         let crowded = self.waiting.len() + 2 >= MAX_BRANCHES;
@@ -53,7 +69,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         } else {
             // A path with a sampled ray is noisy anyway; one through mirrors from the eye is not,
             // and stays so.
-            let drawn = path.mis.is_some() && depth >= ROULETTE_DEPTH;
+            let drawn = !is_view && depth >= ROULETTE_DEPTH;
             let usual = if lobe == Some(Lobe::Diffuse) { ROULETTE_THROUGHPUT } else { ROULETTE_VIEW_THROUGHPUT };
             let by_weight = if roulette > 0.0 { strongest / roulette } else { 1.0 };
             let by_share = if drawn { unsplit / usual } else { 1.0 };
@@ -65,5 +81,24 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let u = self.sampler.take(DimensionSet::render(self.next_set))[0];
         self.next_set += 1;
         (u < survival).then(|| throughput.map(|band| band / survival))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_trees_have_the_requested_minimum_weight() {
+        for rays in [1, 100, LARGE_TREE] {
+            assert_eq!(least_weight_in_tree(2e-3, rays), 2e-3);
+            assert_eq!(least_weight_in_tree(0.0, rays), 0.0);
+        }
+    }
+
+    #[test]
+    fn hardly_any_branch_goes_on_in_a_tree_of_a_hundred_times_as_many_rays() {
+        assert!(least_weight_in_tree(0.0, 100 * LARGE_TREE) >= 1.0);
+        assert!(least_weight_in_tree(1e-2, 10 * LARGE_TREE) >= 1.0);
     }
 }
