@@ -12,6 +12,9 @@ impl DirectThreshold {
     /// The threshold of Radiance's `rpict`.
     pub const DEFAULT: DirectThreshold = DirectThreshold(0.05);
 
+    /// The threshold with which each light is tested.
+    pub const EXACT: DirectThreshold = DirectThreshold(0.0);
+
     /// `None` unless the threshold is finite and not negative.
     #[must_use]
     pub fn new(threshold: f64) -> Option<DirectThreshold> {

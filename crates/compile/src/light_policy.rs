@@ -1,5 +1,6 @@
 //! Number of lights sampled at a point.
 
+use crate::direct_threshold::DirectThreshold;
 use crate::options::{LightDivision, Quantity, RenderOptions, Uncached};
 use radsight_light::{Light, LightTree};
 
@@ -46,8 +47,15 @@ pub(crate) fn light_draws(lights: &[Light], tree: Option<&LightTree>, options: &
         LightDivision::Shared(_) => SHARED_SELECTION,
         LightDivision::Whole => SELECTION[0],
     };
+    let first = if tests_all(options) { LightSelectionPolicy { all: usize::MAX, ..first } } else { first };
     [first, SELECTION[1]]
         .map(|LightSelectionPolicy { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
+}
+
+/// Whether all lights are requested at the first surface (`-dt 0`) of rays of which a pixel has few.
+fn tests_all(options: &RenderOptions) -> bool {
+    let has_few_rays = splits_first(options) || !matches!(options.light_division, LightDivision::Whole);
+    has_few_rays && options.direct_threshold == DirectThreshold::EXACT
 }
 
 /// Whether the first surface's selections are final, because no other rays average them: at

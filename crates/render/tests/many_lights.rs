@@ -2,10 +2,10 @@
 
 mod build;
 
-use build::{Builder, mean};
+use build::{Builder, mean, values};
 use glam::DVec3;
 use radsight_ir::{Facing, ModifierHandle, Sphere};
-use radsight_render::{Quantity, RenderOptions};
+use radsight_render::{DirectThreshold, Gathering, Quantity, RenderOptions, Uncached};
 use std::f64::consts::PI;
 
 fn irradiance() -> RenderOptions {
@@ -49,6 +49,27 @@ fn ten_thousand_spheres_give_the_sum_of_their_irradiances() {
     }
     // One in a thousand occludes another.
     assert_close(mean(&scene, irradiance(), DVec3::ZERO, DVec3::Z, 1 << 14), expected, 5e-3);
+}
+
+#[test]
+fn a_threshold_of_zero_samples_every_light() {
+    let mut scene = Builder::default();
+    let lamp = scene.light([1.0; 3]);
+    let radius = 2e-3;
+    let mut expected = 0.0;
+    for index in 0..500 {
+        let center = scattered(index) * DVec3::new(6.0, 6.0, 2.0) + DVec3::new(-3.0, -3.0, 0.5);
+        scene.sphere(lamp, Sphere { center, radius, facing: Facing::Outward });
+        expected += PI * (radius / center.length()).powi(2) * center.z / center.length();
+    }
+    let gathering = Gathering { uncached: Uncached::Split, ..Gathering::default() };
+    let worst = |direct_threshold| {
+        let options = RenderOptions { direct_threshold, gathering, ..irradiance() };
+        let found = values(&scene, options, DVec3::ZERO, DVec3::Z, 16);
+        found.into_iter().map(|found| (found / expected - 1.0).abs()).fold(0.0, f64::max)
+    };
+    let [all, some] = [DirectThreshold::EXACT, DirectThreshold::DEFAULT].map(worst);
+    assert!(all < 5e-3 && some > 4.0 * all, "all lights {all}, some of them {some}");
 }
 
 #[test]
