@@ -9,6 +9,9 @@ use std::borrow::Cow;
 /// The mantissa that represents one.
 const FULL_MANTISSA: f64 = 0x7fff_ffff as f64;
 
+/// Size of a float in bytes.
+pub(crate) const FLOAT_SIZE: usize = 5;
+
 /// A reader that advances from the start of a file to its end.
 #[derive(Clone, Debug)]
 pub(crate) struct Reader<'a> {
@@ -81,7 +84,7 @@ impl<'a> Reader<'a> {
 
     /// A four-byte mantissa and a one-byte exponent. Half a unit is added, since writing truncates.
     pub(crate) fn float(&mut self, what: &'static str) -> Result<f64, FormatError> {
-        let Some((mantissa, [exponent])) = self.take(5, what)?.split_first_chunk() else { return Ok(0.0) };
+        let Some((mantissa, [exponent])) = self.take(FLOAT_SIZE, what)?.split_first_chunk() else { return Ok(0.0) };
         let (mantissa, exponent) = (i32::from_be_bytes(*mantissa), i8::from_be_bytes([*exponent]));
         if mantissa == 0 {
             return Ok(0.0);
