@@ -45,7 +45,16 @@ impl RayFrame {
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     fn passes_through_four(&self, vertices: &[DVec3; 4]) -> bool {
-        self.pairs.map_or_else(|| passes_through(vertices, self), |pairs| pairs.passes_through(vertices, self))
+        match self.pairs {
+            Some(pairs) => pairs.passes_through(vertices, self),
+            None => self.passes_through_scalars(vertices),
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[cold]
+    fn passes_through_scalars(&self, vertices: &[DVec3; 4]) -> bool {
+        passes_through(vertices, self)
     }
 
     #[cfg(not(target_arch = "x86_64"))]

@@ -5,6 +5,7 @@
 use crate::FormatError;
 use radsight_picture::Header;
 use std::borrow::Cow;
+use std::ffi::CStr;
 
 /// The mantissa that represents one.
 const FULL_MANTISSA: f64 = 0x7fff_ffff as f64;
@@ -96,11 +97,11 @@ impl<'a> Reader<'a> {
     /// A string without its terminating zero.
     pub(crate) fn string(&mut self, what: &'static str) -> Result<&'a [u8], FormatError> {
         let rest = &self.bytes[self.offset..];
-        let Some(length) = rest.iter().position(|byte| *byte == 0) else {
+        let Ok(string) = CStr::from_bytes_until_nul(rest) else {
             return Err(FormatError::Truncated { offset: self.bytes.len(), expected: what.into() });
         };
-        self.offset += length + 1;
-        Ok(&rest[..length])
+        self.offset += string.count_bytes() + 1;
+        Ok(string.to_bytes())
     }
 
     /// A finite number written as a string.
