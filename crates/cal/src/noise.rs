@@ -99,27 +99,25 @@ fn gradient(hash: i32, x: f64, y: f64, z: f64) -> f64 {
 /// around it, plus a random number scaled by the cube's size.
 pub(crate) fn fractal(point: [f64; 3]) -> f64 {
     const FINEST: i64 = 2000; // 1/STEP steps along a unit cube
+    let mut size = FINEST;
     let target = point.map(|x| (FINEST as f64 * x) as i64);
     let mut origin = point.map(|x| (FINEST as f64 * x.floor()) as i64);
-    let mut seed = seed_of(origin);
-    let mut size = FINEST;
-    let corner = |corner: usize| {
-        let step = |axis: usize| SEEDS[axis] * FINEST * (corner >> axis & 1) as i64;
-        lattice(seed.wrapping_add(step(0) + step(1) + step(2)))
-    };
-    let mut corners = std::array::from_fn(corner);
+    let mut corners: [f64; 8] = std::array::from_fn(|corner| {
+        lattice(std::array::from_fn(|axis| {
+            if corner >> axis & 1 == 1 { origin[axis].wrapping_add(size) } else { origin[axis] }
+        }))
+    });
     loop {
         let mean = corners.iter().sum::<f64>() * 0.125;
         size >>= 1;
         if size == 0 {
             return mean;
         }
-        let upper = [0, 1, 2].map(|axis: usize| target[axis] > origin[axis].wrapping_add(size));
-        subdivide(&mut corners, mean, (seed, size), upper);
-        for axis in 0..3 {
-            let half = if upper[axis] { size } else { 0 };
-            origin[axis] = origin[axis].wrapping_add(half);
-            seed = seed.wrapping_add(SEEDS[axis] * half);
+        let centre = origin.map(|start| start.wrapping_add(size));
+        let branch = (0..3).fold(0, |mask, axis| mask | usize::from(target[axis] > centre[axis]) << axis);
+        subdivide(&mut corners, mean, centre, branch, size);
+        for (axis, start) in origin.iter_mut().enumerate() {
+            *start = start.wrapping_add(size * (branch as i64 >> axis & 1));
         }
     }
 }
@@ -128,39 +126,34 @@ pub(crate) fn fractal(point: [f64; 3]) -> f64 {
 const FACES: [[[usize; 4]; 2]; 3] =
     [[[0, 2, 4, 6], [1, 3, 5, 7]], [[0, 1, 4, 5], [2, 3, 6, 7]], [[0, 1, 2, 3], [4, 5, 6, 7]]];
 
-/// Replaces the corners of a cube by those of its octant on the upper side of some axes: first the
-/// corner at the old cube's centre, then those on its faces, then those on its edges, each from the
-/// corners at that stage. `seed` is that of the cube's origin, `size` half of its edge.
-fn subdivide(corners: &mut [f64; 8], mean: f64, (seed, size): (i64, i64), upper: [bool; 3]) {
+/// Replaces the corners of a cube by those of its octant `branch`: first the corner at the old
+/// cube's centre, then those on its faces, then those on its edges, each from the corners at that
+/// stage.
+fn subdivide(corners: &mut [f64; 8], mean: f64, centre: [i64; 3], branch: usize, size: i64) {
     let amplitude = size as f64 * STEP;
-    let branch = (0..3).fold(0, |branch, axis| branch | usize::from(upper[axis]) << axis);
-    let centre = seed.wrapping_add(size * SEEDS.iter().sum::<i64>());
-    let toward = [0, 1, 2].map(|axis: usize| if upper[axis] { SEEDS[axis] * size } else { -SEEDS[axis] * size });
+    let toward = |axis: usize| if branch >> axis & 1 == 1 { size } else { -size };
     corners[!branch & 7] = mean + amplitude * lattice(centre);
     for axis in 0..3 {
-        let on_face = FACES[axis][usize::from(upper[axis])];
+        let mut face = centre;
+        face[axis] = face[axis].wrapping_add(toward(axis));
+        let on_face = FACES[axis][branch >> axis & 1];
         let sum = on_face.into_iter().fold(0.0, |sum, corner| sum + corners[corner & 7]);
-        let face = centre.wrapping_add(toward[axis]);
         corners[!(branch ^ 1 << axis) & 7] = 0.25 * sum + amplitude * lattice(face);
     }
     for axis in 0..3 {
+        let mut edge = centre;
+        for other in [(axis + 1) % 3, (axis + 2) % 3] {
+            edge[other] = edge[other].wrapping_add(toward(other));
+        }
         let sum = corners[branch & !(1 << axis) & 7] + corners[(branch | 1 << axis) & 7];
-        let edge = centre.wrapping_add(toward[(axis + 1) % 3] + toward[(axis + 2) % 3]);
         corners[(branch ^ 1 << axis) & 7] = 0.5 * sum + amplitude * lattice(edge);
     }
 }
 
-/// By how much the seed of a lattice point changes with a step along each axis.
-const SEEDS: [i64; 3] = [17, 23, 29];
-
-fn seed_of([x, y, z]: [i64; 3]) -> i64 {
-    x.wrapping_mul(SEEDS[0]).wrapping_add(y.wrapping_mul(SEEDS[1])).wrapping_add(z.wrapping_mul(SEEDS[2]))
-}
-
-/// A random number in (−1, 1] for the seed of a lattice point, by a common integer hash in 64-bit
-/// arithmetic.
-#[inline(always)]
-fn lattice(seed: i64) -> f64 {
+/// A random number in (−1, 1] for a lattice point, by a common integer hash in 64-bit arithmetic.
+fn lattice(point: [i64; 3]) -> f64 {
+    let [x, y, z] = point;
+    let seed = x.wrapping_mul(17).wrapping_add(y.wrapping_mul(23)).wrapping_add(z.wrapping_mul(29));
     let s = seed.wrapping_shl(13) ^ seed;
     let cubic = s.wrapping_mul(s.wrapping_mul(s).wrapping_mul(15731).wrapping_add(789_221));
     1.0 - (cubic.wrapping_add(1_376_312_589) & 0x7fff_ffff) as f64 / 1_073_741_824.0
