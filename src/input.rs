@@ -358,7 +358,9 @@ pub(crate) fn use_threads(threads: Option<usize>) -> Outcome {
         return Err(Failure::fault(format!("cannot start {threads} threads: the limit is {MOST_THREADS}")));
     }
     // Zero means one per processor.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .start_handler(|_| radsight_memory::prepare_thread());
     pool.build_global().map_err(|error| {
         let number = threads.map_or_else(|| "one thread per processor".to_owned(), |n| format!("{n} threads"));
         Failure::fault(format!("cannot start {number}: {error}"))

@@ -62,7 +62,9 @@ impl Geometry {
     fn surface_point(&self, scene: &Scene, member: MemberId, point: DVec3) -> (DVec3, DVec3) {
         let shape = self.shapes[member.0 as usize];
         let outline = match shape {
-            Shape::Polygon { count: MANY_VERTICES.., .. } => self.outline(member),
+            Shape::Polygon { start, count } if count >= MANY_VERTICES => {
+                self.outline(member, &scene.vertices[start as usize..][..count as usize])
+            }
             _ => None,
         };
         outline.map_or_else(|| surface_point(scene, shape, point), |outline| (point, outline.normal))

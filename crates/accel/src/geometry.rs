@@ -7,7 +7,7 @@ use crate::hierarchy::Hierarchy;
 use crate::ids::{MemberId, PrimitiveId, ShaderId, ShaderTable};
 use crate::limits::SELF_HIT;
 use crate::mesh::MeshGeometry;
-use crate::outline::{MANY_VERTICES, Outline};
+use crate::outline::{MANY_VERTICES, Outline, PendingOutline};
 use crate::shape::{bounds_of_plain, triangle_of};
 use glam::DVec3;
 use radsight_diag::Diagnostic;
@@ -38,7 +38,7 @@ pub struct Geometry {
     /// By octree handle.
     pub(crate) octrees: Vec<Arc<Geometry>>,
     /// The grids of polygons with many vertices, by their members, ascending.
-    pub(crate) outlines: Vec<(MemberId, Outline)>,
+    outlines: Vec<(MemberId, PendingOutline)>,
     /// Material classes, for the choice among coincident surfaces.
     pub(crate) substance_of: SubstanceOf,
 }
@@ -106,7 +106,7 @@ impl Geometry {
         geometry.hierarchy = hierarchy;
         geometry.members = order.into_iter().map(|index| handles[index as usize]).collect();
         geometry.shapes = geometry.members.iter().map(|handle| scene.surfaces[*handle].shape).collect();
-        geometry.outlines = outlines(scene, &geometry.shapes);
+        geometry.outlines = outlines(&geometry.shapes);
         geometry.number_primitives(scene)?;
         Ok(geometry)
     }
@@ -129,11 +129,11 @@ impl Geometry {
         }
     }
 
-    /// The grid of a polygon with many vertices.
+    /// The grid of a polygon with many vertices; `None` if it has none.
     #[inline]
-    pub(crate) fn outline(&self, member: MemberId) -> Option<&Outline> {
+    pub(crate) fn outline(&self, member: MemberId, vertices: &[DVec3]) -> Option<&Outline> {
         let found = self.outlines.binary_search_by_key(&member.0, |(member, _)| member.0).ok()?;
-        Some(&self.outlines[found].1)
+        self.outlines[found].1.get(vertices)
     }
 
     fn number_primitives(&mut self, scene: &Scene) -> Result<(), Diagnostic> {
@@ -296,14 +296,9 @@ fn too_many() -> Diagnostic {
     Diagnostic::error("the instances of the scene make more than 2^64 surfaces")
 }
 
-/// Grids for the polygons with many vertices.
-fn outlines(scene: &Scene, shapes: &[Shape]) -> Vec<(MemberId, Outline)> {
-    let of_shape = |(index, shape): (usize, &Shape)| match *shape {
-        Shape::Polygon { start, count } if count >= MANY_VERTICES => {
-            let outline = Outline::new(&scene.vertices[start as usize..][..count as usize])?;
-            Some((MemberId(index as u32), outline))
-        }
-        _ => None,
-    };
-    shapes.iter().enumerate().filter_map(of_shape).collect()
+/// Places for the grids of the polygons with many vertices.
+fn outlines(shapes: &[Shape]) -> Vec<(MemberId, PendingOutline)> {
+    let has_many = |shape: &Shape| matches!(shape, Shape::Polygon { count: MANY_VERTICES.., .. });
+    let members = shapes.iter().enumerate().filter(|(_, shape)| has_many(shape));
+    members.map(|(index, _)| (MemberId(index as u32), PendingOutline::default())).collect()
 }

@@ -56,6 +56,8 @@ mod limits;
 mod mesh;
 mod outline;
 mod polygon;
+#[cfg(target_arch = "x86_64")]
+mod polygon_pairs;
 #[cfg(test)]
 mod random;
 mod ray;

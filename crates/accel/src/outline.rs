@@ -10,6 +10,7 @@ use crate::polygon::area_vector;
 use crate::ray::Ray;
 use glam::DVec3;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Minimum number of vertices for a grid.
 pub(crate) const MANY_VERTICES: u32 = 12;
@@ -62,6 +63,18 @@ pub(crate) struct Outline {
     edges: Vec<Edge>,
     /// The first edge of each row, and the number of all.
     rows: Vec<u32>,
+}
+
+/// The grid of a polygon, made at the first test: most polygons of a large scene are never tested.
+#[derive(Debug, Default)]
+pub(crate) struct PendingOutline(OnceLock<Option<Box<Outline>>>);
+
+impl PendingOutline {
+    /// The grid of the polygon with these vertices.
+    #[inline]
+    pub(crate) fn get(&self, vertices: &[DVec3]) -> Option<&Outline> {
+        self.0.get_or_init(|| Outline::new(vertices).map(Box::new)).as_deref()
+    }
 }
 
 /// The ends of an edge.

@@ -1,5 +1,7 @@
 //! Flat polygons: convex, concave, and with holes joined by seams.
 
+#[cfg(target_arch = "x86_64")]
+use crate::polygon_pairs::Pairs;
 use crate::ray::{Ray, sheared_axes};
 use glam::DVec3;
 use std::ops::Range;
@@ -13,11 +15,14 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug)]
 pub struct RayFrame {
     /// The axes of u and v, and the longest one.
-    axes: [usize; 3],
+    pub(crate) axes: [usize; 3],
     /// The ray's origin along these axes.
-    origin: [f64; 3],
+    pub(crate) origin: [f64; 3],
     /// By how much u and v change along the longest axis.
-    slopes: [f64; 2],
+    pub(crate) slopes: [f64; 2],
+    /// For polygons with four vertices.
+    #[cfg(target_arch = "x86_64")]
+    pairs: Option<Pairs>,
 }
 
 impl RayFrame {
@@ -32,7 +37,30 @@ impl RayFrame {
             axes,
             origin: [origin[axes[0]], origin[axes[1]], origin[axes[2]]],
             slopes: [-direction[axes[0]] / along, -direction[axes[1]] / along],
+            #[cfg(target_arch = "x86_64")]
+            pairs: Pairs::new(),
         }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn passes_through_four(&self, vertices: &[DVec3; 4]) -> bool {
+        match self.pairs {
+            Some(pairs) => pairs.passes_through(vertices, self),
+            None => self.passes_through_scalars(vertices),
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[cold]
+    fn passes_through_scalars(&self, vertices: &[DVec3; 4]) -> bool {
+        passes_through(vertices, self)
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    #[inline(always)]
+    fn passes_through_four(&self, vertices: &[DVec3; 4]) -> bool {
+        passes_through(vertices, self)
     }
 
     /// The coordinates u and v of a point.
@@ -48,12 +76,18 @@ impl RayFrame {
 /// Distance along the ray to the polygon's plane, if the ray passes through the polygon.
 #[inline]
 pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
-    // Most polygons have four vertices, and loops of known length have no branches.
-    let passes = match vertices.first_chunk::<4>() {
-        Some(four) if vertices.len() == 4 => passes_through(four, frame),
-        _ => passes_through(vertices, frame),
-    };
-    if !passes {
+    if !passes_through(vertices, frame) {
+        return None;
+    }
+    let normal = area_vector(vertices);
+    let distance = normal.dot(vertices[0] - ray.origin) / normal.dot(ray.direction);
+    (distance > range.start && distance < range.end).then_some(distance)
+}
+
+/// [`intersect`] for four vertices, which most polygons have.
+#[inline(always)]
+pub(crate) fn intersect_four(vertices: &[DVec3; 4], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
+    if !frame.passes_through_four(vertices) {
         return None;
     }
     let normal = area_vector(vertices);
@@ -76,7 +110,7 @@ pub(crate) fn intersect_triangle(vertices: &[DVec3; 3], ray: &Ray, frame: &RayFr
 /// Whether the line of the ray crosses the polygon: the parity of edges that cross the positive
 /// half axis.
 #[inline(always)]
-fn passes_through(vertices: &[DVec3], frame: &RayFrame) -> bool {
+pub(crate) fn passes_through(vertices: &[DVec3], frame: &RayFrame) -> bool {
     let mut inside = false;
     let mut previous = frame.project(&vertices[vertices.len() - 1]);
     for vertex in vertices {
@@ -100,7 +134,7 @@ fn crosses((u0, v0): (f64, f64), (u1, v1): (f64, f64)) -> bool {
 }
 
 /// Twice the vector area, relative to the first vertex for precision far from the origin (Newell).
-#[inline]
+#[inline(always)]
 pub(crate) fn area_vector(vertices: &[DVec3]) -> DVec3 {
     let first = vertices[0];
     let mut sum = DVec3::ZERO;

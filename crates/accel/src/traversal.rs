@@ -10,6 +10,7 @@ use crate::outline::{GridResult, MANY_VERTICES};
 use crate::polygon::{self, RayFrame};
 use crate::ray::Ray;
 use crate::{coincident, cone, disk, sphere};
+use glam::DVec3;
 use radsight_ir::{Instance, MeshInstance, Scene, Shape, ValidScene};
 use std::ops::Range;
 
@@ -55,7 +56,10 @@ impl Geometry {
         self.hierarchy.visit(NearestFirst, self.search(scene, ray, limits.farthest), |Visited { slot, corners }| {
             let crossing = match corners {
                 Some(corners) => triangle_crossing(corners, MemberId(slot).primitive(), ray, &frame, from, &limits),
-                None => self.crossing(scene, MemberId(slot), ray, &frame, from, &limits),
+                None => match self.four_vertices(scene, MemberId(slot)) {
+                    Some(vertices) => four_crossing(vertices, MemberId(slot).primitive(), ray, &frame, from, &limits),
+                    None => self.crossing(scene, MemberId(slot), ray, &frame, from, &limits),
+                },
             };
             if let Some(crossing) = crossing {
                 if crossing.distance < tied_from {
@@ -112,9 +116,10 @@ impl Geometry {
             Shape::Polygon { count: MANY_VERTICES.., .. } => self.polygon_crossing(scene, member, ray, frame, range),
             Shape::Polygon { start, count } => {
                 let vertices = &scene.vertices[start as usize..][..count as usize];
-                match vertices.try_into() {
-                    Ok(triangle) => polygon::intersect_triangle(triangle, ray, frame, range),
-                    Err(_) => polygon::intersect(vertices, ray, frame, range),
+                match vertices {
+                    [_, _, _] => polygon::intersect_triangle(vertices.first_chunk()?, ray, frame, range),
+                    [_, _, _, _] => polygon::intersect_four(vertices.first_chunk()?, ray, frame, range),
+                    _ => polygon::intersect(vertices, ray, frame, range),
                 }
             }
             Shape::Sphere(handle) => sphere::intersect(&scene.spheres[handle], ray, range),
@@ -124,6 +129,15 @@ impl Geometry {
             Shape::Mesh(_) | Shape::Instance(_) => return self.first_within(scene, member, ray, from, limits),
         }?;
         Some(Crossing { distance, primitive: member.primitive() })
+    }
+
+    /// The vertices of a member with four of them, which most have: it is tested without a call.
+    #[inline(always)]
+    fn four_vertices<'s>(&self, scene: &'s Scene, member: MemberId) -> Option<&'s [DVec3; 4]> {
+        match self.shapes[member.0 as usize] {
+            Shape::Polygon { start, count: 4 } => scene.vertices.get(start as usize..)?.first_chunk(),
+            _ => None,
+        }
     }
 
     /// The crossing of a ray with a polygon with many vertices.
@@ -136,12 +150,11 @@ impl Geometry {
         range: Range<f64>,
     ) -> Option<f64> {
         let Shape::Polygon { start, count } = self.shapes[member.0 as usize] else { return None };
-        match self.outline(member).map_or(GridResult::Unknown, |outline| outline.classify(ray, &range)) {
+        let vertices = &scene.vertices[start as usize..][..count as usize];
+        match self.outline(member, vertices).map_or(GridResult::Unknown, |outline| outline.classify(ray, &range)) {
             GridResult::Miss => None,
             GridResult::Hit(distance) => Some(distance),
-            GridResult::Unknown => {
-                polygon::intersect(&scene.vertices[start as usize..][..count as usize], ray, frame, range)
-            }
+            GridResult::Unknown => polygon::intersect(vertices, ray, frame, range),
         }
     }
 
@@ -210,6 +223,8 @@ impl Geometry {
             if !blocked && member.primitive() != target {
                 blocked = if let Some(corners) = corners {
                     triangle_crossing(corners, member.primitive(), ray, &frame, from, limits).is_some_and(&mut *block)
+                } else if let Some(vertices) = self.four_vertices(scene, member) {
+                    four_crossing(vertices, member.primitive(), ray, &frame, from, limits).is_some_and(&mut *block)
                 } else if self.is_plain(member) {
                     self.any_crossing(scene, member, (ray, &frame), from, limits, block)
                 } else {
@@ -296,6 +311,24 @@ impl Geometry {
             _ => false,
         }
     }
+}
+
+/// The crossing of a ray with a polygon with four vertices.
+#[inline(always)]
+fn four_crossing(
+    vertices: &[DVec3; 4],
+    primitive: PrimitiveId,
+    ray: &Ray,
+    frame: &RayFrame,
+    from: Option<PrimitiveId>,
+    limits: &Limits,
+) -> Option<Crossing> {
+    // A ray never hits the flat surface from which it starts.
+    if from == Some(primitive) {
+        return None;
+    }
+    let distance = polygon::intersect_four(vertices, ray, frame, limits.range())?;
+    Some(Crossing { distance, primitive })
 }
 
 /// Passes crossings of a member to `block`, with primitives offset by `first` and distances scaled.

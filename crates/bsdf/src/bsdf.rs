@@ -195,11 +195,11 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// Leaves the highlight unsampled if it is no stronger than the specular threshold (`-st`).
-    pub fn with_threshold(self, kind: &GlossyKind, threshold: f64) -> Self {
-        let Highlight::Ward(ward) = &self.highlight else { return self };
+    pub fn set_threshold(&mut self, kind: &GlossyKind, threshold: f64) {
+        let Highlight::Ward(ward) = &self.highlight else { return };
         let share = kind.specularity;
         let highlight = LobeStrength { share, color: ward.specularity, diffuse: 1.0 - share };
-        Bsdf { below_threshold: BelowThreshold::new(threshold, [highlight, LobeStrength::NONE]), ..self }
+        self.below_threshold = BelowThreshold::new(threshold, [highlight, LobeStrength::NONE]);
     }
 
     /// A reflectance model from a plugin.

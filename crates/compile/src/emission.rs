@@ -25,6 +25,12 @@ pub fn emission<const BANDS: usize>(
     product(own, shader.appearance::<BANDS>(scene, interaction, scratch).color)
 }
 
+/// Radiance of an emitter that sends the same in all directions; `None` for others.
+#[inline]
+pub fn uniform_emission<const BANDS: usize>(shader: &Shader, emitter: &Emitter) -> Option<[f64; BANDS]> {
+    (emitter.cone.is_none() && shader.textures.steps.is_empty()).then(|| bands(emitter.radiance))
+}
+
 /// Radiance of a light where light sampling evaluates it: a negative value counts as zero. A
 /// pattern may be negative beyond the ends of its table. View rays still see the negative value, as
 /// in Radiance.

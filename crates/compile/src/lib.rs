@@ -50,7 +50,7 @@ mod visibility_class;
 
 pub use antimatter::Antimatter;
 pub use direct_threshold::DirectThreshold;
-pub use emission::{emission, given};
+pub use emission::{emission, given, uniform_emission};
 pub use first_hit::{DISTANT, FirstHit};
 pub use medium::{Medium, MistKind};
 pub use mist_lights::MistLights;

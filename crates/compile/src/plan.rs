@@ -80,7 +80,8 @@ pub struct RenderPlan {
     pub unusable_hit: OnceLock<(SurfaceHandle, ShaderId)>,
     /// Counter of rays whose radiance exceeds the range of pictures.
     pub unbounded: Unbounded,
-    pub(crate) decisions: Vec<PlanDecision>,
+    /// Made for the first who asks.
+    pub(crate) decisions: OnceLock<Vec<PlanDecision>>,
 }
 
 /// What a ray sees of an `illum`.
@@ -168,7 +169,7 @@ impl RenderPlan {
     /// The plan's decisions, as text.
     #[must_use]
     pub fn decisions(&self) -> &[PlanDecision] {
-        &self.decisions
+        self.decisions.get_or_init(|| self.decide())
     }
 
     /// Number of surfaces in the acceleration structure.

@@ -106,7 +106,7 @@ impl RenderPlan {
             layout,
             unusable_hit: OnceLock::new(),
             unbounded: Unbounded::default(),
-            decisions: Vec::new(),
+            decisions: OnceLock::new(),
         };
         plan.find_profiles();
         if plan.lights.len() > ALWAYS_ALL {
@@ -117,7 +117,6 @@ impl RenderPlan {
             plan.portals = Portals::new(&plan);
             plan.has_caustics = makes_caustics(&plan);
         }
-        plan.decisions = plan.decide();
         Ok(plan)
     }
 }

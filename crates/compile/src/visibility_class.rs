@@ -1,7 +1,7 @@
 //! Visibility classes: possible blockers between a light and a surface, by shaft culling (Haines
 //! and Wallace 1991).
 //!
-//! Every pair of a surface and a light is classified before the first ray. If no other surface
+//! Every pair of a surface and a light is classified when the first ray hits the surface. If no other surface
 //! reaches into their convex hull, no shadow ray is needed; if few do, only those are tested. A
 //! flat surface with nothing but lights in front of it needs no rays for indirect light. All tests
 //! are conservative: they cannot change the picture.
@@ -12,6 +12,7 @@ use radsight_accel::{Bounds, Geometry, MemberId, PrimitiveId, flat_normal};
 use radsight_ir::{Scene, Shape, SurfaceHandle, ValidScene};
 use radsight_light::{Light, LightForm};
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Maximum number of tests (pairs times surfaces). In larger scenes only some receivers are classified.
 const MAX_TESTS: usize = 4_000_000;
@@ -62,9 +63,89 @@ pub enum UnsampledLight {
 /// retroreflectors, which are lit by lamps alone if their highlight is known to be wider.
 #[derive(Debug, Default)]
 pub struct Visibility {
-    receivers: Vec<Receiver>,
+    receivers: Vec<PendingReceiver>,
     /// By primitive, the index of the receiver; [`UNCLASSIFIED`] for none.
     by_primitive: Vec<u32>,
+    pairs: Pairs,
+}
+
+/// A receiver that is classified at its first use: many surfaces of a scene are never seen.
+#[derive(Debug)]
+struct PendingReceiver {
+    occluder: usize,
+    classified: OnceLock<Receiver>,
+}
+
+/// All surfaces and lights.
+#[derive(Debug, Default)]
+struct Pairs {
+    occluders: Vec<Occluder>,
+    /// The occluders, the largest first.
+    order: Vec<usize>,
+    lights: Vec<Light>,
+    /// By light; `None` for a distant light or a virtual source.
+    emitters: Vec<Option<Emitter>>,
+    /// Surfaces within this distance of a plane lie in it, scene units.
+    tolerance: f64,
+    has_unsampled_light: bool,
+}
+
+impl Pairs {
+    fn classify(&self, occluder: &Occluder) -> Receiver {
+        let Pairs { occluders, lights, tolerance, .. } = self;
+        let between = self.emitters.iter().zip(lights).map(|(emitter, light)| match emitter {
+            Some(emitter) => self.between(occluder, (light, emitter)),
+            None => VisibilityClass::Anything,
+        });
+        Receiver {
+            between: between.collect(),
+            sees_only_lights: !self.has_unsampled_light && sees_only_lights(occluder, occluders, lights, *tolerance),
+            lights_suffice: lights_are_small(occluder, lights),
+        }
+    }
+
+    /// Possible blockers between a receiver and a light.
+    fn between(&self, occluder: &Occluder, (light, emitter): (&Light, &Emitter)) -> VisibilityClass {
+        let Pairs { occluders, order, tolerance, .. } = self;
+        let Emitter { source, hidden_by } = emitter;
+        let (source, tolerance) = (&occluders[*source], *tolerance);
+        if occluder.surface == light.surface {
+            return VisibilityClass::Anything;
+        }
+        if let Some((normal, point)) = light.form.plane()
+            && occluder.range(normal).1 <= normal.dot(point) + tolerance
+        {
+            return VisibilityClass::Dark;
+        }
+        let axes = [Axis::X, Axis::Y, Axis::Z].into_iter();
+        let normals = [occluder, source].into_iter().filter_map(|of| of.plane.map(|(normal, _)| Axis::Other(normal)));
+        let extents: Vec<Extent> =
+            axes.chain(normals).filter_map(|axis| Extent::new(axis, [occluder, source], tolerance)).collect();
+        let may_block = |index: &&usize| {
+            let other = &occluders[**index];
+            other.surface != light.surface
+                && (other.member != occluder.member || occluder.plane.is_none())
+                && (hidden_by[**index] || !extents.iter().any(|extent| extent.leaves_out(other)))
+        };
+        let mut blockers: Vec<MemberId> =
+            order.iter().filter(may_block).map(|index| occluders[*index].member).take(MAX_BLOCKERS + 1).collect();
+        blockers.sort_unstable_by_key(|member| member.0);
+        match blockers.len() {
+            0 => VisibilityClass::Nothing,
+            1..=MAX_BLOCKERS => VisibilityClass::Few(blockers),
+            // The lamps around a camera light most of a retroreflector past the part that lies on it.
+            _ if occluder.is_retroreflector => {
+                // The largest ones come first: what is within their bounds needs no test.
+                let around = |around: Option<Bounds>, index: &usize| {
+                    let bounds = occluders[*index].bounds();
+                    let is_new = around.is_none_or(|around| !around.contains(&bounds)) && may_block(&index);
+                    if is_new { Some(around.map_or(bounds, |around| around.union(bounds))) } else { around }
+                };
+                order.iter().fold(None, around).map_or(VisibilityClass::Anything, VisibilityClass::Within)
+            }
+            _ => VisibilityClass::Anything,
+        }
+    }
 }
 
 const UNCLASSIFIED: u32 = u32::MAX;
@@ -75,8 +156,8 @@ impl Visibility {
         Visibility::default()
     }
 
-    /// Classifies all pairs of surfaces and lights; `unsampled_light` says whether light
-    /// sampling covers all light.
+    /// Prepares the classification of all pairs of surfaces and lights; `unsampled_light` says
+    /// whether light sampling covers all light.
     pub fn new<'a>(
         scene: &ValidScene,
         geometry: &Geometry,
@@ -98,43 +179,38 @@ impl Visibility {
         let is_classified = |index: &usize| most >= count || is_retroreflector(occluders[*index].surface);
         let classified: Vec<usize> = order.iter().copied().filter(is_classified).take(most).collect();
         let (_, radius) = geometry.bounding_sphere();
-        let tolerance = IN_PLANE * radius;
-        let emitters: Vec<Option<Emitter>> =
-            lights.iter().map(|light| Emitter::new(light, &occluders, geometry.tolerance())).collect();
-        let receiver = |occluder: &Occluder| Receiver {
-            between: emitters
-                .iter()
-                .map(|emitter| match emitter {
-                    Some(emitter) => between(occluder, emitter, (&occluders, &order), tolerance),
-                    None => VisibilityClass::Anything,
-                })
-                .collect(),
-            sees_only_lights: unsampled_light == UnsampledLight::None
-                && sees_only_lights(occluder, &occluders, lights, tolerance),
-            lights_suffice: lights_are_small(occluder, lights),
-        };
+        let emitters = lights.iter().map(|light| Emitter::new(light, &occluders, geometry.tolerance())).collect();
         let mut by_primitive = vec![UNCLASSIFIED; count];
         for (receiver, member) in classified.iter().enumerate() {
             by_primitive[*member] = receiver as u32;
         }
-        let receivers = classified.iter().map(|member| receiver(&occluders[*member])).collect();
-        Visibility { receivers, by_primitive }
+        let pending = |occluder| PendingReceiver { occluder, classified: OnceLock::new() };
+        let receivers = classified.into_iter().map(pending).collect();
+        let (lights, tolerance) = (lights.to_vec(), IN_PLANE * radius);
+        let has_unsampled_light = unsampled_light == UnsampledLight::Some;
+        let pairs = Pairs { occluders, order, lights, emitters, tolerance, has_unsampled_light };
+        Visibility { receivers, by_primitive, pairs }
     }
 
     /// Visibility of the lights at a primitive.
     #[inline]
     pub fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {
         let index = self.by_primitive.get(primitive.0 as usize)?;
-        self.receivers.get(*index as usize)
+        self.receivers.get(*index as usize).map(|pending| self.classified(pending))
+    }
+
+    #[inline]
+    fn classified<'s>(&'s self, PendingReceiver { occluder, classified }: &'s PendingReceiver) -> &'s Receiver {
+        classified.get_or_init(|| self.pairs.classify(&self.pairs.occluders[*occluder]))
     }
 
     /// Counts of the savings, as text.
     pub fn summary(&self) -> [(usize, &'static str, &'static str); 5] {
+        let receivers = || self.receivers.iter().map(|pending| self.classified(pending));
         let pairs = |kind: fn(&VisibilityClass) -> bool| {
-            self.receivers.iter().map(|receiver| receiver.between.iter().filter(|b| kind(b)).count()).sum()
+            receivers().map(|receiver| receiver.between.iter().filter(|b| kind(b)).count()).sum()
         };
-        let direct_only =
-            self.receivers.iter().filter(|receiver| receiver.sees_only_lights && receiver.lights_suffice).count();
+        let direct_only = receivers().filter(|receiver| receiver.sees_only_lights && receiver.lights_suffice).count();
         [
             (
                 pairs(|b| *b == VisibilityClass::Dark),
@@ -166,6 +242,7 @@ impl Visibility {
 }
 
 /// Bounds of a surface for these tests.
+#[derive(Debug)]
 struct Occluder {
     member: MemberId,
     surface: SurfaceHandle,
@@ -239,69 +316,24 @@ fn hull(scene: &Scene, geometry: &Geometry, shape: Shape) -> Vec<DVec3> {
 }
 
 /// A light at finite distance, with what is the same for all receivers.
-struct Emitter<'a> {
-    light: &'a Light,
-    source: &'a Occluder,
+#[derive(Debug)]
+struct Emitter {
+    /// The index of its occluder.
+    source: usize,
     /// For each occluder, whether it lies on the light and may therefore block it from everywhere.
     hidden_by: Vec<bool>,
 }
 
-impl Emitter<'_> {
+impl Emitter {
     /// `None` for a distant light or a virtual source. A surface no farther from it than `touch`
     /// lies on it.
-    fn new<'a>(light: &'a Light, occluders: &'a [Occluder], touch: f64) -> Option<Emitter<'a>> {
+    fn new(light: &Light, occluders: &[Occluder], touch: f64) -> Option<Emitter> {
         if !light.virtual_sources.is_empty() || light.radius.is_infinite() {
             return None;
         }
-        let source = occluders.iter().find(|other| other.surface == light.surface)?;
-        let hidden_by = occluders.iter().map(|other| lies_on(source, other, touch)).collect();
-        Some(Emitter { light, source, hidden_by })
-    }
-}
-
-/// Possible blockers between a receiver and a light.
-fn between(
-    occluder: &Occluder,
-    emitter: &Emitter,
-    (occluders, order): (&[Occluder], &[usize]),
-    tolerance: f64,
-) -> VisibilityClass {
-    let Emitter { light, source, hidden_by } = emitter;
-    if occluder.surface == light.surface {
-        return VisibilityClass::Anything;
-    }
-    if let Some((normal, point)) = light.form.plane()
-        && occluder.range(normal).1 <= normal.dot(point) + tolerance
-    {
-        return VisibilityClass::Dark;
-    }
-    let axes = [Axis::X, Axis::Y, Axis::Z].into_iter();
-    let normals = [occluder, *source].into_iter().filter_map(|of| of.plane.map(|(normal, _)| Axis::Other(normal)));
-    let extents: Vec<Extent> =
-        axes.chain(normals).filter_map(|axis| Extent::new(axis, [occluder, *source], tolerance)).collect();
-    let may_block = |index: &&usize| {
-        let other = &occluders[**index];
-        other.surface != light.surface
-            && (other.member != occluder.member || occluder.plane.is_none())
-            && (hidden_by[**index] || !extents.iter().any(|extent| extent.leaves_out(other)))
-    };
-    let mut blockers: Vec<MemberId> =
-        order.iter().filter(may_block).map(|index| occluders[*index].member).take(MAX_BLOCKERS + 1).collect();
-    blockers.sort_unstable_by_key(|member| member.0);
-    match blockers.len() {
-        0 => VisibilityClass::Nothing,
-        1..=MAX_BLOCKERS => VisibilityClass::Few(blockers),
-        // The lamps around a camera light most of a retroreflector past the part that lies on it.
-        _ if occluder.is_retroreflector => {
-            // The largest ones come first: what is within their bounds needs no test.
-            let around = |around: Option<Bounds>, index: &usize| {
-                let bounds = occluders[*index].bounds();
-                let is_new = around.is_none_or(|around| !around.contains(&bounds)) && may_block(&index);
-                if is_new { Some(around.map_or(bounds, |around| around.union(bounds))) } else { around }
-            };
-            order.iter().fold(None, around).map_or(VisibilityClass::Anything, VisibilityClass::Within)
-        }
-        _ => VisibilityClass::Anything,
+        let source = occluders.iter().position(|other| other.surface == light.surface)?;
+        let hidden_by = occluders.iter().map(|other| lies_on(&occluders[source], other, touch)).collect();
+        Some(Emitter { source, hidden_by })
     }
 }
 

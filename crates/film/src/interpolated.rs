@@ -12,7 +12,7 @@
 
 use crate::drawn_lights::DrawnLights;
 use crate::grid::{Cell, INDEX_LOG2, Pixel, first_pixels, numbered};
-use crate::pixel_sample::{RayValue, SEVERAL, Sample, Surface, Tally, mean};
+use crate::pixel_sample::{RayValue, SEVERAL, Sample, Samples, Surface, Tally, mean};
 use crate::view_camera::{CameraRay, ViewCamera};
 use radsight_render::{DirectRecord, NearRecord, Ray, RayWorker, Renderer};
 use radsight_sampling::RaySampler;
@@ -84,7 +84,7 @@ pub(crate) struct Block<'b> {
     pub(crate) rows: usize,
     /// The requested rows, from `first_row` on.
     wanted: Range<usize>,
-    pub(crate) samples: Vec<Option<Sample>>,
+    pub(crate) samples: Samples,
     /// The spacing of the grid on which each pixel was sampled; 0 for none.
     pub(crate) spacing: Vec<u8>,
     /// Direct light of the sampled pixels of the grids that may be divided; empty if it is not
@@ -122,7 +122,7 @@ pub(crate) fn block(
         first_row,
         rows: count,
         wanted: rows.start - first_row..rows.end - first_row,
-        samples: vec![None; count * camera.columns()],
+        samples: Samples::new(count * camera.columns()),
         spacing: vec![0; count * camera.columns()],
         records: Vec::new(),
     };
@@ -130,9 +130,10 @@ pub(crate) fn block(
         block.records = vec![None; count * camera.columns()];
     }
     let smooth = block.sample(spacing);
-    let pixels = block.interpolated(&smooth);
+    let mut pixels = block.interpolated(&smooth);
     let columns = camera.columns();
-    let mut pixels = pixels[(rows.start - first_row) * columns..(rows.end - first_row) * columns].to_vec();
+    pixels.truncate((rows.end - first_row) * columns);
+    pixels.drain(..(rows.start - first_row) * columns);
     lights.draw(&mut pixels, camera, rows);
     pixels
 }
@@ -179,7 +180,7 @@ impl Block<'_> {
     }
 
     pub(crate) fn sampled(&self, pixel: (usize, usize)) -> Option<&Sample> {
-        self.samples[self.at(pixel)].as_ref()
+        self.samples.get(self.at(pixel))
     }
 
     /// Samples the block and returns the cells to interpolate.
@@ -237,13 +238,13 @@ impl Block<'_> {
     fn pixels_of_parts(&self, cells: &[Cell]) -> Vec<Wanted> {
         let mut wanted: Vec<Wanted> = Vec::new();
         // By pixel: one more than its index in `wanted`, or 0.
-        let mut places = vec![0_u32; self.samples.len()];
+        let mut places = vec![0_u32; self.samples.pixels()];
         for cell in cells {
             let [columns, rows] = cell.parts();
             let noise = if self.is_noisy(cell) { Noise::High } else { Noise::Low };
             for pixel in rows.flat_map(|row| columns.clone().map(move |column| (column, row))) {
                 let at = self.at(pixel);
-                if self.samples[at].is_some() {
+                if self.samples.index(at).is_some() {
                     continue;
                 }
                 let of_cell = Wanted { pixel, noise, cell: Some(*cell) };
@@ -290,7 +291,7 @@ impl Block<'_> {
     /// The median of the samples so far that are not black.
     fn typical(&self) -> f64 {
         let mut values: Vec<f64> =
-            self.samples.iter().flatten().map(|sample| mean(&sample.value)).filter(|value| *value > 0.0).collect();
+            self.samples.iter().map(|sample| mean(&sample.value)).filter(|value| *value > 0.0).collect();
         let center = values.len() / 2;
         if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(center, f64::total_cmp).1 }
     }
@@ -318,7 +319,7 @@ impl Block<'_> {
                 .collect();
             for (Wanted { pixel, .. }, (sample, record)) in pixels.iter().zip(samples) {
                 let at = self.at(*pixel);
-                self.samples[at] = Some(sample);
+                self.samples.add(at, sample);
                 self.spacing[at] = spacing as u8;
                 if record.is_some() {
                     self.records[at] = record;
@@ -442,17 +443,19 @@ impl Block<'_> {
 
     /// All pixels: sampled ones, filtered within their noise, and interpolated ones.
     fn interpolated(&self, smooth: &[Cell]) -> Vec<[f32; 3]> {
-        let columns = self.camera.columns();
-        let all = || (0..self.samples.len()).into_par_iter().with_min_len(256);
         let averaged = self.all_averaged();
-        let pixel = |at: usize| self.antialiased(&averaged, (at % columns, at / columns)).map(|band| band as f32);
-        let mut pixels: Vec<[f32; 3]> = all().map(pixel).collect();
+        let value = |index: usize| self.antialiased(&averaged, index).map(|band| band as f32);
+        let values: Vec<[f32; 3]> = (0..self.samples.count()).into_par_iter().with_min_len(256).map(value).collect();
+        let mut pixels = vec![[0.0; 3]; self.samples.pixels()];
+        for (index, value) in values.into_iter().enumerate() {
+            pixels[self.samples.numbered(index).0] = value;
+        }
         for cell in smooth {
-            let corners = cell.corners().map(|corner| averaged[self.at(corner)]);
+            let corners = cell.corners().map(|corner| self.value_of(&averaged, self.at(corner)));
             for row in cell.top..=cell.bottom {
                 for column in cell.left..=cell.right {
                     let at = self.at((column, row));
-                    if self.samples[at].is_some() {
+                    if self.samples.index(at).is_some() {
                         continue;
                     }
                     let shares = cell.shares((column, row));
@@ -465,14 +468,23 @@ impl Block<'_> {
         pixels
     }
 
+    /// The averaged value of a pixel; black without a sample.
+    fn value_of(&self, averaged: &[[f64; 3]], pixel: usize) -> [f64; 3] {
+        self.samples.index(pixel).map_or([0.0; 3], |index| averaged[index])
+    }
+
     /// A silhouette pixel: probe rays find the fraction of it that each adjacent surface covers.
-    fn antialiased(&self, averaged: &[[f64; 3]], (column, row): (usize, usize)) -> [f64; 3] {
-        let own = averaged[self.at((column, row))];
+    fn antialiased(&self, averaged: &[[f64; 3]], index: usize) -> [f64; 3] {
+        let own = averaged[index];
+        let (at, sample) = self.samples.numbered(index);
         // Several rays of a pixel are spread over its surfaces already.
-        let Some(sample) = self.sampled((column, row)).filter(|sample| sample.rays == 1) else { return own };
+        if sample.rays != 1 {
+            return own;
+        }
+        let (column, row) = (at % self.camera.columns(), at / self.camera.columns());
         let is_edge = self
             .around((column, row))
-            .any(|(at, near)| !self.is_alike(&own, &averaged[at]) && !sample.surface.continues(&near.surface));
+            .any(|(index, near)| !self.is_alike(&own, &averaged[index]) && !sample.surface.continues(&near.surface));
         if !is_edge {
             return own;
         }
@@ -491,8 +503,8 @@ impl Block<'_> {
         let [right, bottom] = [(column + 1).min(self.camera.columns() - 1), (row + 1).min(self.rows - 1)];
         (top..bottom + 1).flat_map(move |row| {
             let [first, last] = [left, right].map(|column| self.at((column, row)));
-            let samples = self.samples[first..=last].iter().zip(first..);
-            samples.filter_map(|(sample, at)| Some((at, sample.as_ref()?)))
+            let indices = (first..=last).filter_map(|at| self.samples.index(at));
+            indices.map(|index| (index, self.samples.numbered(index).1))
         })
     }
 
@@ -511,6 +523,6 @@ impl Block<'_> {
         if own.continues(&met) {
             return None;
         }
-        self.around((column, row)).find(|(_, near)| near.surface.continues(&met)).map(|(at, _)| averaged[at])
+        self.around((column, row)).find(|(_, near)| near.surface.continues(&met)).map(|(index, _)| averaged[index])
     }
 }

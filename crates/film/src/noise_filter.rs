@@ -7,7 +7,6 @@
 use crate::interpolated::Block;
 use crate::pixel_sample::{SEVERAL, Sample, mean};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Radius of the filter, in steps of the grid.
 const FILTER_RADIUS: usize = 2;
@@ -21,17 +20,34 @@ const WIDTH: usize = 2 * FILTER_RADIUS + 1;
 const PLACES: usize = WIDTH * WIDTH;
 const OWN_PLACE: usize = PLACES / 2;
 
+/// The row and the column of each place.
+const POSITIONS: [[u8; 2]; PLACES] = {
+    let mut positions = [[0; 2]; PLACES];
+    let mut place = 0;
+    while place < PLACES {
+        positions[place] = [(place / WIDTH) as u8, (place % WIDTH) as u8];
+        place += 1;
+    }
+    positions
+};
+
+/// The first place of each row.
+const FIRST_COLUMN: u32 = 0b00001_00001_00001_00001_00001;
+
+/// The places before a pixel's own.
+const EARLIER: u32 = (1 << OWN_PLACE) - 1;
+
 /// The weight of the distance of a column or row of the square.
 const WEIGHTS: [f64; WIDTH] = [1.0, 2.0, 3.0, 2.0, 1.0];
 
 impl Block<'_> {
-    /// The values of all samples, each averaged with those around it; black between them.
+    /// The values of all samples, each averaged with those around it.
     pub(crate) fn all_averaged(&self) -> Vec<[f64; 3]> {
-        let all = || (0..self.samples.len()).into_par_iter().with_min_len(256);
-        let several: Vec<bool> = all().map(|at| self.samples[at].is_some_and(|sample| sample.rays > 1)).collect();
-        let later: Vec<Later> = all().map(|at| self.later(&several, at)).collect();
-        let patches: Vec<Patch> = all().map(|at| self.patch((&several, &later), at)).collect();
-        all().map(|at| self.averaged(&patches, at)).collect()
+        let all = || (0..self.samples.count()).into_par_iter().with_min_len(256);
+        let noise = KnownNoise::of(self);
+        let later: Vec<Later> = all().map(|index| self.later(&noise, index)).collect();
+        let patches: Vec<Patch> = all().map(|index| self.patch((&noise, &later), index)).collect();
+        all().map(|index| self.averaged(&patches, index)).collect()
     }
 
     /// The spacing of the finest grid that has samples next to a pixel.
@@ -50,109 +66,121 @@ impl Block<'_> {
         step.max(1)
     }
 
-    /// The step of a pixel's square, and the places of it that lie inside of the picture: the columns
-    /// and rows, as steps from the pixel.
-    fn square(&self, at: usize) -> (usize, [Range<isize>; 2]) {
+    /// The square around a pixel.
+    fn square(&self, at: usize) -> Square {
         let columns = self.camera.columns();
         let (column, row) = (at % columns, at / columns);
         let step = self.step_around((column, row));
-        let steps = |place: usize, count: usize| {
-            let before = (place / step).min(FILTER_RADIUS) as isize;
-            let after = ((count - 1 - place) / step).min(FILTER_RADIUS) as isize;
-            -before..after + 1
+        let reach = |place: usize, count: usize| {
+            let before = (place / step).min(FILTER_RADIUS);
+            (FILTER_RADIUS - before, before + ((count - 1 - place) / step).min(FILTER_RADIUS) + 1)
         };
-        (step, [steps(column, columns), steps(row, self.rows)])
+        let ((left, width), (top, height)) = (reach(column, columns), reach(row, self.rows));
+        let in_columns = (((1 << width) - 1) << left) * FIRST_COLUMN;
+        let in_rows = ((1 << (height * WIDTH)) - 1) << (top * WIDTH);
+        Square { at, step, places: in_columns & in_rows }
     }
 
-    /// The places of a square with their pixels.
+    /// Some places of a square with their pixels.
     #[inline]
-    fn places(
-        &self,
-        at: usize,
-        (step, [columns, rows]): (usize, [Range<isize>; 2]),
-    ) -> impl Iterator<Item = (usize, usize)> + use<'_> {
-        let width = self.camera.columns();
-        rows.flat_map(move |down| {
-            let first = at.wrapping_add_signed(down * (step * width) as isize);
-            let place = ((down + FILTER_RADIUS as isize) * WIDTH as isize + FILTER_RADIUS as isize) as usize;
-            let columns = columns.clone();
-            columns
-                .map(move |right| (place.wrapping_add_signed(right), first.wrapping_add_signed(right * step as isize)))
+    fn pixels_at(&self, square: &Square, places: u32) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let (step, row) = (square.step, square.step * self.camera.columns());
+        // The first place may lie before the picture.
+        let first = square.at.wrapping_sub(FILTER_RADIUS * (row + step));
+        let mut left = places;
+        std::iter::from_fn(move || {
+            let place = left.trailing_zeros() as usize;
+            left &= left.checked_sub(1)?;
+            let [down, right] = POSITIONS[place].map(usize::from);
+            Some((place, first.wrapping_add(down * row + right * step)))
         })
     }
 
-    /// Which later samples of its square see the same surface as a pixel whose square has the step 1
-    /// and known noise.
-    fn later(&self, several: &[bool], at: usize) -> Later {
-        let Some(own) = self.single_surface(at) else { return Later::UNKNOWN };
-        let (step, square) = self.square(at);
-        if step > 1 || !self.places(at, (step, square.clone())).any(|(_, other)| several[other]) {
+    /// Whether the noise of any sample of a square is known.
+    fn is_known_in(&self, noise: &KnownNoise, square: &Square) -> bool {
+        match square.step {
+            1 => noise.near[square.at],
+            _ => self.pixels_at(square, square.places).any(|(_, other)| noise.own[other]),
+        }
+    }
+
+    /// Which later samples of its square see the same surface as a sample whose square has the step
+    /// 1 and known noise.
+    fn later(&self, noise: &KnownNoise, index: usize) -> Later {
+        let (at, own) = self.samples.numbered(index);
+        if own.surface.key == SEVERAL || !noise.near[at] {
+            return Later::UNKNOWN;
+        }
+        let square = self.square(at);
+        if square.step > 1 {
             return Later::UNKNOWN;
         }
         let mut later = 0;
-        for (place, other) in self.places(at, (step, square)).filter(|(place, _)| *place > OWN_PLACE) {
-            let joins = self.samples[other].as_ref().is_some_and(|near| own.surface.joins(&near.surface));
+        for (place, other) in self.pixels_at(&square, square.places & !EARLIER & !(1 << OWN_PLACE)) {
+            let joins = self.samples.get(other).is_some_and(|near| own.surface.joins(&near.surface));
             later |= u16::from(joins) << (place - OWN_PLACE - 1);
         }
         Later(later)
     }
 
-    /// The sample of a pixel that sees a single surface.
-    fn single_surface(&self, at: usize) -> Option<&Sample> {
-        self.samples[at].as_ref().filter(|sample| sample.surface.key != SEVERAL)
-    }
-
-    /// The samples around a pixel that see the same surface, if the noise of any is known.
-    fn neighbors(&self, (several, later): (&[bool], &[Later]), at: usize) -> Neighbors {
+    /// The samples around a sample that see the same surface, if the noise of any is known.
+    fn neighbors(&self, (noise, later): (&KnownNoise, &[Later]), index: usize) -> Neighbors {
         let none = Neighbors::default();
-        let Some(own) = self.single_surface(at) else { return none };
-        let (step, square) = self.square(at);
-        let is_known = later[at].is_known();
+        let (at, own) = self.samples.numbered(index);
+        if own.surface.key == SEVERAL {
+            return none;
+        }
+        let square = self.square(at);
+        let is_known = later[index].is_known();
         // With the step 1 it would be known.
-        if !is_known && (step == 1 || !self.places(at, (step, square.clone())).any(|(_, other)| several[other])) {
+        if !is_known && (square.step == 1 || !self.is_known_in(noise, &square)) {
             return none;
         }
         let mut places = 1 << OWN_PLACE;
-        for (place, other) in self.places(at, (step, square)) {
-            let Some(near) = &self.samples[other] else { continue };
+        let mut unknown = square.places & !places;
+        if is_known {
+            places |= later[index].places();
+            unknown &= EARLIER;
+        }
+        for (place, other) in self.pixels_at(&square, unknown) {
+            let Some(other) = self.samples.index(other) else { continue };
+            let near = self.samples.numbered(other).1;
             // Between samples that are not adjacent light may change arbitrarily, unless they agree.
-            let joins = || own.surface.joins(&near.surface) && (step == 1 || self.agree(own, near));
-            let joins = match place {
-                OWN_PLACE => true,
-                // Two samples join each other.
-                ..OWN_PLACE if is_known && later[other].is_known() => later[other].holds(PLACES - 1 - place),
-                OWN_PLACE.. if is_known => later[at].holds(place),
-                _ => joins(),
+            let joins = || own.surface.joins(&near.surface) && (square.step == 1 || self.agree(own, near));
+            // Two samples join each other.
+            let joins = if is_known && later[other].is_known() {
+                later[other].places() >> (PLACES - 1 - place) & 1 == 1
+            } else {
+                joins()
             };
             places |= u32::from(joins) << place;
         }
-        Neighbors { places, step: step as u32 }
+        Neighbors { places, step: square.step as u32 }
     }
 
-    /// Calls `visit` for the neighbours of a pixel, with their index and the weight of their
+    /// Calls `visit` for the neighbours of a sample, with their index and the weight of their
     /// distance.
     #[inline]
-    fn for_each_neighbor(&self, at: usize, neighbors: Neighbors, mut visit: impl FnMut(usize, &Sample, f64)) {
-        let (step, columns) = (neighbors.step as isize, self.camera.columns() as isize);
-        let mut left = neighbors.places;
-        while left != 0 {
-            let place = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let [down, right] = [place / WIDTH, place % WIDTH].map(|steps| steps as isize - FILTER_RADIUS as isize);
-            let other = at.wrapping_add_signed(step * (down * columns + right));
-            if let Some(near) = &self.samples[other] {
-                visit(other, near, WEIGHTS[place / WIDTH] * WEIGHTS[place % WIDTH]);
+    fn for_each_neighbor(&self, index: usize, neighbors: Neighbors, mut visit: impl FnMut(usize, &Sample, f64)) {
+        let (at, _) = self.samples.numbered(index);
+        let square = Square { at, step: neighbors.step as usize, places: neighbors.places };
+        for (place, other) in self.pixels_at(&square, square.places) {
+            if let Some(other) = self.samples.index(other) {
+                let [down, right] = POSITIONS[place].map(usize::from);
+                visit(other, self.samples.numbered(other).1, WEIGHTS[down] * WEIGHTS[right]);
             }
         }
     }
 
-    /// The combined statistics of the samples around a pixel.
-    fn patch(&self, known: (&[bool], &[Later]), at: usize) -> Patch {
-        let neighbors = self.neighbors(known, at);
-        let Some(sample) = self.samples[at].as_ref().filter(|_| neighbors.places != 0) else { return Patch::default() };
+    /// The combined statistics of the samples around a sample.
+    fn patch(&self, known: (&KnownNoise, &[Later]), index: usize) -> Patch {
+        let neighbors = self.neighbors(known, index);
+        if neighbors.places == 0 {
+            return Patch::default();
+        }
         let (mut variance, mut weights) = (0.0, 0.0);
         let (mut sum, mut near) = (0.0, 0.0);
-        self.for_each_neighbor(at, neighbors, |_, other, weight| {
+        self.for_each_neighbor(index, neighbors, |_, other, weight| {
             let rays = f64::from(other.rays);
             if other.rays > 1 {
                 variance += weight * (rays - 1.0) * other.variance * rays;
@@ -167,24 +195,24 @@ impl Block<'_> {
             return Patch::default();
         }
         let variance = variance / weights;
-        let own = variance / f64::from(sample.rays);
+        let own = variance / f64::from(self.samples.numbered(index).1.rays);
         Patch { variance: own, mean: sum / near, variance_of_mean: variance / near, neighbors }
     }
 
     /// The mean of a sample and of those around it that see the same surface and differ by no more
     /// than noise, as samples and as patches.
-    fn averaged(&self, patches: &[Patch], at: usize) -> [f64; 3] {
-        let Some(sample) = &self.samples[at] else { return [0.0; 3] };
-        let patch = &patches[at];
+    fn averaged(&self, patches: &[Patch], index: usize) -> [f64; 3] {
+        let (_, sample) = self.samples.numbered(index);
+        let patch = &patches[index];
         if patch.variance <= 0.0 {
             return sample.value;
         }
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
-        self.for_each_neighbor(at, patch.neighbors, |index, other, weight| {
-            let near = &patches[index];
+        self.for_each_neighbor(index, patch.neighbors, |place, other, weight| {
+            let near = &patches[place];
             let own = (mean(&sample.value) - mean(&other.value)).powi(2) / (patch.variance + near.variance);
             let together = (patch.mean - near.mean).powi(2) / (patch.variance_of_mean + near.variance_of_mean);
-            let difference = if index == at { 0.0 } else { 0.5 * own.max(together) };
+            let difference = if place == index { 0.0 } else { 0.5 * own.max(together) };
             let weight = weight * f64::from(other.rays) / (1.0 + difference.powi(2));
             sum = std::array::from_fn(|band| sum[band] + weight * other.value[band]);
             weights += weight;
@@ -193,7 +221,48 @@ impl Block<'_> {
     }
 }
 
-/// The samples around a pixel with which it is averaged.
+/// The square around a pixel.
+struct Square {
+    at: usize,
+    /// A step of the pixel's grid, pixels.
+    step: usize,
+    /// A bit for each place that lies inside of the picture.
+    places: u32,
+}
+
+/// The pixels with several rays, whose noise is known.
+struct KnownNoise {
+    own: Vec<bool>,
+    /// Whether any pixel of the square with the step 1 has several.
+    near: Vec<bool>,
+}
+
+impl KnownNoise {
+    fn of(block: &Block<'_>) -> KnownNoise {
+        let columns = block.camera.columns();
+        let mut own = vec![false; columns * block.rows];
+        for index in 0..block.samples.count() {
+            let (at, sample) = block.samples.numbered(index);
+            own[at] = sample.rays > 1;
+        }
+        // Along the rows, then across them.
+        let mut in_row = own.clone();
+        for (near, own) in in_row.chunks_mut(columns).zip(own.chunks(columns)) {
+            for shift in 1..=FILTER_RADIUS.min(columns - 1) {
+                near.iter_mut().zip(&own[shift..]).for_each(|(near, own)| *near |= own);
+                near[shift..].iter_mut().zip(own).for_each(|(near, own)| *near |= own);
+            }
+        }
+        let mut near = in_row.clone();
+        for shift in (1..=FILTER_RADIUS.min(block.rows - 1)).map(|rows| rows * columns) {
+            near.iter_mut().zip(&in_row[shift..]).for_each(|(near, own)| *near |= own);
+            near[shift..].iter_mut().zip(&in_row).for_each(|(near, own)| *near |= own);
+        }
+        KnownNoise { own, near }
+    }
+}
+
+/// The samples around a sample with which it is averaged.
 #[derive(Clone, Copy, Debug, Default)]
 struct Neighbors {
     /// A bit for each place in the square around it.
@@ -214,8 +283,9 @@ impl Later {
         self != Later::UNKNOWN
     }
 
-    fn holds(self, place: usize) -> bool {
-        self.0 >> (place - OWN_PLACE - 1) & 1 == 1
+    /// The bits of the square.
+    fn places(self) -> u32 {
+        u32::from(self.0) << (OWN_PLACE + 1)
     }
 }
 

@@ -25,6 +25,65 @@ pub(crate) struct Sample {
     pub(crate) is_glossy: bool,
 }
 
+/// The samples of a block of pixels. Most pixels have none, so samples are not stored by pixel: the
+/// first use of a page costs as much as a ray.
+#[derive(Debug)]
+pub(crate) struct Samples {
+    samples: Vec<Sample>,
+    /// The pixel of each sample.
+    pixels: Vec<u32>,
+    /// By pixel: one more than the index of its sample, or 0.
+    places: Vec<u32>,
+}
+
+impl Samples {
+    /// For so many pixels.
+    pub(crate) fn new(pixels: usize) -> Samples {
+        // Memory that is not used costs nothing, but a buffer that grows is copied.
+        Samples { samples: Vec::with_capacity(pixels), pixels: Vec::with_capacity(pixels), places: vec![0; pixels] }
+    }
+
+    /// Adds the sample of a pixel that has none.
+    pub(crate) fn add(&mut self, pixel: usize, sample: Sample) {
+        self.samples.push(sample);
+        self.pixels.push(pixel as u32);
+        self.places[pixel] = self.samples.len() as u32;
+    }
+
+    /// Number of pixels.
+    pub(crate) fn pixels(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Number of samples.
+    pub(crate) fn count(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// The index of the sample of a pixel.
+    #[inline]
+    pub(crate) fn index(&self, pixel: usize) -> Option<usize> {
+        (self.places[pixel] as usize).checked_sub(1)
+    }
+
+    /// The sample of a pixel.
+    #[inline]
+    pub(crate) fn get(&self, pixel: usize) -> Option<&Sample> {
+        self.index(pixel).map(|index| &self.samples[index])
+    }
+
+    /// A sample by its index, and its pixel.
+    #[inline]
+    pub(crate) fn numbered(&self, index: usize) -> (usize, &Sample) {
+        (self.pixels[index] as usize, &self.samples[index])
+    }
+
+    /// All samples.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Sample> {
+        self.samples.iter()
+    }
+}
+
 /// The rays of a pixel so far.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {

@@ -36,6 +36,6 @@ pub use error::FormatError;
 pub use font::{Font, Glyph};
 pub use mesh::{MESH_FORMAT, Mesh, Triangle};
 pub use mesh_write::{Corner, Facet, MeshParts};
-pub use object::Object;
+pub use object::{Object, PackedObjects};
 pub use octree::{OCTREE_FORMAT, Octree, OctreeContent};
 pub use tree::{MOST_IN_A_CUBE, Tree};

@@ -1,8 +1,9 @@
 //! The primitives inside frozen octrees and meshes.
 
 use crate::FormatError;
-use crate::portable::{Reader, push_float, push_integer, push_string};
+use crate::portable::{FLOAT_SIZE, Reader, push_float, push_integer, push_string};
 use std::borrow::Cow;
+use std::ops::ControlFlow;
 
 /// The types of Radiance 6, in its order. Each file has its own list.
 const TYPES: [&str; 59] = [
@@ -85,56 +86,144 @@ pub struct Object<'a> {
     pub reals: Vec<f64>,
 }
 
-/// Reads a list of types and the objects after it, up to the end mark.
-pub(crate) fn read_objects<'a>(reader: &mut Reader<'a>, size: usize) -> Result<Vec<Object<'a>>, FormatError> {
-    let mut types = Vec::new();
-    loop {
-        match reader.string("the name of a type")? {
-            b"" => break,
-            name => types.push(name),
+/// The primitives of a file that was checked, read one by one: all together they take several times
+/// the memory of the file.
+#[derive(Clone, Debug)]
+pub struct PackedObjects<'a> {
+    types: Vec<&'a [u8]>,
+    /// At the first object.
+    reader: Reader<'a>,
+    index_size: usize,
+    count: usize,
+}
+
+/// What an object begins with.
+struct Head<'a> {
+    kind: &'a [u8],
+    modifier: Option<usize>,
+    name: &'a [u8],
+}
+
+impl<'a> PackedObjects<'a> {
+    /// Checks a list of types and the objects after it, up to the end mark.
+    pub(crate) fn read(reader: &mut Reader<'a>, index_size: usize) -> Result<Self, FormatError> {
+        let mut types = Vec::new();
+        loop {
+            match reader.string("the name of a type")? {
+                b"" => break,
+                name => types.push(name),
+            }
+        }
+        let mut objects = PackedObjects { types, reader: reader.clone(), index_size, count: 0 };
+        while objects.head(reader, objects.count)?.is_some() {
+            skip_arguments(reader)?;
+            objects.count += 1;
+        }
+        Ok(objects)
+    }
+
+    /// Number of objects.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there are no objects.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Calls `visit` for each object, with the name of its modifier, until it breaks.
+    pub fn for_each(&self, mut visit: impl FnMut(&Object<'a>, Option<&'a [u8]>) -> ControlFlow<()>) {
+        let mut reader = self.reader.clone();
+        let mut names: Vec<&[u8]> = Vec::with_capacity(self.count);
+        let mut object = Object {
+            kind: b""[..].into(),
+            modifier: None,
+            name: b""[..].into(),
+            strings: Vec::new(),
+            reals: Vec::new(),
+        };
+        // All of it was read before, without an error.
+        while let Ok(Some(Head { kind, modifier, name })) = self.head(&mut reader, names.len()) {
+            (object.kind, object.modifier, object.name) = (kind.into(), modifier, name.into());
+            if read_arguments(&mut reader, &mut object).is_err()
+                || visit(&object, modifier.map(|index| names[index])).is_break()
+            {
+                return;
+            }
+            names.push(name);
         }
     }
-    let mut objects = Vec::new();
-    loop {
+
+    /// All objects.
+    #[must_use]
+    pub fn to_vec(&self) -> Vec<Object<'a>> {
+        let mut objects = Vec::with_capacity(self.count);
+        self.for_each(|object, _| {
+            objects.push(object.clone());
+            ControlFlow::Continue(())
+        });
+        objects
+    }
+
+    /// The head of the object of this index; `None` at the end mark.
+    fn head(&self, reader: &mut Reader<'a>, own_index: usize) -> Result<Option<Head<'a>>, FormatError> {
         let offset = reader.offset();
         let index = reader.integer(1, "the type of an object")?;
         if index == -1 {
-            return Ok(objects);
+            return Ok(None);
         }
+        let types = &self.types;
         let Some(kind) = usize::try_from(index).ok().and_then(|index| types.get(index)) else {
             return Err(reader.unexpected(offset, format!("one of the {} types of the file", types.len()), index));
         };
-        objects.push(read_object(reader, size, kind, objects.len())?);
+        let offset = reader.offset();
+        let modifier = match reader.integer(self.index_size, "the modifier of an object")? {
+            -1 => None,
+            index => match usize::try_from(index).ok().filter(|index| *index < own_index) {
+                Some(index) => Some(index),
+                None => return Err(reader.unexpected(offset, "a modifier defined before its object", index)),
+            },
+        };
+        let name = reader.string("the name of an object")?;
+        Ok(Some(Head { kind, modifier, name }))
     }
 }
 
-fn read_object<'a>(
-    reader: &mut Reader<'a>,
-    size: usize,
-    kind: &'a [u8],
-    own_index: usize,
-) -> Result<Object<'a>, FormatError> {
-    let offset = reader.offset();
-    let modifier = match reader.integer(size, "the modifier of an object")? {
-        -1 => None,
-        index => match usize::try_from(index).ok().filter(|index| *index < own_index) {
-            Some(index) => Some(index),
-            None => return Err(reader.unexpected(offset, "a modifier defined before its object", index)),
-        },
-    };
-    let name = reader.string("the name of an object")?.into();
-    let count = reader.count("the number of string arguments")?;
-    let mut strings = Vec::with_capacity(count);
-    for _ in 0..count {
-        strings.push(reader.string("a string argument")?.into());
-    }
-    let count = reader.count("the number of real arguments")?;
-    let mut reals = Vec::with_capacity(count);
-    for _ in 0..count {
-        reals.push(reader.float("a real argument")?);
-    }
-    Ok(Object { kind: kind.into(), modifier, name, strings, reals })
+/// Reads a list of types and the objects after it, up to the end mark.
+pub(crate) fn read_objects<'a>(reader: &mut Reader<'a>, index_size: usize) -> Result<Vec<Object<'a>>, FormatError> {
+    PackedObjects::read(reader, index_size).map(|packed| packed.to_vec())
 }
+
+fn read_arguments<'a>(reader: &mut Reader<'a>, object: &mut Object<'a>) -> Result<(), FormatError> {
+    object.strings.clear();
+    for _ in 0..reader.count(STRING_COUNT)? {
+        object.strings.push(reader.string(STRING)?.into());
+    }
+    object.reals.clear();
+    for _ in 0..reader.count(REAL_COUNT)? {
+        object.reals.push(reader.float(REAL)?);
+    }
+    Ok(())
+}
+
+/// Checks the arguments of an object.
+fn skip_arguments(reader: &mut Reader<'_>) -> Result<(), FormatError> {
+    for _ in 0..reader.count(STRING_COUNT)? {
+        reader.string(STRING)?;
+    }
+    let count = reader.count(REAL_COUNT)?;
+    reader.take(count * FLOAT_SIZE, REAL)?;
+    Ok(())
+}
+
+/// What stands after the name of an object, for messages.
+const STRING_COUNT: &str = "the number of string arguments";
+const STRING: &str = "a string argument";
+const REAL_COUNT: &str = "the number of real arguments";
+const REAL: &str = "a real argument";
 
 /// Writes the list of types, the objects and the end mark.
 pub(crate) fn write_objects(out: &mut Vec<u8>, objects: &[Object<'_>], size: usize) -> Result<(), FormatError> {

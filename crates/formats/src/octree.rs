@@ -6,7 +6,7 @@
 //! numbered in the order of the scene text, including modifiers and aliases.
 
 use crate::FormatError;
-use crate::object::{Object, read_objects, write_objects};
+use crate::object::{Object, PackedObjects, write_objects};
 use crate::portable::{Reader, push_integer, push_string};
 use crate::tree::{self, Tree};
 use radsight_picture::{Header, general};
@@ -23,9 +23,9 @@ const MAGIC: i64 = 283;
 /// Size of an object index in bytes, as Radiance writes it.
 const INDEX_SIZE: usize = 4;
 
-/// An octree file without its tree of cubes.
+/// An octree file without its tree of cubes. The primitives of a frozen octree are of type `O`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Octree<'a> {
+pub struct Octree<'a, O = Vec<Object<'a>>> {
     /// The information header.
     pub header: Header,
     /// The corner of the cube with the smallest coordinates.
@@ -35,16 +35,16 @@ pub struct Octree<'a> {
     /// Number of primitives.
     pub object_count: usize,
     /// Where the primitives are.
-    pub content: OctreeContent<'a>,
+    pub content: OctreeContent<'a, O>,
 }
 
 /// Where the primitives of an octree are stored.
 #[derive(Clone, Debug, PartialEq)]
-pub enum OctreeContent<'a> {
+pub enum OctreeContent<'a, O = Vec<Object<'a>>> {
     /// In scene files, or commands after `!`.
     Files(Vec<&'a [u8]>),
     /// In the octree itself: it is frozen.
-    Objects(Vec<Object<'a>>),
+    Objects(O),
 }
 
 impl<'a> Octree<'a> {
@@ -59,24 +59,12 @@ impl<'a> Octree<'a> {
     /// # Errors
     /// When the bytes are not a complete octree.
     pub fn read(bytes: &'a [u8]) -> Result<Self, FormatError> {
-        let (header, mut reader) = Reader::new(bytes, OCTREE_FORMAT)?;
-        let size = index_size(&mut reader, MAGIC)?;
-        let (origin, edge) = read_cube(&mut reader)?;
-        let mut files = Vec::new();
-        loop {
-            match reader.string("the name of a scene file")? {
-                b"" => break,
-                name => files.push(name),
-            }
-        }
-        let object_count = reader.integer_in(size, 0..=i64::from(i32::MAX), "the number of objects")?;
-        tree::skip(&mut reader, size)?;
-        let content = if files.is_empty() {
-            OctreeContent::Objects(read_objects(&mut reader, size)?)
-        } else {
-            OctreeContent::Files(files)
+        let Octree { header, origin, size, object_count, content } = Octree::read_packed(bytes)?;
+        let content = match content {
+            OctreeContent::Files(files) => OctreeContent::Files(files),
+            OctreeContent::Objects(packed) => OctreeContent::Objects(packed.to_vec()),
         };
-        Ok(Octree { header, origin, size: edge, object_count, content })
+        Ok(Octree { header, origin, size, object_count, content })
     }
 
     /// Writes an octree in the form that Radiance's programs read.
@@ -99,6 +87,33 @@ impl<'a> Octree<'a> {
             write_objects(&mut out, objects, INDEX_SIZE)?;
         }
         Ok(out)
+    }
+}
+
+impl<'a> Octree<'a, PackedObjects<'a>> {
+    /// Reads an octree whose primitives are unpacked one by one.
+    ///
+    /// # Errors
+    /// When the bytes are not a complete octree.
+    pub fn read_packed(bytes: &'a [u8]) -> Result<Self, FormatError> {
+        let (header, mut reader) = Reader::new(bytes, OCTREE_FORMAT)?;
+        let size = index_size(&mut reader, MAGIC)?;
+        let (origin, edge) = read_cube(&mut reader)?;
+        let mut files = Vec::new();
+        loop {
+            match reader.string("the name of a scene file")? {
+                b"" => break,
+                name => files.push(name),
+            }
+        }
+        let object_count = reader.integer_in(size, 0..=i64::from(i32::MAX), "the number of objects")?;
+        tree::skip(&mut reader, size)?;
+        let content = if files.is_empty() {
+            OctreeContent::Objects(PackedObjects::read(&mut reader, size)?)
+        } else {
+            OctreeContent::Files(files)
+        };
+        Ok(Octree { header, origin, size: edge, object_count, content })
     }
 }
 

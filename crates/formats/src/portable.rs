@@ -5,9 +5,13 @@
 use crate::FormatError;
 use radsight_picture::Header;
 use std::borrow::Cow;
+use std::ffi::CStr;
 
 /// The mantissa that represents one.
 const FULL_MANTISSA: f64 = 0x7fff_ffff as f64;
+
+/// Size of a float in bytes.
+pub(crate) const FLOAT_SIZE: usize = 5;
 
 /// A reader that advances from the start of a file to its end.
 #[derive(Clone, Debug)]
@@ -81,7 +85,7 @@ impl<'a> Reader<'a> {
 
     /// A four-byte mantissa and a one-byte exponent. Half a unit is added, since writing truncates.
     pub(crate) fn float(&mut self, what: &'static str) -> Result<f64, FormatError> {
-        let Some((mantissa, [exponent])) = self.take(5, what)?.split_first_chunk() else { return Ok(0.0) };
+        let Some((mantissa, [exponent])) = self.take(FLOAT_SIZE, what)?.split_first_chunk() else { return Ok(0.0) };
         let (mantissa, exponent) = (i32::from_be_bytes(*mantissa), i8::from_be_bytes([*exponent]));
         if mantissa == 0 {
             return Ok(0.0);
@@ -93,11 +97,11 @@ impl<'a> Reader<'a> {
     /// A string without its terminating zero.
     pub(crate) fn string(&mut self, what: &'static str) -> Result<&'a [u8], FormatError> {
         let rest = &self.bytes[self.offset..];
-        let Some(length) = rest.iter().position(|byte| *byte == 0) else {
+        let Ok(string) = CStr::from_bytes_until_nul(rest) else {
             return Err(FormatError::Truncated { offset: self.bytes.len(), expected: what.into() });
         };
-        self.offset += length + 1;
-        Ok(&rest[..length])
+        self.offset += string.count_bytes() + 1;
+        Ok(string.to_bytes())
     }
 
     /// A finite number written as a string.

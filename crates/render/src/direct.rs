@@ -7,7 +7,7 @@ use crate::trace::path_state::MediumId;
 use glam::DVec3;
 use radsight_accel::{Beam, PrimitiveId, Shaft};
 use radsight_bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
-use radsight_compile::{RenderPlan, VisibilityClass, VisiblePortals, emission, given};
+use radsight_compile::{RenderPlan, VisibilityClass, VisiblePortals, emission, given, uniform_emission};
 use radsight_light::{Light, LightForm, LightSample, LightTree, MOST_SAMPLES, Reception, TreeCut};
 use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, product};
@@ -457,10 +457,12 @@ impl DirectSampler<'_> {
         }
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
-        let interaction = self.interaction(light, sample);
-        let radiance: [f64; BANDS] =
-            given(emission(&plan.scene, shader, emitter, &interaction, &mut tracer.workspace.scratch));
-        radiance.map(|band| in_range * band)
+        // Most lights need no interaction.
+        let radiance = uniform_emission(shader, emitter).unwrap_or_else(|| {
+            let interaction = self.interaction(light, sample);
+            emission(&plan.scene, shader, emitter, &interaction, &mut tracer.workspace.scratch)
+        });
+        given(radiance).map(|band: f64| in_range * band)
     }
 
     /// The interaction of a ray from the point with the light.

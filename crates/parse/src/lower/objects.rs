@@ -9,8 +9,28 @@ use crate::placement::Placement;
 use crate::syntax::{Alias, Item, Primitive, SyntaxError, Word};
 use crate::write::Quoted;
 use radsight_diag::Span;
-use radsight_formats::Object;
+use radsight_formats::{Object, PackedObjects};
 use std::fmt::{Display, Write};
+use std::ops::ControlFlow;
+
+/// The primitives of a compiled file.
+pub(super) trait Objects {
+    /// Calls `visit` for each of them, with the name of its modifier, until it breaks.
+    fn visit(&self, visit: &mut dyn FnMut(&Object<'_>, Option<&[u8]>) -> ControlFlow<()>);
+}
+
+impl Objects for [Object<'_>] {
+    fn visit(&self, visit: &mut dyn FnMut(&Object<'_>, Option<&[u8]>) -> ControlFlow<()>) {
+        let modifier = |object: &Object<'_>| object.modifier.map(|index| &*self[index].name);
+        let _ = self.iter().try_for_each(|object| visit(object, modifier(object)));
+    }
+}
+
+impl Objects for PackedObjects<'_> {
+    fn visit(&self, visit: &mut dyn FnMut(&Object<'_>, Option<&[u8]>) -> ControlFlow<()>) {
+        self.for_each(visit);
+    }
+}
 
 impl Reader<'_> {
     /// Reads objects as if they stood in a scene text of this name. A modifier is the primitive of
@@ -18,23 +38,24 @@ impl Reader<'_> {
     pub(super) fn read_objects(
         &mut self,
         name: String,
-        objects: &[Object<'_>],
+        objects: &(impl Objects + ?Sized),
         included_at: Option<Span>,
         mut each: impl FnMut(&mut Self, &Object<'_>),
     ) {
         let source = self.sources.add(name, &b""[..], included_at);
         let context = Context::new(Placement::default(), String::new());
         let mut heads = Heads::default();
-        for object in objects {
+        objects.visit(&mut |object, modifier| {
             let length = heads.text.len();
-            let item = heads.item(objects, object);
+            let item = heads.item(modifier.unwrap_or(b"void"), object);
             self.item(item, Here { source, context: &context });
             each(self, object);
             let added = heads.text.len() - length;
             if self.is_stopped || !self.count_bytes(added + 2 * object.reals.len(), included_at) {
-                break;
+                return ControlFlow::Break(());
             }
-        }
+            ControlFlow::Continue(())
+        });
         if heads.text.len() > self.options.longest_kept_text {
             self.long_texts.push(source);
         }
@@ -53,9 +74,8 @@ struct Heads {
 }
 
 impl Heads {
-    /// Appends the head of an object, and makes an item of it.
-    fn item<'a>(&'a mut self, objects: &[Object<'_>], object: &'a Object<'_>) -> Result<Item<'a>, SyntaxError> {
-        let parent = object.modifier.map_or(&b"void"[..], |index| &objects[index].name);
+    /// Appends the head of an object with this modifier, and makes an item of it.
+    fn item<'a>(&'a mut self, parent: &[u8], object: &'a Object<'_>) -> Result<Item<'a>, SyntaxError> {
         if *object.kind == *b"alias" {
             return Ok(Item::Alias(self.alias(parent, object)));
         }

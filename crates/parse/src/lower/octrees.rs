@@ -7,7 +7,7 @@ use super::reader::{Context, Here, Reader};
 use crate::placement::Placement;
 use glam::DVec3;
 use radsight_diag::{Diagnostic, SourceId, Span};
-use radsight_formats::{Octree, OctreeContent};
+use radsight_formats::{Octree, OctreeContent, PackedObjects};
 use radsight_ir::{BsdfData, Cube, DataGrid, Font, Handle, OctreeScene, PictureData, Scene};
 use radsight_loader::{FileKind, Loader};
 use std::collections::HashMap;
@@ -51,7 +51,7 @@ impl Reader<'_> {
 
     /// Reads an octree as the scene or a part of it.
     pub(super) fn read_octree(&mut self, path: &str, bytes: &[u8]) {
-        match Octree::read(bytes) {
+        match Octree::read_packed(bytes) {
             Ok(octree) => {
                 let history = octree.header.history();
                 let lines = history.lines().filter(|line| !line.starts_with(b"#?"));
@@ -105,7 +105,7 @@ impl Reader<'_> {
         if !self.count_bytes(loaded.bytes.len(), Some(file.span)) {
             return None;
         }
-        match Octree::read(&loaded.bytes) {
+        match Octree::read_packed(&loaded.bytes) {
             Ok(octree) => {
                 let cube = Cube { origin: DVec3::from_array(octree.origin), size: octree.size };
                 self.octrees.active.push(file.text.clone());
@@ -144,7 +144,7 @@ impl Reader<'_> {
         std::mem::swap(&mut self.numberer, &mut aside.numberer);
     }
 
-    fn read_content(&mut self, path: &str, octree: &Octree<'_>, placed_at: Option<Span>) {
+    fn read_content(&mut self, path: &str, octree: &Octree<'_, PackedObjects<'_>>, placed_at: Option<Span>) {
         match &octree.content {
             OctreeContent::Objects(objects) => {
                 self.read_objects(format!("<objects of {path}>"), objects, placed_at, |_, _| {});

@@ -76,8 +76,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                     _ => HighlightShape::Mirror,
                 };
                 let color = colored(glossy, appearance.color);
-                let point = Bsdf::glossy(glossy, shape, color, -interaction.direction, interaction.normal, normal)
-                    .with_threshold(glossy, self.plan.options.highlight_threshold);
+                let mut point = Bsdf::glossy(glossy, shape, color, -interaction.direction, interaction.normal, normal);
+                point.set_threshold(glossy, self.plan.options.highlight_threshold);
                 if point.mirror.iter().any(|band| *band > 0.0) {
                     let direction = point.mirror_direction();
                     self.specular(path, hit, direction, point.mirror, Passage::Other);
