@@ -18,7 +18,7 @@ use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
 use lamps::FlickeringScenes;
 use radsight_camera::CameraFile;
-use radsight_capture::{ErrorTarget, Exposer, Exposure, LightByRow};
+use radsight_capture::{ErrorTarget, Exposer, Exposure, LightByRow, Stop};
 use radsight_output::interrupt;
 use radsight_picture::{Header, Image};
 use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
@@ -219,10 +219,11 @@ fn say_result(exposure: &Exposure, arguments: &Capture, remainder: Remainder) {
     }
     let asked = arguments.error.unwrap_or(DEFAULT_ERROR);
     if let Some(error) = exposure.estimated_error.filter(|error| *error > 1.05 * asked) {
-        say(&format!(
-            "radsight: note: the estimated error is {:.3} %, more than requested; every pixel has its maximum number of rays\n",
-            100.0 * error
-        ));
+        let why = match exposure.stopped {
+            Some(Stop::Shared) => "what is left is due to rays that pixels share, and no number of rays lowers it",
+            _ => "every pixel has its maximum number of rays",
+        };
+        say(&format!("radsight: note: the estimated error is {:.3} %, more than requested; {why}\n", 100.0 * error));
     }
 }
 

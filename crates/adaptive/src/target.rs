@@ -28,6 +28,8 @@ impl ErrorTarget {
 pub enum Stop {
     /// The maximum number of rays per pixel, or of passes, was reached.
     Rays,
+    /// What is left is the error of light that pixels share, which more rays do not lower.
+    Shared,
     /// The time limit was reached, or the user stopped it.
     Time,
 }

@@ -9,7 +9,7 @@ use crate::shared_rays::{DERIVATIVE_ERROR, UnblurredFilm};
 use crate::{Exposer, Workers};
 use glam::DVec2;
 use radsight_adaptive::{
-    ErrorEstimate, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState, begin, ray_number, refine,
+    ErrorEstimate, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState, begin, double, ray_number, refine,
 };
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 use std::collections::BTreeMap;
@@ -18,6 +18,11 @@ use std::sync::Arc;
 
 /// Ray numbers begin at this pixel, so that their samples are independent of others.
 const FIRST_PIXEL: u64 = 1 << 42;
+
+/// First rays to all uneven parts of a film together, and the most to one of them. What hardly any ray
+/// hits must be known before the rays are distributed.
+const FIRST_RAYS: usize = 1 << 17;
+const MOST_FIRST: usize = 256;
 
 /// The light of the images of a film.
 #[derive(Debug)]
@@ -69,7 +74,15 @@ impl FilmImageLight {
     pub(crate) fn begin(sampler: &AdaptiveSampler<'_>, images: &Arc<FilmImages>, film: &Arc<UnblurredFilm>) -> Self {
         let (images, film) = (images.clone(), film.clone());
         let mut state = SamplingState::new(images.parts().len());
-        begin(&PartSource { sampler, images: &images, film: &film }, &mut state);
+        let source = PartSource { sampler, images: &images, film: &film };
+        begin(&source, &mut state);
+        let parts = images.parts().iter().enumerate();
+        let uneven: Vec<usize> = parts.filter(|(_, part)| images.is_uneven(part)).map(|(index, _)| index).collect();
+        let first = (FIRST_RAYS / uneven.len().max(1)).min(MOST_FIRST);
+        while uneven.first().is_some_and(|part| 2 * state.pixels[*part].samples as usize <= first) && !source.stops() {
+            state.pending.clone_from(&uneven);
+            double(&source, &mut state);
+        }
         FilmImageLight { images, film, state }
     }
 
@@ -97,10 +110,11 @@ impl FilmImageLight {
     fn spread(&self, sampler: &AdaptiveSampler<'_>, errors: &PartErrors<'_>) -> ExposedImages {
         let mut pixels: BTreeMap<usize, PixelLight> = BTreeMap::new();
         for parts in self.images.by_image() {
-            let slope = self.slope(parts.clone(), errors);
+            let (slope, uncertainty) = self.slope(parts.clone(), errors);
             for index in parts {
                 let known = &self.images.parts()[index];
-                let part = PartLight::new(known, &self.state.pixels[index], errors.of_light(index), slope);
+                let samples = &self.state.pixels[index];
+                let part = PartLight::new(known, samples, errors.of_light(index), (slope, uncertainty));
                 self.images.for_each_pixel(sampler.exposer.rays, (index, part.center), |pixel, overlap| {
                     pixels.entry(pixel).or_default().add(&part, overlap);
                 });
@@ -109,16 +123,16 @@ impl FilmImageLight {
         // The samples are those of all pixels together.
         let each = self.samples() as f64 / pixels.len().max(1) as f64;
         let error = |light: &PixelLight| PixelError {
-            squared: light.noise + (DERIVATIVE_ERROR * light.by_slope).powi(2),
+            squared: light.noise + light.of_slope.powi(2),
             gain: 0.5,
             samples: each.round() as u32,
         };
         ExposedImages { pixels: pixels.iter().map(|(pixel, light)| (*pixel, light.value, error(light))).collect() }
     }
 
-    /// Relative derivative of the light of some parts by the point of the pinhole, per radius. An
-    /// estimate within its noise is shrunk (James and Stein 1961).
-    fn slope(&self, parts: Range<usize>, errors: &PartErrors<'_>) -> DVec2 {
+    /// Relative derivative of the light of some parts by the point of the pinhole, per radius, and its
+    /// relative error. An estimate within its noise is shrunk (James and Stein 1961).
+    fn slope(&self, parts: Range<usize>, errors: &PartErrors<'_>) -> (DVec2, f64) {
         let [mut light, mut noise] = [0.0; 2];
         let mut moment = DVec2::ZERO;
         for index in parts {
@@ -132,8 +146,13 @@ impl FilmImageLight {
         // Over the unit disk the mean of p·pᵀ is ¼.
         let slope = 4.0 * moment / light;
         let of_noise = 8.0 * noise / (light * light);
-        let kept = 1.0 - of_noise / slope.length_squared();
-        if kept > 0.0 && slope.is_finite() { kept * slope } else { DVec2::ZERO }
+        let relative = of_noise / slope.length_squared();
+        if !(relative < 1.0 && slope.is_finite()) {
+            return (DVec2::ZERO, 0.0);
+        }
+        // Second derivatives are about the square of the first: those of an exponential function.
+        let curved = 0.5 * slope.length();
+        ((1.0 - relative) * slope, (relative + curved * curved).sqrt().min(DERIVATIVE_ERROR))
     }
 }
 
@@ -142,15 +161,17 @@ struct PartLight {
     light: f64,
     center: DVec2,
     slope: DVec2,
+    /// Relative error of the slope.
+    uncertainty: f64,
     /// Squared error of the light.
     squared: f64,
 }
 
 impl PartLight {
-    fn new(part: &ImagePart, samples: &Part, squared: f64, slope: DVec2) -> PartLight {
+    fn new(part: &ImagePart, samples: &Part, squared: f64, (slope, uncertainty): (DVec2, f64)) -> PartLight {
         let light = samples.mean();
         let center = if light > 0.0 { samples.sums.center / samples.sums.light } else { part.center };
-        PartLight { light, center, slope, squared }
+        PartLight { light, center, slope, uncertainty, squared }
     }
 }
 
@@ -160,15 +181,15 @@ struct PixelLight {
     value: f64,
     /// Squared error due to noise.
     noise: f64,
-    /// What the dependence on the point of the pinhole adds.
-    by_slope: f64,
+    /// Error of what the dependence on the point of the pinhole adds.
+    of_slope: f64,
 }
 
 impl PixelLight {
     fn add(&mut self, part: &PartLight, overlap: DiskOverlap) {
         let by_slope = part.light * part.slope.dot(overlap.moment);
         self.value += part.light * overlap.area + by_slope;
-        self.by_slope += by_slope;
+        self.of_slope += part.uncertainty * by_slope;
         self.noise += part.squared * overlap.area * overlap.area;
     }
 }
@@ -198,7 +219,9 @@ impl<'p> PartErrors<'p> {
         });
         let of_part = |(part, samples): (&ImagePart, &Part)| {
             let (relative, gain) = pooled[usize::from(images.is_in_region(part))];
-            unit_error(samples, relative * part.expected * part.expected, gain, part.squared_weights)
+            let own = if images.is_uneven(part) { samples.last * f64::from(samples.samples) } else { 0.0 };
+            let near = f64::max(relative * part.expected * part.expected, own);
+            unit_error(samples, near, gain, part.squared_weights)
         };
         PartErrors { parts, errors: parts.iter().zip(samples).map(of_part).collect() }
     }

@@ -13,7 +13,7 @@ use crate::Exposer;
 use crate::curved_image::CurvedImage;
 use crate::disk_overlap::{DiskOverlap, Parallelogram};
 use crate::image_region::ImageRegion;
-use crate::region_search::RegionSearch;
+use crate::region_search::{FoundRegion, RegionSearch};
 use crate::shared_rays::{FilmRay, UnblurredFilm};
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Rays};
@@ -35,6 +35,8 @@ pub(crate) struct FilmImages {
     region: Option<ImageRegion>,
     /// How the light of a point of the film is spread.
     film_blur: ImageBlur,
+    /// Whether dielectrics show some of the images of the region, others more dimly.
+    divides_rays: bool,
 }
 
 /// An image on the film.
@@ -56,6 +58,10 @@ struct ImageBlur {
     by_pinhole: DMat2,
     inverse: DMat2,
 }
+
+/// Images may be seen that were not searched.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct UnknownImages;
 
 /// A part of an image that is small on the picture.
 #[derive(Clone, Debug)]
@@ -103,17 +109,20 @@ impl ImagePart {
 
 impl FilmImages {
     /// `None` where the film shows no image. `allowed` is the squared error that images may add to
-    /// pixels, relative to the squared mean exposure.
+    /// pixels, relative to the squared mean exposure. Fails where dielectrics may show images that
+    /// were not searched: hardly any ray meets them, and nobody would miss them.
     pub(crate) fn new(
         exposer: &Exposer<'_>,
         film: &UnblurredFilm,
         curved: &[CurvedImage],
         allowed: f64,
-    ) -> Option<FilmImages> {
+    ) -> Result<Option<FilmImages>, UnknownImages> {
         let rays = exposer.rays;
         let near = vec![Vec::new(); film.pixel_count()];
         let film_blur = ImageBlur::new(DMat2::from_diagonal(film.shift()));
-        let mut found = FilmImages { images: Vec::new(), parts: Vec::new(), near, region: None, film_blur };
+        let divides_rays = exposer.renderer.plan().divides_rays();
+        let (images, parts) = (Vec::new(), Vec::new());
+        let mut found = FilmImages { images, parts, near, region: None, film_blur, divides_rays };
         for image in curved.iter().filter_map(|curved| FilmImage::new(rays, curved)) {
             found.add(rays, film, image);
         }
@@ -121,10 +130,12 @@ impl FilmImages {
             let seen = film.ray_to_point(rays, point, DVec2::ZERO);
             seen.is_some_and(|seen| found.are_shown_by(rays, &seen))
         };
-        if let Some(region) = RegionSearch::new(exposer, film, is_known).region(allowed) {
-            found.add_region(rays, film, region);
+        match RegionSearch::new(exposer, film, is_known).region(allowed) {
+            FoundRegion::Lit(region) => found.add_region(rays, film, region),
+            FoundRegion::Unknown if divides_rays => return Err(UnknownImages),
+            FoundRegion::Dark | FoundRegion::Unknown => {}
         }
-        (!found.parts.is_empty()).then_some(found)
+        Ok((!found.parts.is_empty()).then_some(found))
     }
 
     /// Adds the region of other images.
@@ -141,6 +152,11 @@ impl FilmImages {
     /// Whether a part is one of the region where images are not known.
     pub(crate) fn is_in_region(&self, part: &ImagePart) -> bool {
         part.image == self.images.len()
+    }
+
+    /// Whether a part may show images of which some are much dimmer than expected, or much brighter.
+    pub(crate) fn is_uneven(&self, part: &ImagePart) -> bool {
+        self.divides_rays && self.is_in_region(part)
     }
 
     /// Adds an image if the picture shows any of it.

@@ -13,11 +13,12 @@ use crate::image_region::{ImageRegion, MAX_LEVEL, RegionSquare};
 use crate::shared_rays::UnblurredFilm;
 use glam::{DMat2, DVec2, DVec3, UVec2, Vec2};
 use radsight_adaptive::ray_number;
-use radsight_render::{CountedLight, LastReflection, MAX_MIRRORED_LIGHTS, Ray, RayWorker, light_offset};
+use radsight_render::{CountedLight, MAX_MIRRORED_LIGHTS, Ray, RayWorker, SpecularEnd, light_offset};
 use rustc_hash::FxHashMap;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// How far from the corners of a square a light may be, relative to their extent, since the map to
 /// the light's plane is not linear.
@@ -82,14 +83,36 @@ impl PartialOrd for Candidate {
 }
 
 /// The ray through a corner of squares.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Corner {
-    /// Number of mirrors to which it leads.
+    /// The greatest number of mirrors to which it leads.
     mirrors: usize,
+    /// Its ends.
+    ends: Range<usize>,
+}
+
+/// An end of a corner's ray.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    /// [`SpecularEnd::chain`].
+    chain: u32,
+    /// Fraction of a light's radiance that it shows, squared.
+    squared_weight: f64,
     /// Index of the first of its offsets; `None` where it passes no light.
     offsets: Option<usize>,
     /// The last mirror.
     origin: DVec3,
+}
+
+/// What a search finds.
+#[derive(Debug)]
+pub(crate) enum FoundRegion {
+    /// Hardly any light is expected.
+    Dark,
+    /// Where unknown images may be seen.
+    Lit(ImageRegion),
+    /// There is too much to search.
+    Unknown,
 }
 
 /// What is known of the images of a film before the search.
@@ -104,10 +127,10 @@ pub(crate) struct RegionSearch<'s, K> {
     towards: Vec<DVec3>,
     /// In the order in which they were traced.
     corners: Vec<Corner>,
+    ends: Vec<End>,
     /// By their place in sides of the smallest squares.
     by_place: FxHashMap<UVec2, usize>,
-    /// Where the rays of corners pass the lights, in radii from their centres; all lights of a corner
-    /// together.
+    /// Where the ends pass the lights, in radii from their centres; all lights of an end together.
     offsets: Vec<Option<Vec2>>,
     squares: Vec<RegionSquare>,
     /// Of each square, the indices of its corners, in turn around it.
@@ -127,6 +150,7 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
             is_known,
             towards: lights.map(|light| (light.center - position).normalize_or(DVec3::Z)).collect(),
             corners: Vec::new(),
+            ends: Vec::new(),
             by_place: FxHashMap::default(),
             offsets: Vec::new(),
             squares: Vec::new(),
@@ -135,16 +159,18 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
         }
     }
 
-    /// The region of the film that may show unknown images; `None` where hardly any light is expected.
-    /// `allowed` is the squared error that images may add to pixels, relative to the squared mean.
-    pub(crate) fn region(mut self, allowed: f64) -> Option<ImageRegion> {
-        let pixels = self.mirroring_pixels();
-        self.add_pixels(&pixels)?;
+    /// The region of the film that may show unknown images. `allowed` is the squared error that images
+    /// may add to pixels, relative to the squared mean.
+    pub(crate) fn region(mut self, allowed: f64) -> FoundRegion {
+        let Some(pixels) = self.mirroring_pixels() else { return FoundRegion::Unknown };
+        if self.add_pixels(&pixels).is_none() {
+            return FoundRegion::Unknown;
+        }
         let mut rms_light: f64 = self.squares.iter().map(RegionSquare::rms_light).sum();
         let rays_needed = if rms_light > 0.0 { self.rays_needed(allowed) } else { 0.0 };
         let is_needed = |rms_light: f64| rms_light * rms_light * rays_needed > MIN_RAYS;
         if !is_needed(rms_light) {
-            return None;
+            return FoundRegion::Dark;
         }
         while let Some(Candidate { gain, square, extent }) = self.waiting.pop() {
             let saved = 2.0 * rms_light * gain * rays_needed;
@@ -153,7 +179,9 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
             }
             rms_light += self.divide(square, extent);
         }
-        if is_needed(rms_light) { ImageRegion::new(self.squares, pixels, self.film.size()[0]) } else { None }
+        let columns = self.film.size()[0];
+        let region = is_needed(rms_light).then(|| ImageRegion::new(self.squares, pixels, columns)).flatten();
+        region.map_or(FoundRegion::Dark, FoundRegion::Lit)
     }
 
     /// Adds the squares of pixels, divided as often as their number allows. `None` where there are too many,
@@ -200,10 +228,11 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
     }
 
     /// The pixels of the film that see a mirror, and near which a corner of a pixel sees one in another.
-    fn mirroring_pixels(&mut self) -> Vec<usize> {
+    /// `None` where there are too many, or too many lights.
+    fn mirroring_pixels(&mut self) -> Option<Vec<usize>> {
         let near_reflectors = self.pixels_near_reflectors();
-        if near_reflectors.len() > self.max_rays() {
-            return Vec::new();
+        if self.towards.len() > MAX_MIRRORED_LIGHTS || near_reflectors.len() > self.max_rays() {
+            return None;
         }
         // The most mirrors to which a corner leads, by pixel.
         let mut mirrors = vec![0; self.film.pixel_count()];
@@ -215,14 +244,15 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
             let middle = self.film.picture_point(self.film.corner(pixel) + 0.5);
             self.film.pixels_around(middle, DVec2::splat(DOUBLY_NEAR)).any(|near| mirrors[near] > 1)
         };
-        near_reflectors.into_iter().filter(|pixel| mirrors[*pixel] > 0 && is_doubly_near(*pixel)).collect()
+        Some(near_reflectors.into_iter().filter(|pixel| mirrors[*pixel] > 0 && is_doubly_near(*pixel)).collect())
     }
 
-    /// The pixels of the film that may see a mirror, by the cones around them.
+    /// The pixels of the film that may see a mirror, by the cones around them. Any may see a pane.
     fn pixels_near_reflectors(&self) -> Vec<usize> {
         let (film, rays) = (self.film, self.exposer.rays);
-        let reflectors = &self.exposer.renderer.plan().reflectors;
-        if reflectors.is_empty() || self.towards.len() > MAX_MIRRORED_LIGHTS {
+        let plan = self.exposer.renderer.plan();
+        let (reflectors, has_panes) = (&plan.reflectors, plan.has_panes());
+        if reflectors.is_empty() && !has_panes || self.towards.len() > MAX_MIRRORED_LIGHTS {
             return Vec::new();
         }
         let is_near = |pixel: &usize| {
@@ -231,7 +261,7 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
             // Pixels are not exactly square.
             let around = 2.0 * corner.direction.distance(middle.direction);
             let meets = |(axis, reach): (DVec3, f64)| axis.distance(middle.direction) <= reach + around;
-            reflectors.iter().any(|reflector| reflector.cone(middle.origin).is_none_or(meets))
+            has_panes || reflectors.iter().any(|reflector| reflector.cone(middle.origin).is_none_or(meets))
         };
         (0..film.pixel_count()).filter(|pixel| film.share(*pixel) > 0.0).filter(is_near).collect()
     }
@@ -260,7 +290,7 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
 
     /// Adds a square, from its corners, in one whose corners have an extent `around`.
     fn add(&mut self, corner: UVec2, level: u32, (corners, around): ([usize; 4], f64)) {
-        let (lit, extent) = self.lit((corner, level), corners.map(|corner| self.corners[corner]), around);
+        let (lit, extent) = self.lit((corner, level), corners, around);
         let square = RegionSquare::new(corner, level, lit);
         if level < MAX_LEVEL && lit > 0.0 {
             let gain = square.area() * (lit.sqrt() - lit);
@@ -271,26 +301,33 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
     }
 
     /// The fraction of a square that may show a light of unknown images, and the extent of its corners.
-    fn lit(&self, (corner, level): (UVec2, u32), ends: [Corner; 4], around: f64) -> (f64, f64) {
+    /// What is seen dimly counts by its squared radiance.
+    fn lit(&self, (corner, level): (UVec2, u32), corners: [usize; 4], around: f64) -> (f64, f64) {
         let (unit, side) = (RegionSquare::side(MAX_LEVEL), RegionSquare::side(level));
         let is_known = |place: DVec2| (self.is_known)(unit * corner.as_dvec2() + side * place);
+        let ends = corners.map(|corner| &self.ends[self.corners[corner].ends.clone()]);
         let (mut lit, mut extent) = (0.0, 0.0_f64);
-        for (first, Corner { mirrors, .. }) in ends.iter().enumerate() {
-            let is_same = |end: &Corner| end.mirrors == *mirrors;
-            let same = ends.map(|end| end.offsets.filter(|_| is_same(&end)));
-            if ends[..first].iter().any(is_same) || same.iter().all(Option::is_none) {
+        for (first, End { chain, squared_weight, .. }) in
+            ends.iter().enumerate().flat_map(|(first, ends)| ends.iter().map(move |end| (first, end)))
+        {
+            let same = ends.map(|ends| ends.iter().find(|end| end.chain == *chain));
+            if same[..first].iter().any(Option::is_some) {
+                continue;
+            }
+            let offsets = same.map(|end| end.and_then(|end| end.offsets));
+            if offsets.iter().all(Option::is_none) {
                 continue;
             }
             for light in 0..self.towards.len() {
                 let offset = |offsets: usize| self.offsets[offsets + light];
-                let corners = same.map(|offsets| offsets.and_then(offset));
+                let corners = offsets.map(|offsets| offsets.and_then(offset));
                 if is_far(corners) {
                     continue;
                 }
                 let passing = Passing::new(corners.map(|offset| offset.map(Vec2::as_dvec2)), around);
                 let fraction = passing.lit();
                 if fraction > 0.0 && !passing.place().is_some_and(is_known) {
-                    lit += fraction;
+                    lit += squared_weight * fraction;
                     extent = extent.max(passing.extent);
                 }
             }
@@ -325,19 +362,29 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
     /// The ray that sees a point of the film through the middle of the pinhole; `None` where it meets no
     /// mirror.
     fn traced(&mut self, at: UVec2) -> Option<Corner> {
-        let plan = self.exposer.renderer.plan();
         let ray = self.film.ray_of_point(self.exposer.rays, RegionSquare::side(MAX_LEVEL) * at.as_dvec2())?;
-        let LastReflection { mirrors, ray } = self.worker.last_reflection(&ray)?;
-        let first = self.offsets.len();
-        let offset = |(light, towards): (usize, &DVec3)| {
-            light_offset(plan, light, *towards, &ray).map(|offset| offset.as_vec2())
-        };
+        let mut ends = Vec::new();
+        self.worker.specular_ends(&ray, &mut ends);
+        let first = self.ends.len();
+        for SpecularEnd { chain, weight, ray, .. } in &ends {
+            let offsets = self.add_offsets(ray);
+            self.ends.push(End { chain: *chain, squared_weight: weight * weight, offsets, origin: ray.origin });
+        }
+        let mirrors = ends.iter().map(|end| end.mirrors).max()?;
+        Some(Corner { mirrors, ends: first..self.ends.len() })
+    }
+
+    /// Adds where a ray passes the lights, if it passes any; the index of the first offset.
+    fn add_offsets(&mut self, ray: &Ray) -> Option<usize> {
+        let (plan, first) = (self.exposer.renderer.plan(), self.offsets.len());
+        let offset =
+            |(light, towards): (usize, &DVec3)| light_offset(plan, light, *towards, ray).map(|offset| offset.as_vec2());
         self.offsets.extend(self.towards.iter().enumerate().map(offset));
         let passes_any = self.offsets[first..].iter().any(Option::is_some);
         if !passes_any {
             self.offsets.truncate(first);
         }
-        Some(Corner { mirrors, offsets: passes_any.then_some(first), origin: ray.origin })
+        passes_any.then_some(first)
     }
 
     /// The radiance of the brightest light, from where rays lead nearest to it.
@@ -345,9 +392,9 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
         let plan = self.exposer.renderer.plan();
         let mut brightest = 0.0_f64;
         for light in 0..self.towards.len() {
-            let passing = self.corners.iter().filter_map(|corner| {
-                let offset = self.offsets[corner.offsets? + light]?;
-                Some((offset.length_squared(), corner.origin))
+            let passing = self.ends.iter().filter_map(|end| {
+                let offset = self.offsets[end.offsets? + light]?;
+                Some((offset.length_squared(), end.origin))
             });
             let Some((_, origin)) = passing.min_by(|(a, _), (b, _)| a.total_cmp(b)) else { continue };
             let ray = Ray::new(origin, plan.lights[light].center - origin);

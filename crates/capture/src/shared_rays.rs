@@ -133,7 +133,7 @@ impl UnblurredFilm {
     pub(crate) fn new(exposer: &Exposer<'_>) -> Option<UnblurredFilm> {
         let (rays, plan) = (exposer.rays, exposer.renderer.plan());
         let camera = rays.camera();
-        if rays.hole() != Hole::Disk || !camera.is_plain_pinhole() || !plan.images_lights_by_mirrors_alone() {
+        if rays.hole() != Hole::Disk || !camera.is_plain_pinhole() || !plan.has_plain_surfaces_alone() {
             return None;
         }
         let radius = 0.5 * camera.pinhole_diameter_m();
@@ -159,7 +159,7 @@ impl UnblurredFilm {
     /// Whether it suits a scene that differs in some pixels of the picture: they can share rays.
     pub(crate) fn suits(&self, exposer: &Exposer<'_>, differs: impl Fn(usize) -> bool + Sync) -> bool {
         let extent = || union(self.focal_ratios, focal_ratios(exposer, differs));
-        exposer.renderer.plan().images_lights_by_mirrors_alone() && shared_focal_ratio(extent()).is_some()
+        exposer.renderer.plan().has_plain_surfaces_alone() && shared_focal_ratio(extent()).is_some()
     }
 
     /// The pixels of the picture into which marked pixels of the film are blurred.

@@ -16,7 +16,7 @@ use crate::adaptive::{
 use crate::audit::Audit;
 use crate::checkpoint::AdaptiveState;
 use crate::edges::{Edges, SearchedFilm};
-use crate::film_images::FilmImages;
+use crate::film_images::{FilmImages, UnknownImages};
 use crate::image_light::{ApartImages, ExposedImages, IMAGE_FRACTION};
 use crate::lattice::Lattice;
 use crate::shared_rays::{PinholeBlur, UnblurredFilm};
@@ -189,7 +189,7 @@ impl<'a> AdaptiveSampler<'a> {
 
     /// Finds the lattice and exposes it.
     fn on_lattice(&mut self, state: &mut AdaptiveState, target: ErrorTarget) -> Option<(Estimate, Option<Stop>)> {
-        self.images_apart = self.images_apart(target);
+        self.images_apart = self.images_apart(target).ok()?;
         let mut images = ApartImages::begin(self);
         let found = self.lattice().and_then(|(sparse, outlines)| {
             self.outlines = outlines;
@@ -202,17 +202,23 @@ impl<'a> AdaptiveSampler<'a> {
         found
     }
 
-    /// How the light of images is exposed with the film, if there is one.
-    fn images_apart(&self, target: ErrorTarget) -> ImagesApart {
-        let on_film = || {
-            let (film, curved) = (self.film.as_deref()?, self.images.curved_alone()?);
-            FilmImages::new(self.exposer, film, curved, IMAGE_FRACTION * (target.error / SELECTION_BIAS).powi(2))
-        };
-        match self.is_plain().then(on_film) {
-            Some(Some(images)) => ImagesApart::OnFilm(Arc::new(images)),
-            Some(None) if !self.images.is_empty() => ImagesApart::ByPixel,
-            _ => ImagesApart::No,
+    /// How the light of images is exposed with the film, if there is one. Fails where the film would
+    /// miss images.
+    fn images_apart(&self, target: ErrorTarget) -> Result<ImagesApart, UnknownImages> {
+        let allowed = IMAGE_FRACTION * (target.error / SELECTION_BIAS).powi(2);
+        if !self.is_plain() {
+            return Ok(ImagesApart::No);
         }
+        let on_film = match (&self.film, self.images.curved_alone()) {
+            (Some(film), Some(curved)) => FilmImages::new(self.exposer, film, curved, allowed)?,
+            (Some(_), None) if self.exposer.renderer.plan().divides_rays() => return Err(UnknownImages),
+            _ => None,
+        };
+        Ok(match on_film {
+            Some(images) => ImagesApart::OnFilm(Arc::new(images)),
+            None if !self.images.is_empty() => ImagesApart::ByPixel,
+            None => ImagesApart::No,
+        })
     }
 
     fn unblurred_film(&self) -> Option<Arc<UnblurredFilm>> {
@@ -310,7 +316,9 @@ impl<'a> AdaptiveSampler<'a> {
                 let estimates = (&mut estimate, picture.as_mut());
                 self.correct(estimates, (&sparse.lattice, &sparse.nodes), (&audited, blur.as_ref()), requested);
                 let images = images.map(|images| images.expose(self, squared, most));
-                return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(Stop::Rays)));
+                let is_exhausted = !has_passes || estimate.nodes.iter().any(|(_, error)| error.samples >= most);
+                let stop = if is_exhausted || self.film.is_none() { Stop::Rays } else { Stop::Shared };
+                return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(stop)));
             }
             sparse.refine(refined);
         }
@@ -401,8 +409,9 @@ impl<'a> AdaptiveSampler<'a> {
         let ratios = levels.iter().enumerate().map(ratio).collect();
         let is_smooth = edges.are_wider_than_pixels();
         let (edge_widths, outlines) = edges.into_widths_and_outlines();
-        let is_glossy = exposer.renderer.plan().scatters_glossily();
-        let pooling = if is_glossy { NoisePooling::WideFirst } else { NoisePooling::Near };
+        let plan = exposer.renderer.plan();
+        let has_rare_rays = plan.scatters_glossily() || plan.divides_rays();
+        let pooling = if has_rare_rays { NoisePooling::WideFirst } else { NoisePooling::Near };
         let sparse = Sparse { lattice, levels, nodes, is_smooth, ratios, edge_widths, pooling };
         if sparse.is_dense() { None } else { Some((sparse, outlines)) }
     }

@@ -61,6 +61,8 @@ pub struct RenderPlan {
     pub shadow_rays_interact: bool,
     /// Whether there are participating media.
     pub has_media: bool,
+    /// Whether there are media other than the inside of dielectrics.
+    pub has_mist: bool,
     /// Whether light sampling accounts for all light of lights, so that BSDF samples ignore it:
     /// mist attenuates the two differently.
     pub lights_are_covered: bool,

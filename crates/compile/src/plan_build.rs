@@ -57,7 +57,8 @@ impl RenderPlan {
             || geometry.holds_void(&scene, &shader_table, |id| shaders.get(id.0 as usize).is_some_and(is_bare));
         let veils = find_veils(&scene, &geometry, shader);
         let in_medium = !options.medium.extinction.is_black();
-        let has_media = in_medium || any(|kind| matches!(kind, Kind::Dielectric(_) | Kind::Mist(_)));
+        let has_mist = in_medium || any(|kind| matches!(kind, Kind::Mist(_)));
+        let has_media = has_mist || any(|kind| matches!(kind, Kind::Dielectric(_)));
         let stands_in = any(|kind| matches!(kind, Kind::Illum { .. } | Kind::Mirror { substitute: Some(_), .. }));
         let cut_shaders = all_cut(&shaders);
         let has_antimatter = any(|kind| matches!(kind, Kind::Antimatter(_)));
@@ -96,6 +97,7 @@ impl RenderPlan {
             veils,
             see_through: see_through || !may_skip(Skip::BehindShadows),
             shadow_rays_interact: shadow_rays_interact || !may_skip(Skip::RefractedShadows),
+            has_mist,
             has_media: has_media || !may_skip(Skip::Media),
             has_antimatter: has_antimatter || !may_skip(Skip::Antimatter),
             cut_shaders,

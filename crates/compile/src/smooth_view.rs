@@ -73,7 +73,7 @@ impl RenderPlan {
     /// mist. Neighbouring pixels are `spacing` apart, radians.
     #[must_use]
     pub fn smooth_view(&self, ray: &Ray, spacing: f64) -> Option<SmoothView> {
-        if self.has_media || self.has_antimatter || self.lights.len() > MOST_LIGHTS {
+        if self.has_mist || self.has_antimatter || self.lights.len() > MOST_LIGHTS {
             return None;
         }
         let Some(hit) = self.first_hit(ray, None) else {
@@ -97,22 +97,36 @@ impl RenderPlan {
         Some(view)
     }
 
-    /// Whether sharp images of lights can be seen in mirrors alone: nothing refracts, mixes or
-    /// scatters by a measured distribution. A material that spreads all light over directions, such
-    /// as brushed metal, shows no sharp image.
+    /// Whether radiance changes along rays at surfaces alone, or within dielectrics, and no surface mixes
+    /// materials, scatters by a measured distribution or is subtracted: what rays show of the scene
+    /// hardly depends on the point from which they look at it.
     #[must_use]
-    pub fn images_lights_by_mirrors_alone(&self) -> bool {
+    pub fn has_plain_surfaces_alone(&self) -> bool {
         let is_known = |kind: &Kind| match kind {
             Kind::Transparent
             | Kind::Emitter(_)
             | Kind::Glossy(_)
             | Kind::Retro(_)
             | Kind::Mirror { .. }
+            | Kind::Dielectric(_)
+            | Kind::Glass { .. }
             | Kind::Plugin(_) => true,
             Kind::Scatterer(scatterer) => !scatterer.may_be_specular(),
             _ => false,
         };
-        !self.has_media && !self.has_antimatter && self.shaders.iter().all(|shader| is_known(&shader.kind))
+        !self.has_mist && !self.has_antimatter && self.shaders.iter().all(|shader| is_known(&shader.kind))
+    }
+
+    /// Whether dielectrics or panes divide rays: lights are seen by way of both parts.
+    #[must_use]
+    pub fn divides_rays(&self) -> bool {
+        self.has_panes() || self.shaders.iter().any(|shader| matches!(shader.kind, Kind::Dielectric(_)))
+    }
+
+    /// Whether there are panes.
+    #[must_use]
+    pub fn has_panes(&self) -> bool {
+        self.shaders.iter().any(|shader| matches!(shader.kind, Kind::Glass { .. }))
     }
 
     /// Whether surfaces other than retroreflectors and perfect mirrors scatter light about a direction.

@@ -114,7 +114,8 @@ pub struct CapturedImage {
     pub exposure_j_per_m2: Vec<f64>,
     /// Estimated rms error of the pixels, relative to the mean exposure, if it was estimated.
     pub estimated_error: Option<f64>,
-    /// Whether the limit of rays per pixel stopped the work before the requested error was reached.
+    /// Whether the work ended before the requested error was reached: at the limit of rays per pixel, or
+    /// because more rays would not lower what is left.
     pub is_stopped: bool,
     /// Number of camera rays.
     pub rays: u64,

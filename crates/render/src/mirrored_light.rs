@@ -6,7 +6,7 @@
 //! (Hanika, Droske and Fascione 2015). Images that are not found are not lost: random rays still
 //! hit them.
 
-use crate::retrace::{MAX_LIGHTS, MAX_MIRRORS, MirroredRay};
+use crate::retrace::{MAX_LIGHTS, MirroredRay};
 use crate::specular_chain::SpecularEvent;
 use crate::specular_return::{TangentPlane, passing_point};
 use crate::trace::PathIntegrator;
@@ -15,6 +15,7 @@ use radsight_accel::Ray;
 use radsight_compile::{Kind, Reflector, RenderPlan};
 use radsight_ir::{Ring, Shape, SurfaceHandle};
 use radsight_light::{Light, LightForm};
+use std::ops::Range;
 
 /// Total number of rays over all mirrors, and minimum over the side of one.
 const MAX_RAYS: f64 = 1e5;
@@ -166,7 +167,7 @@ fn distinct(found: Vec<MirroredLight>) -> Vec<MirroredLight> {
     for image in found {
         let is_same = |other: &MirroredLight| {
             other.light == image.light
-                && other.events.len() == image.events.len()
+                && other.events == image.events
                 && other.direction.distance(image.direction) < SAME_IMAGE * image.size.max(other.size)
         };
         if !distinct.iter().any(is_same) {
@@ -176,8 +177,14 @@ fn distinct(found: Vec<MirroredLight>) -> Vec<MirroredLight> {
     distinct
 }
 
-/// Where one ray of the grid passes the light, by the number of mirrors before.
-type Passing = [Option<DVec2>; MAX_MIRRORS];
+/// Where the rays of a grid pass a light, by their chains.
+#[derive(Default)]
+struct Passings {
+    /// For each ray the range of its passings.
+    of_ray: Vec<Range<usize>>,
+    /// The chain, and the squared distance from the light's centre, in its radii.
+    all: Vec<(u32, f64)>,
+}
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The images of lights in curved mirrors that are found from a point.
@@ -211,7 +218,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let mut rays_at = |index: usize| {
             let direction = grid.direction(index);
             let is_hit = reflector.is_hit(&plan.geometry, &plan.scene, &Ray { origin: from, direction });
-            if is_hit { self.mirrored_rays((from, None), direction) } else { Vec::new() }
+            if is_hit { self.image_rays((from, None), direction) } else { Vec::new() }
         };
         let rays: Vec<_> = (0..grid.side * grid.side).map(&mut rays_at).collect();
         if rays.iter().all(Vec::is_empty) {
@@ -225,8 +232,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 let ray = Ray::new(from, direction);
                 ray.is_some_and(|ray| images.any(|image| image.is_in_plane_mirror(plan, &ray)))
             };
-            for (seed, mirrors) in nearest(&self.passings(light, &rays), grid.side) {
-                let (direction, events) = (grid.direction(seed), rays[seed][mirrors - 1].events.clone());
+            for (seed, chain) in self.passings(light, &rays).nearest(grid.side) {
+                let Some(ray) = rays[seed].iter().find(|ray| ray.chain == chain) else { continue };
+                let (direction, events) = (grid.direction(seed), ray.events.clone());
                 if !(events.len() == 1 && is_known(direction)) {
                     found.extend(self.mirrored_light(from, direction, (light, events)));
                 }
@@ -235,23 +243,20 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         found
     }
 
-    /// The distances of the rays of the grid from a light's centre, in its radii.
-    fn passings(&self, light: usize, grid: &[Vec<MirroredRay>]) -> Vec<Passing> {
+    fn passings(&self, light: usize, grid: &[Vec<MirroredRay>]) -> Passings {
         let light = &self.plan.lights[light];
-        let passing = |rays: &Vec<MirroredRay>| {
-            std::array::from_fn(|mirrors| {
-                let ray = &rays.get(mirrors)?.ray;
-                if light.misses(ray.origin) {
-                    return None;
-                }
-                let (position, radius) = passing_point(light, &TangentPlane::new(ray.direction), ray)?;
-                Some(position / radius)
-            })
+        let passing = |ray: &Ray| {
+            if light.misses(ray.origin) {
+                return None;
+            }
+            let (position, radius) = passing_point(light, &TangentPlane::new(ray.direction), ray)?;
+            Some((position / radius).length_squared())
         };
-        // Most rays of most grids meet no mirror.
-        let mut passings = vec![Passing::default(); grid.len()];
-        for (index, rays) in grid.iter().enumerate().filter(|(_, rays)| !rays.is_empty()) {
-            passings[index] = passing(rays);
+        let mut passings = Passings::default();
+        for rays in grid {
+            let first = passings.all.len();
+            passings.all.extend(rays.iter().filter_map(|ray| Some((ray.chain, passing(&ray.ray)?))));
+            passings.of_ray.push(first..passings.all.len());
         }
         passings
     }
@@ -303,20 +308,20 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 }
 
-/// The cells of a grid of `side`² whose rays pass nearer than those of their neighbours, and after
-/// how many mirrors.
-fn nearest(passings: &[Passing], side: usize) -> Vec<(usize, usize)> {
-    let distance = |index: usize, mirrors: usize| passings[index][mirrors].map(DVec2::length_squared);
-    let is_least = |index: usize, mirrors: usize, own: f64| {
-        let (column, row) = (index % side, index / side);
-        let rows = row.saturating_sub(1)..=(row + 1).min(side - 1);
-        rows.flat_map(|y| (column.saturating_sub(1)..=(column + 1).min(side - 1)).map(move |x| y * side + x))
-            .all(|other| distance(other, mirrors).is_none_or(|other| own <= other))
-    };
-    (0..passings.len())
-        .filter(|index| passings[*index].iter().any(Option::is_some))
-        .flat_map(|index| (0..MAX_MIRRORS).map(move |mirrors| (index, mirrors)))
-        .filter(|&(index, mirrors)| distance(index, mirrors).is_some_and(|own| is_least(index, mirrors, own)))
-        .map(|(index, mirrors)| (index, mirrors + 1))
-        .collect()
+impl Passings {
+    /// The rays of a grid of `side`² that pass nearer than those beside them, and by which chains.
+    fn nearest(&self, side: usize) -> Vec<(usize, u32)> {
+        let of_ray = |index: usize| &self.all[self.of_ray[index].clone()];
+        let is_least = |index: usize, chain: u32, own: f64| {
+            let (column, row) = (index % side, index / side);
+            let rows = row.saturating_sub(1)..=(row + 1).min(side - 1);
+            rows.flat_map(|y| (column.saturating_sub(1)..=(column + 1).min(side - 1)).map(move |x| y * side + x))
+                .flat_map(of_ray)
+                .all(|(other_chain, other)| *other_chain != chain || own <= *other)
+        };
+        let all = (0..self.of_ray.len()).flat_map(|index| of_ray(index).iter().map(move |passing| (index, passing)));
+        all.filter(|(index, (chain, own))| is_least(*index, *chain, *own))
+            .map(|(index, (chain, _))| (index, *chain))
+            .collect()
+    }
 }

@@ -10,8 +10,8 @@ use crate::mirrored_light::MirroredLight;
 use crate::path_guide::PathGuide;
 use crate::ray_spacing::RaySpacing;
 use crate::ray_tree::TreeRay;
-use crate::retrace::LastReflection;
 use crate::saved_cache::{CacheError, load, save};
+use crate::specular_ends::SpecularEnd;
 use crate::trace::{CountedLight, PathIntegrator, Traced};
 use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
@@ -256,10 +256,9 @@ impl RayWorker<'_> {
         in_bands!(&mut self.0, Bands(tracer) => tracer.offset_from(image, ray))
     }
 
-    /// The ray behind the last mirror to which a ray leads; `None` without mirrors.
-    #[must_use]
-    pub fn last_reflection(&mut self, ray: &Ray) -> Option<LastReflection> {
-        in_bands!(&mut self.0, Bands(tracer) => tracer.last_reflection(ray))
+    /// Adds the ends of a ray behind the mirrors and dielectrics to which it leads, if there are any.
+    pub fn specular_ends(&mut self, ray: &Ray, ends: &mut Vec<SpecularEnd>) {
+        in_bands!(&mut self.0, Bands(tracer) => tracer.specular_ends(ray, ends))
     }
 
     /// Ignores everything on later rays beyond a distance, scene units, up to their first

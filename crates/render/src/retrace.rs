@@ -16,21 +16,15 @@ pub const MAX_LIGHTS: usize = 256;
 
 /// Maximum number of mirrors, and of mirrors and panes, of a ray that searches for lights.
 pub(crate) const MAX_MIRRORS: usize = 3;
-const MAX_EVENTS: usize = 8;
+pub(crate) const MAX_EVENTS: usize = 8;
 
 /// A ray behind mirrors, with its chain.
 pub(crate) struct MirroredRay {
     pub(crate) ray: Ray,
     pub(crate) events: Vec<SpecularEvent>,
-}
-
-/// The end of a ray behind mirrors.
-#[derive(Clone, Copy, Debug)]
-pub struct LastReflection {
-    /// Number of mirrors before.
-    pub mirrors: usize,
-    /// From the last of them.
-    pub ray: Ray,
+    /// Distinguishes the chains of neighbouring rays: the number of mirrors, or that of
+    /// [`SpecularEnd`](crate::SpecularEnd).
+    pub(crate) chain: u32,
 }
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
@@ -66,24 +60,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         self.follow_mirrors(start, direction, |event, ray| {
             events.push(event);
             if event == SpecularEvent::Reflected {
-                rays.push(MirroredRay { ray, events: events.clone() });
+                let chain = rays.len() as u32 + 1;
+                rays.push(MirroredRay { ray, events: events.clone(), chain });
             }
             rays.len() < MAX_MIRRORS
         });
         rays
-    }
-
-    /// The ray behind the last mirror that it leads to; `None` without mirrors.
-    pub(crate) fn last_reflection(&mut self, ray: &Ray) -> Option<LastReflection> {
-        let (mut last, mut mirrors) = (None, 0);
-        self.follow_mirrors((ray.origin, None), ray.direction, |event, ray| {
-            if event == SpecularEvent::Reflected {
-                mirrors += 1;
-                last = Some(LastReflection { mirrors, ray });
-            }
-            true
-        });
-        last
     }
 
     /// Follows a ray through panes and from mirror to mirror. `visit` gets each event and the ray after it,

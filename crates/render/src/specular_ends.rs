@@ -1,0 +1,127 @@
+//! The ends of a ray behind mirrors and dielectrics.
+
+use crate::retrace::{MAX_EVENTS, MirroredRay};
+use crate::specular_chain::SpecularEvent;
+use crate::trace::PathIntegrator;
+use glam::DVec3;
+use radsight_accel::{Intersection, PrimitiveId, Ray};
+use radsight_bsdf::pane;
+use radsight_compile::Kind;
+
+/// Ends with less than this fraction of a ray's weight are not followed: a lamp is about ten thousand
+/// times as bright as what it lights, and five reflections within glass leave less than a millionth.
+const MIN_WEIGHT: f64 = 1e-4;
+
+/// The same for images that are searched one by one: three reflections within glass leave less.
+const MIN_IMAGE_WEIGHT: f64 = 0.01;
+
+/// Maximum number of ends of a ray.
+const MAX_ENDS: usize = 16;
+
+/// The end of a ray behind mirrors and dielectrics. A dielectric divides a ray, so a ray has several.
+#[derive(Clone, Copy, Debug)]
+pub struct SpecularEnd {
+    /// A bit for each reflection and refraction on its way, 1 for a reflection, after a leading 1.
+    pub chain: u32,
+    /// Number of mirrors on its way. Dielectrics and panes count twice: they show further images.
+    pub mirrors: usize,
+    /// Fraction of the radiance that is left, by Fresnel's equations. Mirrors count as perfect.
+    pub weight: f64,
+    /// From the last of them.
+    pub ray: Ray,
+}
+
+impl SpecularEnd {
+    /// The events on its way.
+    fn events(&self) -> Vec<SpecularEvent> {
+        let event = |bit: u32| match self.chain >> bit & 1 {
+            0 => SpecularEvent::Transmitted,
+            _ => SpecularEvent::Reflected,
+        };
+        (0..self.chain.ilog2()).rev().map(event).collect()
+    }
+}
+
+/// A ray on its way.
+struct Branch {
+    from: Option<PrimitiveId>,
+    end: SpecularEnd,
+}
+
+impl Branch {
+    fn after(&self, hit: &Intersection, direction: DVec3, event: SpecularEvent) -> Branch {
+        let reflected = u32::from(event == SpecularEvent::Reflected);
+        let end = SpecularEnd {
+            chain: self.end.chain << 1 | reflected,
+            ray: Ray { origin: hit.point, direction },
+            ..self.end
+        };
+        Branch { from: Some(hit.primitive), end }
+    }
+
+    fn is_followed_by(&self, weight: f64, mirrors: usize) -> Option<Branch> {
+        let end = SpecularEnd { weight: self.end.weight * weight, mirrors: self.end.mirrors + mirrors, ..self.end };
+        (end.weight >= MIN_WEIGHT).then_some(Branch { end, ..*self })
+    }
+}
+
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
+    /// Adds the ends of a ray behind the mirrors and dielectrics to which it leads. Straight on through
+    /// panes it has none.
+    pub(crate) fn specular_ends(&mut self, ray: &Ray, ends: &mut Vec<SpecularEnd>) {
+        let start = SpecularEnd { chain: 1, mirrors: 0, weight: 1.0, ray: *ray };
+        let mut waiting = vec![Branch { from: None, end: start }];
+        let most = ends.len() + MAX_ENDS;
+        while let Some(branch) = waiting.pop() {
+            let is_last = branch.end.chain >> MAX_EVENTS > 0;
+            let hit = if is_last { None } else { self.next_visible(branch.end.ray, branch.from) };
+            let goes_on = hit.is_some_and(|hit| self.divide(&branch, &hit, &mut waiting));
+            if !goes_on && branch.end.mirrors > 0 && ends.len() < most {
+                ends.push(branch.end);
+            }
+        }
+    }
+
+    /// The rays in which a light may be seen in mirrors: behind the first mirror, the second, and so on, and
+    /// by way of dielectrics.
+    pub(crate) fn image_rays(&mut self, start: (DVec3, Option<PrimitiveId>), direction: DVec3) -> Vec<MirroredRay> {
+        let mut rays = self.mirrored_rays(start, direction);
+        if self.plan.divides_rays() {
+            let mut ends = Vec::new();
+            self.specular_ends(&Ray { origin: start.0, direction }, &mut ends);
+            for end in ends.into_iter().filter(|end| end.weight >= MIN_IMAGE_WEIGHT) {
+                let events = end.events();
+                if !rays.iter().any(|known| known.events == events) {
+                    rays.push(MirroredRay { ray: end.ray, events, chain: end.chain });
+                }
+            }
+        }
+        rays
+    }
+
+    /// Adds the branches of a ray after a surface; whether it is a mirror, a pane or a dielectric.
+    fn divide(&mut self, branch: &Branch, hit: &Intersection, waiting: &mut Vec<Branch>) -> bool {
+        let shader = self.plan.shader_at(hit.shader);
+        let cosine = branch.end.ray.direction.dot(hit.front).abs();
+        let (reflectance, is_pane) = match &shader.kind {
+            Kind::Dielectric(_) => (1.0 - self.transmittance(&branch.end.ray, hit, shader).unwrap_or(0.0), false),
+            Kind::Glass { refractive_index, .. } => (pane([1.0], *refractive_index, cosine)[0][0], true),
+            _ => {
+                let reflected = self.specular_direction(&branch.end.ray, hit, shader, SpecularEvent::Reflected);
+                let next = reflected.map(|direction| branch.after(hit, direction, SpecularEvent::Reflected));
+                waiting.extend(next.as_ref().and_then(|next| next.is_followed_by(1.0, 1)));
+                return next.is_some();
+            }
+        };
+        let events = [
+            (SpecularEvent::Reflected, reflectance, 2),
+            (SpecularEvent::Transmitted, 1.0 - reflectance, if is_pane { 0 } else { 2 }),
+        ];
+        for (event, weight, mirrors) in events {
+            if let Some(direction) = self.specular_direction(&branch.end.ray, hit, shader, event) {
+                waiting.extend(branch.after(hit, direction, event).is_followed_by(weight, mirrors));
+            }
+        }
+        true
+    }
+}
