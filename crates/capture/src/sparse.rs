@@ -316,9 +316,10 @@ impl<'a> AdaptiveSampler<'a> {
                 let estimates = (&mut estimate, picture.as_mut());
                 self.correct(estimates, (&sparse.lattice, &sparse.nodes), (&audited, blur.as_ref()), requested);
                 let images = images.map(|images| images.expose(self, squared, most));
+                let stop = images.as_ref().and_then(|images| images.stop);
                 let is_exhausted = !has_passes || estimate.nodes.iter().any(|(_, error)| error.samples >= most);
-                let stop = if is_exhausted || self.film.is_none() { Stop::Rays } else { Stop::Shared };
-                return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(stop)));
+                let limit = if is_exhausted || self.film.is_none() { Stop::Rays } else { Stop::Shared };
+                return Some((self.finish(state, &sparse, (&estimate, picture), images), stop.or(Some(limit))));
             }
             sparse.refine(refined);
         }
