@@ -87,6 +87,25 @@ fn a_torus_of_triangles_shows_leds_along_its_crest() {
     check("part-torus", &gripps("part-torus.rad"), 0.05);
 }
 
+/// Pixels share rays here, four of them for each of the truth. The light of LEDs that the ball reflects
+/// within was lost when rays of pixels found it by chance alone.
+#[test]
+fn a_ball_of_glass_shows_every_led_to_pixels_that_share_rays() {
+    let truth = exposure_file(&root().join("tests/gripps/truth/part-glass-ball.pfm"));
+    let captures = captures("part-fine.toml", &gripps("part-glass-ball.rad"), ["--error", "0.01"]);
+    let (columns, rows) = (truth.width() as usize, truth.height() as usize);
+    let mut mean = vec![0.0_f32; columns * rows];
+    for capture in &captures {
+        for (index, value) in capture.data().iter().enumerate() {
+            let (column, row) = (index % (2 * columns), index / (2 * columns));
+            mean[row / 2 * columns + column / 2] += 0.25 * value / SEEDS as f32;
+        }
+    }
+    let mean = Image::new(truth.width(), truth.height(), 1, mean).expect("a picture");
+    let difference = Difference::new(&mean, &truth);
+    assert!(difference.rms < 0.009 && difference.mean.abs() < 0.0025, "{difference:?}");
+}
+
 /// The number of rays of a capture by `part-fine.toml` of the sheet with more of a scene.
 fn rays_with(scene: &str) -> u64 {
     let folder = Folder::new();

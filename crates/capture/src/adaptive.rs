@@ -151,6 +151,8 @@ pub(crate) struct AdaptiveSampler<'a> {
     pub(crate) shared: SharedFilm<'a>,
     /// Whether each pixel of the lattice sees the outline of a surface; empty without a lattice.
     pub(crate) outlines: Vec<bool>,
+    /// Whether each pixel of the film sees light that is refracted by dielectrics; empty without any.
+    pub(crate) refracted: Vec<bool>,
     pub(crate) progress: &'a dyn Progress,
     /// Whether points of a pixel are followed by their mirror images: the exposure is the integral of
     /// a smooth function over the pixel alone.
@@ -181,6 +183,7 @@ impl<'a> AdaptiveSampler<'a> {
             subpixels: SubpixelRecord::default(),
             shared,
             outlines: Vec::new(),
+            refracted: Vec::new(),
             progress,
             mirrors_points: AtomicBool::new(false),
             cubature_error: CubatureError(CUBATURE_FRACTION * error),

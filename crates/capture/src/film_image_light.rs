@@ -9,7 +9,8 @@ use crate::shared_rays::{DERIVATIVE_ERROR, UnblurredFilm};
 use crate::{Exposer, Workers};
 use glam::DVec2;
 use radsight_adaptive::{
-    ErrorEstimate, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState, begin, double, ray_number, refine,
+    ErrorEstimate, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState, begin,
+    double, ray_number, refine,
 };
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 use std::collections::BTreeMap;
@@ -18,6 +19,11 @@ use std::sync::Arc;
 
 /// Ray numbers begin at this pixel, so that their samples are independent of others.
 const FIRST_PIXEL: u64 = 1 << 42;
+
+/// Maximum number of sequences of samples of a part, each of [`MAX_SAMPLES`], and the pixels between the
+/// ray numbers of two.
+const MAX_SEQUENCES: u32 = 64;
+const SEQUENCE_PIXELS: u64 = 1 << 32;
 
 /// First rays to all uneven parts of a film together, and the most to one of them. What hardly any ray
 /// hits must be known before the rays are distributed.
@@ -99,22 +105,23 @@ impl FilmImageLight {
     /// Refines the images to a sum of squared errors over all pixels.
     pub(crate) fn expose(&mut self, sampler: &AdaptiveSampler<'_>, squared: f64, most_samples: u32) -> ExposedImages {
         let images = self.images.clone();
-        let target = image_target(squared, images.parts().len(), most_samples);
+        // A part stands for all pixels of the disk.
+        let most_samples = most_samples.saturating_mul(MAX_SEQUENCES);
+        let target = NoiseTarget { most_samples, ..image_target(squared, images.parts().len()) };
         let source = PartSource { sampler, images: &images, film: &self.film };
         let estimate = |samples: &[Part]| PartErrors::new(&images, samples);
-        let (errors, _) = refine(&source, &mut self.state, &target, estimate);
-        self.spread(sampler, &errors)
+        let (errors, stop) = refine(&source, &mut self.state, &target, estimate);
+        ExposedImages { pixels: self.spread(sampler, &errors), stop }
     }
 
     /// The light of the pixels, with its errors.
-    fn spread(&self, sampler: &AdaptiveSampler<'_>, errors: &PartErrors<'_>) -> ExposedImages {
+    fn spread(&self, sampler: &AdaptiveSampler<'_>, errors: &PartErrors<'_>) -> Vec<(usize, f64, PixelError)> {
         let mut pixels: BTreeMap<usize, PixelLight> = BTreeMap::new();
         for parts in self.images.by_image() {
-            let (slope, uncertainty) = self.slope(parts.clone(), errors);
+            let slope = self.slope(parts.clone(), errors);
             for index in parts {
                 let known = &self.images.parts()[index];
-                let samples = &self.state.pixels[index];
-                let part = PartLight::new(known, samples, errors.of_light(index), (slope, uncertainty));
+                let part = PartLight::new(known, &self.state.pixels[index], errors.of_light(index), slope);
                 self.images.for_each_pixel(sampler.exposer.rays, (index, part.center), |pixel, overlap| {
                     pixels.entry(pixel).or_default().add(&part, overlap);
                 });
@@ -123,16 +130,16 @@ impl FilmImageLight {
         // The samples are those of all pixels together.
         let each = self.samples() as f64 / pixels.len().max(1) as f64;
         let error = |light: &PixelLight| PixelError {
-            squared: light.noise + light.of_slope.powi(2),
+            squared: light.noise + (DERIVATIVE_ERROR * light.by_slope).powi(2),
             gain: 0.5,
             samples: each.round() as u32,
         };
-        ExposedImages { pixels: pixels.iter().map(|(pixel, light)| (*pixel, light.value, error(light))).collect() }
+        pixels.iter().map(|(pixel, light)| (*pixel, light.value, error(light))).collect()
     }
 
-    /// Relative derivative of the light of some parts by the point of the pinhole, per radius, and its
-    /// relative error. An estimate within its noise is shrunk (James and Stein 1961).
-    fn slope(&self, parts: Range<usize>, errors: &PartErrors<'_>) -> (DVec2, f64) {
+    /// Relative derivative of the light of some parts by the point of the pinhole, per radius. An
+    /// estimate within its noise is shrunk (James and Stein 1961).
+    fn slope(&self, parts: Range<usize>, errors: &PartErrors<'_>) -> DVec2 {
         let [mut light, mut noise] = [0.0; 2];
         let mut moment = DVec2::ZERO;
         for index in parts {
@@ -146,13 +153,8 @@ impl FilmImageLight {
         // Over the unit disk the mean of p·pᵀ is ¼.
         let slope = 4.0 * moment / light;
         let of_noise = 8.0 * noise / (light * light);
-        let relative = of_noise / slope.length_squared();
-        if !(relative < 1.0 && slope.is_finite()) {
-            return (DVec2::ZERO, 0.0);
-        }
-        // Second derivatives are about the square of the first: those of an exponential function.
-        let curved = 0.5 * slope.length();
-        ((1.0 - relative) * slope, (relative + curved * curved).sqrt().min(DERIVATIVE_ERROR))
+        let kept = 1.0 - of_noise / slope.length_squared();
+        if kept > 0.0 && slope.is_finite() { kept * slope } else { DVec2::ZERO }
     }
 }
 
@@ -161,17 +163,15 @@ struct PartLight {
     light: f64,
     center: DVec2,
     slope: DVec2,
-    /// Relative error of the slope.
-    uncertainty: f64,
     /// Squared error of the light.
     squared: f64,
 }
 
 impl PartLight {
-    fn new(part: &ImagePart, samples: &Part, squared: f64, (slope, uncertainty): (DVec2, f64)) -> PartLight {
+    fn new(part: &ImagePart, samples: &Part, squared: f64, slope: DVec2) -> PartLight {
         let light = samples.mean();
         let center = if light > 0.0 { samples.sums.center / samples.sums.light } else { part.center };
-        PartLight { light, center, slope, uncertainty, squared }
+        PartLight { light, center, slope, squared }
     }
 }
 
@@ -181,15 +181,15 @@ struct PixelLight {
     value: f64,
     /// Squared error due to noise.
     noise: f64,
-    /// Error of what the dependence on the point of the pinhole adds.
-    of_slope: f64,
+    /// What the dependence on the point of the pinhole adds.
+    by_slope: f64,
 }
 
 impl PixelLight {
     fn add(&mut self, part: &PartLight, overlap: DiskOverlap) {
         let by_slope = part.light * part.slope.dot(overlap.moment);
         self.value += part.light * overlap.area + by_slope;
-        self.of_slope += part.uncertainty * by_slope;
+        self.by_slope += by_slope;
         self.noise += part.squared * overlap.area * overlap.area;
     }
 }
@@ -257,7 +257,9 @@ impl<'a> PixelSource for PartSource<'_, 'a> {
         let Exposer { rays, weights, .. } = *self.sampler.exposer;
         let mut sums = PartSums::default();
         for sample in samples {
-            let index = ray_number(FIRST_PIXEL + part as u64, sample);
+            let sequence = u64::from(sample / MAX_SAMPLES);
+            let pixel = FIRST_PIXEL + sequence * SEQUENCE_PIXELS + part as u64;
+            let index = ray_number(pixel, sample % MAX_SAMPLES);
             let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
             let on_pinhole = DVec2::from(unit_disk(u[2], u[3]));
             sums.drawn_on_pinhole += on_pinhole;

@@ -15,7 +15,7 @@ use crate::fixed::radiance;
 use crate::sparse_estimate::{NoisePooling, pooled_errors};
 use crate::{Exposer, Workers};
 use radsight_adaptive::{
-    ErrorEstimate, MAX_SAMPLES, NoiseTarget, PixelError, PixelSource, Selection, begin, ray_number, refine,
+    ErrorEstimate, MAX_SAMPLES, NoiseTarget, PixelError, PixelSource, Selection, Stop, begin, ray_number, refine,
 };
 use radsight_render::CountedLight;
 use radsight_sampling::{DimensionSet, RaySampler};
@@ -32,12 +32,9 @@ const AIMED_BESIDE_PLANE: f64 = 0.875;
 const FIRST_PIXEL: u64 = 1 << 40;
 
 /// The target for a sum of squared errors over so many pixels or parts of images.
-pub(crate) fn image_target(squared: f64, count: usize, most_samples: u32) -> NoiseTarget {
-    NoiseTarget {
-        most_samples: most_samples.min(MAX_SAMPLES),
-        most_passes: MAX_PASSES,
-        ..NoiseTarget::new(squared / count as f64, Selection::FractionOrFirst)
-    }
+pub(crate) fn image_target(squared: f64, count: usize) -> NoiseTarget {
+    let most_passes = MAX_PASSES;
+    NoiseTarget { most_passes, ..NoiseTarget::new(squared / count as f64, Selection::FractionOrFirst) }
 }
 
 /// A worker whose rays count the light of images alone.
@@ -104,6 +101,8 @@ impl ApartImages {
 pub(crate) struct ExposedImages {
     /// The pixel, the mean of its samples, and its error.
     pub(crate) pixels: Vec<(usize, f64, PixelError)>,
+    /// Why it has more error than requested.
+    pub(crate) stop: Option<Stop>,
 }
 
 impl ExposedImages {
@@ -157,13 +156,14 @@ impl ImageLight {
     fn expose(&mut self, sampler: &AdaptiveSampler<'_>, squared: f64, most_samples: u32) -> ExposedImages {
         let ImageLight { pixels, state } = self;
         let columns = sampler.exposer.rays.camera().columns() as usize;
-        let target = image_target(squared, pixels.len(), most_samples);
+        let most_samples = most_samples.min(MAX_SAMPLES);
+        let target = NoiseTarget { most_samples, ..image_target(squared, pixels.len()) };
         let estimate = |samples: &[Pixel]| ImageErrors::new(pixels, samples, columns);
         let source = ImageSource { sampler, pixels };
-        let (ImageErrors(errors), _) = refine(&source, state, &target, estimate);
+        let (ImageErrors(errors), stop) = refine(&source, state, &target, estimate);
         let means = state.pixels.iter().map(Pixel::mean);
         let exposed = pixels.iter().zip(means).zip(errors).map(|((pixel, mean), error)| (*pixel, mean, error));
-        ExposedImages { pixels: exposed.collect() }
+        ExposedImages { pixels: exposed.collect(), stop }
     }
 }
 

@@ -23,7 +23,7 @@ use crate::sparse_estimate::WindowSums;
 use crate::subpixels::{SUBPIXEL_ERROR, SubpixelKernels, Subpixels};
 use glam::DVec2;
 use radsight_pinhole::{CameraRay, Hole, Rays};
-use radsight_render::Ray;
+use radsight_render::{Ray, RayWorker, SpecularEnd};
 use radsight_sampling::unit_disk;
 use rayon::prelude::*;
 
@@ -160,6 +160,23 @@ impl UnblurredFilm {
     pub(crate) fn suits(&self, exposer: &Exposer<'_>, differs: impl Fn(usize) -> bool + Sync) -> bool {
         let extent = || union(self.focal_ratios, focal_ratios(exposer, differs));
         exposer.renderer.plan().has_plain_surfaces_alone() && shared_focal_ratio(extent()).is_some()
+    }
+
+    /// Whether each pixel of the film sees light that is refracted by dielectrics; empty without any.
+    pub(crate) fn refracted(&self, exposer: &Exposer<'_>) -> Vec<bool> {
+        if !exposer.renderer.plan().divides_rays() {
+            return Vec::new();
+        }
+        let places = [[0.1, 0.1], [0.9, 0.1], [0.5, 0.5], [0.1, 0.9], [0.9, 0.9]].map(DVec2::from);
+        let of_pixel = |(worker, ends): &mut (RayWorker<'_>, Vec<SpecularEnd>), pixel: usize| {
+            ends.clear();
+            for ray in places.iter().filter_map(|place| self.ray_of_point(exposer.rays, self.corner(pixel) + *place)) {
+                worker.specular_ends(&ray, ends);
+            }
+            ends.iter().any(SpecularEnd::is_refracted)
+        };
+        let start = || (exposer.renderer.worker(), Vec::new());
+        (0..self.pixel_count()).into_par_iter().with_min_len(64).map_init(start, of_pixel).collect()
     }
 
     /// The pixels of the picture into which marked pixels of the film are blurred.

@@ -56,6 +56,10 @@ const LOW_NOISE: f64 = 2.0;
 const UNHURRIED_PASSES: u32 = 12;
 const HASTE: f64 = 0.97;
 
+/// First samples of pixels that see refracted light, which has rare and bright rays: pixels whose first
+/// rays met none would stay too dark.
+const FIRST_REFRACTED: u32 = 64;
+
 /// Number of samples of a point and its mirror image.
 const PAIR: u32 = 2;
 
@@ -190,6 +194,7 @@ impl<'a> AdaptiveSampler<'a> {
     /// Finds the lattice and exposes it.
     fn on_lattice(&mut self, state: &mut AdaptiveState, target: ErrorTarget) -> Option<(Estimate, Option<Stop>)> {
         self.images_apart = self.images_apart(target).ok()?;
+        self.refracted = self.film.as_ref().map_or_else(Vec::new, |film| film.refracted(self.exposer));
         let mut images = ApartImages::begin(self);
         let found = self.lattice().and_then(|(sparse, outlines)| {
             self.outlines = outlines;
@@ -316,9 +321,10 @@ impl<'a> AdaptiveSampler<'a> {
                 let estimates = (&mut estimate, picture.as_mut());
                 self.correct(estimates, (&sparse.lattice, &sparse.nodes), (&audited, blur.as_ref()), requested);
                 let images = images.map(|images| images.expose(self, squared, most));
+                let stop = images.as_ref().and_then(|images| images.stop);
                 let is_exhausted = !has_passes || estimate.nodes.iter().any(|(_, error)| error.samples >= most);
-                let stop = if is_exhausted || self.film.is_none() { Stop::Rays } else { Stop::Shared };
-                return Some((self.finish(state, &sparse, (&estimate, picture), images), Some(stop)));
+                let limit = if is_exhausted || self.film.is_none() { Stop::Rays } else { Stop::Shared };
+                return Some((self.finish(state, &sparse, (&estimate, picture), images), stop.or(Some(limit))));
             }
             sparse.refine(refined);
         }
@@ -440,6 +446,14 @@ impl<'a> AdaptiveSampler<'a> {
     /// The first samples of a node. Where points are mirrored, one pair is accurate: a second one is
     /// traced at some of the nodes, for the noise of all.
     fn first_of_node(&self, worker: &mut Workers<'a>, index: usize, level: u8) -> Pixel {
+        if self.refracted.get(index) == Some(&true) {
+            let mut pixel = self.first(worker, index);
+            while pixel.samples < FIRST_REFRACTED {
+                let known = pixel.samples;
+                pixel.double(&self.sums(worker, index, known..2 * known));
+            }
+            return pixel;
+        }
         if !self.mirrors_points.load(Ordering::Relaxed) {
             return self.first(worker, index);
         }

@@ -32,6 +32,12 @@ pub struct SpecularEnd {
 }
 
 impl SpecularEnd {
+    /// Whether the ray was refracted on its way, and not by a single pane alone.
+    #[must_use]
+    pub fn is_refracted(&self) -> bool {
+        self.mirrors > 1 && self.chain.count_zeros() > self.chain.leading_zeros()
+    }
+
     /// The events on its way.
     fn events(&self) -> Vec<SpecularEvent> {
         let event = |bit: u32| match self.chain >> bit & 1 {

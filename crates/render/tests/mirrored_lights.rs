@@ -5,7 +5,7 @@ mod build;
 use build::Builder;
 use glam::DVec3;
 use radsight_ir::{Cone, Facing, Material, Rgb, Ring, Sphere};
-use radsight_render::{MirroredLight, RenderOptions, Renderer};
+use radsight_render::{MirroredLight, Ray, RenderOptions, Renderer};
 use std::sync::Arc;
 
 /// From here a washer shows the lamp in its top.
@@ -51,6 +51,30 @@ fn a_light_in_a_ball_on_a_plane_mirror_is_found() {
     let found = renderer.worker().mirrored_lights(OBSERVER, |_, _| true);
     let to_ball = (DVec3::new(-0.6, 0.0, 0.2) - OBSERVER).normalize();
     assert!(found.iter().any(|image| image.direction().angle_between(to_ball) < 0.02), "{found:?}");
+}
+
+/// By Fresnel's equations a ball of index 1.5 reflects 4 % at normal incidence.
+#[test]
+fn a_ball_of_glass_divides_a_ray_into_ends_by_fresnel() {
+    let mut scene = Builder::default();
+    let glass = scene.dielectric([1.0; 3], 1.5);
+    scene.sphere(glass, Sphere { center: DVec3::ZERO, radius: 1.0, facing: Facing::Outward });
+    let light = scene.light([50.0; 3]);
+    scene.sphere(light, Sphere { center: DVec3::new(0.0, 0.0, 9.0), radius: 0.1, facing: Facing::Outward });
+    let renderer = Renderer::new(build::plan(&scene, RenderOptions::default()));
+    let ray = Ray::new(DVec3::new(1e-3, 0.0, 5.0), DVec3::NEG_Z).expect("a direction");
+    let mut ends = Vec::new();
+    renderer.worker().specular_ends(&ray, &mut ends);
+    let weight = |chain: u32| ends.iter().find(|end| end.chain == chain).map_or(0.0, |end| end.weight);
+    // Reflected; refracted twice; with a reflection in between.
+    for (chain, expected) in [(0b11, 0.04), (0b100, 0.96 * 0.96), (0b1010, 0.96 * 0.96 * 0.04)] {
+        assert!((weight(chain) - expected).abs() < 1e-5, "{ends:?}");
+    }
+    assert!(ends.iter().map(|end| end.weight).sum::<f64>() <= 1.0);
+    let beside = Ray::new(DVec3::new(2.0, 0.0, 5.0), DVec3::NEG_Z).expect("a direction");
+    ends.clear();
+    renderer.worker().specular_ends(&beside, &mut ends);
+    assert!(ends.is_empty());
 }
 
 /// The profile of a patterned lamp takes milliseconds, so that of a ring of lamps is computed once.
