@@ -37,8 +37,10 @@ pub struct Geometry {
     pub(crate) meshes: Vec<MeshGeometry>,
     /// By octree handle.
     pub(crate) octrees: Vec<Arc<Geometry>>,
-    /// The grids of polygons with many vertices, by their members, ascending.
-    outlines: Vec<(MemberId, PendingOutline)>,
+    /// The grids of polygons with many vertices.
+    outlines: Vec<PendingOutline>,
+    /// By member: one more than the index of its grid, or 0. Empty without grids.
+    outline_places: Vec<u32>,
     /// Material classes, for the choice among coincident surfaces.
     pub(crate) substance_of: SubstanceOf,
 }
@@ -106,7 +108,7 @@ impl Geometry {
         geometry.hierarchy = hierarchy;
         geometry.members = order.into_iter().map(|index| handles[index as usize]).collect();
         geometry.shapes = geometry.members.iter().map(|handle| scene.surfaces[*handle].shape).collect();
-        geometry.outlines = outlines(&geometry.shapes);
+        (geometry.outlines, geometry.outline_places) = outlines(&geometry.shapes);
         geometry.number_primitives(scene)?;
         Ok(geometry)
     }
@@ -125,6 +127,7 @@ impl Geometry {
             meshes,
             octrees,
             outlines: Vec::new(),
+            outline_places: Vec::new(),
             substance_of,
         }
     }
@@ -132,8 +135,8 @@ impl Geometry {
     /// The grid of a polygon with many vertices; `None` if it has none.
     #[inline]
     pub(crate) fn outline(&self, member: MemberId, vertices: &[DVec3]) -> Option<&Outline> {
-        let found = self.outlines.binary_search_by_key(&member.0, |(member, _)| member.0).ok()?;
-        self.outlines[found].1.get(vertices)
+        let place = *self.outline_places.get(member.0 as usize)?;
+        self.outlines.get((place as usize).checked_sub(1)?)?.get(vertices)
     }
 
     fn number_primitives(&mut self, scene: &Scene) -> Result<(), Diagnostic> {
@@ -296,9 +299,21 @@ fn too_many() -> Diagnostic {
     Diagnostic::error("the instances of the scene make more than 2^64 surfaces")
 }
 
-/// Places for the grids of the polygons with many vertices.
-fn outlines(shapes: &[Shape]) -> Vec<(MemberId, PendingOutline)> {
-    let has_many = |shape: &Shape| matches!(shape, Shape::Polygon { count: MANY_VERTICES.., .. });
-    let members = shapes.iter().enumerate().filter(|(_, shape)| has_many(shape));
-    members.map(|(index, _)| (MemberId(index as u32), PendingOutline::default())).collect()
+/// Room for the grids of the polygons with many vertices, and by shape one more than the index of its
+/// grid, or 0.
+fn outlines(shapes: &[Shape]) -> (Vec<PendingOutline>, Vec<u32>) {
+    let has_grid = |shape: &Shape| matches!(shape, Shape::Polygon { count: MANY_VERTICES.., .. });
+    if !shapes.iter().any(has_grid) {
+        return (Vec::new(), Vec::new());
+    }
+    let mut outlines = Vec::new();
+    let places = shapes.iter().map(|shape| {
+        if !has_grid(shape) {
+            return 0;
+        }
+        outlines.push(PendingOutline::default());
+        outlines.len() as u32
+    });
+    let places = places.collect();
+    (outlines, places)
 }

@@ -25,21 +25,42 @@ impl Geometry {
         ray: &Ray,
         from: Option<PrimitiveId>,
     ) -> Option<Intersection> {
-        let crossing = self.first_off(scene, ray, from)?;
+        self.first_hit_near(scene, shaders, ray, from, None)
+    }
+
+    /// The same, where the ray probably hits a plain member, which is tested first: nothing behind
+    /// it is searched.
+    #[inline]
+    #[must_use]
+    pub fn first_hit_near(
+        &self,
+        scene: &ValidScene,
+        shaders: &ShaderTable,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        probable: Option<MemberId>,
+    ) -> Option<Intersection> {
+        let crossing = self.first_off(scene, ray, from, probable)?;
         Some(self.hit(scene, shaders, ray, crossing))
     }
 
     /// The distance of the first surface along the ray.
     #[must_use]
     pub fn distance(&self, scene: &Scene, ray: &Ray) -> Option<f64> {
-        self.first_off(scene, ray, None).map(|crossing| crossing.distance)
+        self.first_off(scene, ray, None, None).map(|crossing| crossing.distance)
     }
 
     /// The first surface along the ray that is not coincident with the one where it starts.
-    fn first_off(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>) -> Option<Crossing> {
+    fn first_off(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        probable: Option<MemberId>,
+    ) -> Option<Crossing> {
         let mut limits = Limits { nearest: self.nearest, farthest: f64::INFINITY };
         loop {
-            let crossing = self.first(scene, ray, from, limits)?;
+            let crossing = self.first(scene, ray, from, limits, probable)?;
             if !self.lies_on_start(scene, ray, from, &crossing) {
                 return Some(crossing);
             }
@@ -47,13 +68,29 @@ impl Geometry {
         }
     }
 
-    fn first(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>, mut limits: Limits) -> Option<Crossing> {
+    /// `probable` is a member that contains no others.
+    fn first(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        mut limits: Limits,
+        probable: Option<MemberId>,
+    ) -> Option<Crossing> {
         let frame = RayFrame::new(ray);
-        let mut best: Option<Crossing> = None;
+        let mut best = probable.and_then(|member| self.crossing(scene, member, ray, &frame, from, &limits));
         let mut ties = Vec::new();
         // Hits farther than the best one by less than the tolerance are still considered.
         let mut tied_from = f64::INFINITY;
+        if let Some(Crossing { distance, .. }) = best {
+            tied_from = distance - self.tolerance;
+            limits.farthest = limits.farthest.min(distance + self.tolerance);
+        }
+        let tested = best.and(probable);
         self.hierarchy.visit(NearestFirst, self.search(scene, ray, limits.farthest), |Visited { slot, corners }| {
+            if tested == Some(MemberId(slot)) {
+                return limits.farthest;
+            }
             let crossing = match corners {
                 Some(corners) => triangle_crossing(corners, MemberId(slot).primitive(), ray, &frame, from, &limits),
                 None => match self.four_vertices(scene, MemberId(slot)) {
@@ -183,7 +220,7 @@ impl Geometry {
                 let mut local = limits.seen_from(to_scene.scale);
                 local.nearest = local.nearest.max(inner.nearest);
                 let ray = ray.seen_from(to_scene);
-                (to_scene.scale, inner.first(&scene.octrees[*octree].scene, &ray, from, local))
+                (to_scene.scale, inner.first(&scene.octrees[*octree].scene, &ray, from, local, None))
             }
             _ => return None,
         };

@@ -250,6 +250,17 @@ impl RenderPlan {
         self.geometry.first_hit(&self.scene, &self.shader_table, ray, from)
     }
 
+    /// The same for a ray that probably hits a member which contains no others.
+    #[inline]
+    pub fn first_hit_near(
+        &self,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        probable: Option<MemberId>,
+    ) -> Option<Intersection> {
+        self.geometry.first_hit_near(&self.scene, &self.shader_table, ray, from, probable)
+    }
+
     /// Distance to the first surface along a ray, scene units; `None` if there is none at a finite
     /// distance.
     #[must_use]

@@ -46,8 +46,9 @@ impl Block<'_> {
         let all = || (0..self.samples.count()).into_par_iter().with_min_len(256);
         let noise = KnownNoise::of(self);
         let later: Vec<Later> = all().map(|index| self.later(&noise, index)).collect();
-        let patches: Vec<Patch> = all().map(|index| self.patch((&noise, &later), index)).collect();
-        all().map(|index| self.averaged(&patches, index)).collect()
+        let means: Vec<f64> = self.samples.iter().map(|sample| mean(&sample.value)).collect();
+        let patches: Vec<Patch> = all().map(|index| self.patch((&noise, &later), &means, index)).collect();
+        all().map(|index| self.averaged((&means, &patches), index)).collect()
     }
 
     /// The spacing of the finest grid that has samples next to a pixel.
@@ -173,21 +174,21 @@ impl Block<'_> {
     }
 
     /// The combined statistics of the samples around a sample.
-    fn patch(&self, known: (&KnownNoise, &[Later]), index: usize) -> Patch {
+    fn patch(&self, known: (&KnownNoise, &[Later]), means: &[f64], index: usize) -> Patch {
         let neighbors = self.neighbors(known, index);
         if neighbors.places == 0 {
             return Patch::default();
         }
         let (mut variance, mut weights) = (0.0, 0.0);
         let (mut sum, mut near) = (0.0, 0.0);
-        self.for_each_neighbor(index, neighbors, |_, other, weight| {
+        self.for_each_neighbor(index, neighbors, |place, other, weight| {
             let rays = f64::from(other.rays);
             if other.rays > 1 {
                 variance += weight * (rays - 1.0) * other.variance * rays;
                 weights += weight * (rays - 1.0);
             }
             if weight >= ADJACENT_WEIGHT {
-                sum += rays * mean(&other.value);
+                sum += rays * means[place];
                 near += rays;
             }
         });
@@ -201,7 +202,7 @@ impl Block<'_> {
 
     /// The mean of a sample and of those around it that see the same surface and differ by no more
     /// than noise, as samples and as patches.
-    fn averaged(&self, patches: &[Patch], index: usize) -> [f64; 3] {
+    fn averaged(&self, (means, patches): (&[f64], &[Patch]), index: usize) -> [f64; 3] {
         let (_, sample) = self.samples.numbered(index);
         let patch = &patches[index];
         if patch.variance <= 0.0 {
@@ -210,7 +211,7 @@ impl Block<'_> {
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         self.for_each_neighbor(index, patch.neighbors, |place, other, weight| {
             let near = &patches[place];
-            let own = (mean(&sample.value) - mean(&other.value)).powi(2) / (patch.variance + near.variance);
+            let own = (means[index] - means[place]).powi(2) / (patch.variance + near.variance);
             let together = (patch.mean - near.mean).powi(2) / (patch.variance_of_mean + near.variance_of_mean);
             let difference = if place == index { 0.0 } else { 0.5 * own.max(together) };
             let weight = weight * f64::from(other.rays) / (1.0 + difference.powi(2));

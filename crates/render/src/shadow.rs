@@ -103,6 +103,7 @@ impl DirectSampler<'_> {
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
         let dark = [0.0; BANDS];
+        let target = light.primitive.unwrap_or(PrimitiveId::NONE);
         let mut walk = ShadowRay {
             ray: Ray { origin: self.point, direction: sample.direction },
             from: self.primitive,
@@ -114,7 +115,8 @@ impl DirectSampler<'_> {
             is_refracted: false,
         };
         for _ in 0..MAX_CROSSINGS {
-            let Some(mut hit) = plan.first_hit(&walk.ray, walk.from) else {
+            let probable = tracer.shadow_blockers.last(target);
+            let Some(mut hit) = plan.first_hit_near(&walk.ray, walk.from, probable) else {
                 return leave(tracer, &walk, light, radiance);
             };
             walk.travelled += hit.distance;
@@ -146,7 +148,10 @@ impl DirectSampler<'_> {
             tracer.note_shadow_hit(&hit, dimmed);
             walk.through = product(walk.through, dimmed);
             let (direction, weight) = match crossing {
-                ShadowEvent::Blocked => return dark,
+                ShadowEvent::Blocked => {
+                    tracer.shadow_blockers.note(target, opaque_member(plan, hit.primitive));
+                    return dark;
+                }
                 ShadowEvent::SpecularBounce(direction, weight) => {
                     tracer.note_shadow_side(&hit);
                     (direction, weight)
@@ -392,7 +397,7 @@ impl DirectSampler<'_> {
             }
         }
         if is_searched {
-            tracer.shadow_blockers.note(target, blocker.and_then(|crossing| opaque_member(plan, &crossing)));
+            tracer.shadow_blockers.note(target, blocker.and_then(|crossing| opaque_member(plan, crossing.primitive)));
         }
         if is_blocked {
             return [0.0; BANDS];

@@ -35,6 +35,12 @@ impl ShadowBlockers {
         plan.geometry.any_of_member(&plan.scene, member, (ray, &RayFrame::new(ray)), from, end, blocks)
     }
 
+    /// The last blocker of a target.
+    #[inline]
+    pub(crate) fn last(&self, target: PrimitiveId) -> Option<MemberId> {
+        self.of_target[ShadowBlockers::place(target)]
+    }
+
     /// Remembers what blocked a ray to a target; `None` if nothing did, or it is not opaque.
     #[inline]
     pub(crate) fn note(&mut self, target: PrimitiveId, blocker: Option<MemberId>) {
@@ -42,10 +48,10 @@ impl ShadowBlockers {
     }
 }
 
-/// The surface of a crossing, if it blocks every shadow ray that crosses it.
+/// The surface of a primitive, if it blocks every shadow ray that crosses it.
 #[inline]
-pub(crate) fn opaque_member(plan: &RenderPlan, crossing: &Crossing) -> Option<MemberId> {
-    let member = (crossing.primitive.0 < plan.geometry.len() as u64).then(|| crossing.primitive.member())?;
+pub(crate) fn opaque_member(plan: &RenderPlan, primitive: PrimitiveId) -> Option<MemberId> {
+    let member = (primitive.0 < plan.geometry.len() as u64).then(|| primitive.member())?;
     let is_opaque = || !plan.shader(plan.geometry.surface_of(member)).passes_shadow_rays();
     (plan.geometry.is_plain(member) && is_opaque()).then_some(member)
 }

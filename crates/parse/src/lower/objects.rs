@@ -13,21 +13,24 @@ use radsight_formats::{Object, PackedObjects};
 use std::fmt::{Display, Write};
 use std::ops::ControlFlow;
 
+/// What is done with a primitive, and the name of its modifier.
+type Visit<'v> = dyn FnMut(&Object<'_>, Option<&[u8]>) -> ControlFlow<()> + 'v;
+
 /// The primitives of a compiled file.
 pub(super) trait Objects {
     /// Calls `visit` for each of them, with the name of its modifier, until it breaks.
-    fn visit(&self, visit: &mut dyn FnMut(&Object<'_>, Option<&[u8]>) -> ControlFlow<()>);
+    fn visit(&self, visit: &mut Visit<'_>);
 }
 
 impl Objects for [Object<'_>] {
-    fn visit(&self, visit: &mut dyn FnMut(&Object<'_>, Option<&[u8]>) -> ControlFlow<()>) {
+    fn visit(&self, visit: &mut Visit<'_>) {
         let modifier = |object: &Object<'_>| object.modifier.map(|index| &*self[index].name);
         let _ = self.iter().try_for_each(|object| visit(object, modifier(object)));
     }
 }
 
 impl Objects for PackedObjects<'_> {
-    fn visit(&self, visit: &mut dyn FnMut(&Object<'_>, Option<&[u8]>) -> ControlFlow<()>) {
+    fn visit(&self, visit: &mut Visit<'_>) {
         self.for_each(visit);
     }
 }
