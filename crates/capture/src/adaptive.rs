@@ -13,6 +13,7 @@ use crate::checkpoint::{AdaptiveState, Checkpoint, State};
 use crate::film_images::FilmImages;
 use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
+use crate::neighbourhood::window_means;
 use crate::shared_film::{FilmRecord, SharedFilm};
 use crate::shared_rays::{FilmRay, PixelPassage, UnblurredFilm};
 use crate::subpixels::SubpixelRecord;
@@ -581,20 +582,3 @@ pub(crate) const GAIN_WINDOW: usize = 3;
 
 /// Weight of the prior for that factor: independent samples.
 const PRIOR_WEIGHT: f64 = 0.1;
-
-/// Means over the square of pixels within `reach` of each pixel, clipped to the picture.
-pub(crate) fn window_means(values: &[f64], columns: usize, reach: usize) -> Vec<f64> {
-    let rows = values.len() / columns.max(1);
-    let along = |count: usize, at: &dyn Fn(usize) -> f64| -> Vec<f64> {
-        let window = |index: usize| index.saturating_sub(reach)..(index + reach + 1).min(count);
-        (0..count).map(|index| window(index).map(at).sum::<f64>() / window(index).len() as f64).collect()
-    };
-    let in_rows: Vec<f64> =
-        values.chunks(columns.max(1)).flat_map(|row| along(row.len(), &|column| row[column])).collect();
-    let mut means = vec![0.0; values.len()];
-    for column in 0..columns {
-        let of_column = along(rows, &|row| in_rows[row * columns + column]);
-        of_column.into_iter().enumerate().for_each(|(row, mean)| means[row * columns + column] = mean);
-    }
-    means
-}

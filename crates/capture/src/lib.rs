@@ -24,6 +24,7 @@ mod film_images;
 mod fixed;
 mod image_light;
 mod image_region;
+mod interpolated;
 mod lattice;
 mod mirrored_lights;
 mod neighbourhood;

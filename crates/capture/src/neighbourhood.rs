@@ -9,6 +9,23 @@ pub(crate) fn around(cell: usize, [columns, rows]: [usize; 2]) -> impl Iterator<
     down.flat_map(move |row| across.clone().map(move |column| row * columns + column))
 }
 
+/// Means over the square of pixels within `reach` of each pixel, clipped to the picture.
+pub(crate) fn window_means(values: &[f64], columns: usize, reach: usize) -> Vec<f64> {
+    let rows = values.len() / columns.max(1);
+    let along = |count: usize, at: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let window = |index: usize| index.saturating_sub(reach)..(index + reach + 1).min(count);
+        (0..count).map(|index| window(index).map(at).sum::<f64>() / window(index).len() as f64).collect()
+    };
+    let in_rows: Vec<f64> =
+        values.chunks(columns.max(1)).flat_map(|row| along(row.len(), &|column| row[column])).collect();
+    let mut means = vec![0.0; values.len()];
+    for column in 0..columns {
+        let of_column = along(rows, &|row| in_rows[row * columns + column]);
+        of_column.into_iter().enumerate().for_each(|(row, mean)| means[row * columns + column] = mean);
+    }
+    means
+}
+
 /// The difference between neighbouring pixels along columns and rows.
 pub(crate) fn slope(values: &[f64], columns: usize, pixel: usize) -> DVec2 {
     let along = |at: usize, count: usize, step: usize| {

@@ -16,18 +16,16 @@ use crate::adaptive::{
 use crate::audit::Audit;
 use crate::checkpoint::AdaptiveState;
 use crate::edges::{Edges, SearchedFilm};
-use crate::film_images::{FilmImages, UnknownImages};
 use crate::image_light::{ApartImages, ExposedImages, IMAGE_FRACTION};
 use crate::lattice::Lattice;
 use crate::shared_rays::{PinholeBlur, UnblurredFilm};
 use crate::sparse_estimate::{NoisePooling, Picture, SparseEstimate, residual_ratio};
-use crate::subpixels::{SubpixelRecord, Subpixels};
+use crate::subpixels::Subpixels;
 use radsight_adaptive::{
     ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, selection_threshold,
 };
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// If the lattice and its refinement would expose more than this fraction of the pixels, all pixels
@@ -78,7 +76,7 @@ const MOST_CORRECTED: f64 = 16.0;
 const MAX_AUDITS: u32 = 3;
 
 /// The lattice of a picture, with its local refinement.
-struct Sparse {
+pub(crate) struct Sparse {
     lattice: Lattice,
     /// By cell.
     levels: Vec<u8>,
@@ -147,98 +145,8 @@ impl FilmError {
 }
 
 impl<'a> AdaptiveSampler<'a> {
-    /// Exposes some pixels and interpolates the others: where it pays, those of the film behind a
-    /// point pinhole, which is then blurred. Otherwise as [`AdaptiveSampler::sparse`]. `None` also if
-    /// the film that is known was not interpolated.
-    pub(crate) fn interpolated(
-        &mut self,
-        state: &mut AdaptiveState,
-        target: ErrorTarget,
-    ) -> Option<(Estimate, Option<Stop>)> {
-        if self.shared.known().is_some_and(|known| known.record.is_empty()) {
-            return None;
-        }
-        let found = self.interpolated_film(state, target);
-        self.images_apart = ImagesApart::No;
-        found
-    }
-
-    /// The same, until images are no longer exposed apart.
-    fn interpolated_film(
-        &mut self,
-        state: &mut AdaptiveState,
-        target: ErrorTarget,
-    ) -> Option<(Estimate, Option<Stop>)> {
-        self.film = self.unblurred_film();
-        let known = self.shared.known().map(|known| known.record.film.is_some());
-        if known.is_some_and(|has_film| has_film != self.film.is_some()) {
-            return None;
-        }
-        if let Some(film) = &self.film {
-            let mut film_state = AdaptiveState::new(film.pixel_count());
-            self.subpixels = SubpixelRecord::new(film.pixel_count());
-            let found = self.on_lattice(&mut film_state, target);
-            self.film = None;
-            self.subpixels = SubpixelRecord::default();
-            if found.is_some() {
-                *state = film_state;
-                return found;
-            }
-            if self.progress.stops() || known.is_some() {
-                return None;
-            }
-        }
-        self.on_lattice(state, target)
-    }
-
-    /// Finds the lattice and exposes it.
-    fn on_lattice(&mut self, state: &mut AdaptiveState, target: ErrorTarget) -> Option<(Estimate, Option<Stop>)> {
-        self.images_apart = self.images_apart(target).ok()?;
-        self.refracted = self.film.as_ref().map_or_else(Vec::new, |film| film.refracted(self.exposer));
-        let mut images = ApartImages::begin(self);
-        let found = self.lattice().and_then(|(sparse, outlines)| {
-            self.outlines = outlines;
-            self.sparse(state, target, images.as_mut(), sparse)
-        });
-        self.outlines = Vec::new();
-        if found.is_none() {
-            self.discarded.fetch_add(images.map_or(0, |images| images.samples()), Ordering::Relaxed);
-        }
-        found
-    }
-
-    /// How the light of images is exposed with the film, if there is one. Fails where the film would
-    /// miss images.
-    fn images_apart(&self, target: ErrorTarget) -> Result<ImagesApart, UnknownImages> {
-        let allowed = IMAGE_FRACTION * (target.error / SELECTION_BIAS).powi(2);
-        if !self.is_plain() {
-            return Ok(ImagesApart::No);
-        }
-        let on_film = match (&self.film, self.images.curved_alone()) {
-            (Some(film), Some(curved)) => FilmImages::new(self.exposer, film, curved, allowed)?,
-            (Some(_), None) if self.exposer.renderer.plan().divides_rays() => return Err(UnknownImages),
-            _ => None,
-        };
-        Ok(match on_film {
-            Some(images) => ImagesApart::OnFilm(Arc::new(images)),
-            None if !self.images.is_empty() => ImagesApart::ByPixel,
-            None => ImagesApart::No,
-        })
-    }
-
-    fn unblurred_film(&self) -> Option<Arc<UnblurredFilm>> {
-        match self.shared.known() {
-            _ if !self.is_plain() => None,
-            Some(known) => {
-                let film = known.record.film.clone()?;
-                film.suits(self.exposer, |pixel| known.is_picture_affected[pixel]).then_some(film)
-            }
-            None => UnblurredFilm::new(self.exposer).map(Arc::new),
-        }
-    }
-
     /// Whether each ray adds its radiance to one pixel, in the same way for all pixels.
-    fn is_plain(&self) -> bool {
+    pub(crate) fn is_plain(&self) -> bool {
         let (exposer, rays) = (self.exposer, self.exposer.rays);
         let has_points = rays.hole().has_points() && rays.cells() == rays.camera().pixel_count();
         self.bands == 0 && has_points && exposer.by_row.is_empty() && !exposer.weights.has_mosaic()
@@ -247,7 +155,7 @@ impl<'a> AdaptiveSampler<'a> {
     /// Exposes some pixels and interpolates the others, until the requested error is reached.
     /// `None` if this does not pay, with no samples kept, or if it was stopped: then some pixels
     /// have samples and others have none, and the checkpoint is empty.
-    fn sparse(
+    pub(crate) fn sparse(
         &self,
         state: &mut AdaptiveState,
         target: ErrorTarget,
@@ -397,7 +305,7 @@ impl<'a> AdaptiveSampler<'a> {
 
     /// The first lattice of a picture, and the pixels that see the outline of a surface; `None`
     /// where neighbouring pixels have little in common.
-    fn lattice(&self) -> Option<(Sparse, Vec<bool>)> {
+    pub(crate) fn lattice(&self) -> Option<(Sparse, Vec<bool>)> {
         let exposer = self.exposer;
         if !self.is_plain() {
             return None;

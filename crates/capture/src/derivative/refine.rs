@@ -5,8 +5,8 @@ use super::outline::outlines;
 use super::pixel_derivative::StepWorkers;
 use super::{DerivativeSamples, ParameterStep, RANDOMISATIONS};
 use crate::Progress;
-use crate::adaptive::window_means;
 use crate::domain::Domain;
+use crate::neighbourhood::window_means;
 use radsight_adaptive::{
     ErrorEstimate, NoiseTarget, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState, Selection, begin,
     double, refine,
