@@ -93,7 +93,7 @@ fn a_torus_of_triangles_shows_leds_along_its_crest() {
 fn a_ball_of_glass_shows_every_led_to_pixels_that_share_rays() {
     let truth = exposure_file(&root().join("tests/gripps/truth/part-glass-ball.pfm"));
     let captures = captures("part-fine.toml", &gripps("part-glass-ball.rad"), ["--error", "0.01"]);
-    let (columns, rows) = (truth.width() as usize, truth.height() as usize);
+    let (columns, rows) = (truth.width(), truth.height());
     let mut mean = vec![0.0_f32; columns * rows];
     for capture in &captures {
         for (index, value) in capture.data().iter().enumerate() {
