@@ -56,8 +56,7 @@ mod limits;
 mod mesh;
 mod outline;
 mod polygon;
-#[cfg(target_arch = "x86_64")]
-mod polygon_pairs;
+mod quadrilateral;
 #[cfg(test)]
 mod random;
 mod ray;

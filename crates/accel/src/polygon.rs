@@ -1,7 +1,5 @@
 //! Flat polygons: convex, concave, and with holes joined by seams.
 
-#[cfg(target_arch = "x86_64")]
-use crate::polygon_pairs::Pairs;
 use crate::ray::{Ray, sheared_axes};
 use glam::DVec3;
 use std::ops::Range;
@@ -20,9 +18,6 @@ pub struct RayFrame {
     pub(crate) origin: [f64; 3],
     /// By how much u and v change along the longest axis.
     pub(crate) slopes: [f64; 2],
-    /// For polygons with four vertices.
-    #[cfg(target_arch = "x86_64")]
-    pairs: Option<Pairs>,
 }
 
 impl RayFrame {
@@ -37,30 +32,7 @@ impl RayFrame {
             axes,
             origin: [origin[axes[0]], origin[axes[1]], origin[axes[2]]],
             slopes: [-direction[axes[0]] / along, -direction[axes[1]] / along],
-            #[cfg(target_arch = "x86_64")]
-            pairs: Pairs::new(),
         }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[inline(always)]
-    fn passes_through_four(&self, vertices: &[DVec3; 4]) -> bool {
-        match self.pairs {
-            Some(pairs) => pairs.passes_through(vertices, self),
-            None => self.passes_through_scalars(vertices),
-        }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[cold]
-    fn passes_through_scalars(&self, vertices: &[DVec3; 4]) -> bool {
-        passes_through(vertices, self)
-    }
-
-    #[cfg(not(target_arch = "x86_64"))]
-    #[inline(always)]
-    fn passes_through_four(&self, vertices: &[DVec3; 4]) -> bool {
-        passes_through(vertices, self)
     }
 
     /// The coordinates u and v of a point.
@@ -76,20 +48,12 @@ impl RayFrame {
 /// Distance along the ray to the polygon's plane, if the ray passes through the polygon.
 #[inline]
 pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
-    if !passes_through(vertices, frame) {
-        return None;
-    }
-    let normal = area_vector(vertices);
-    let distance = normal.dot(vertices[0] - ray.origin) / normal.dot(ray.direction);
-    (distance > range.start && distance < range.end).then_some(distance)
+    if passes_through(vertices, frame) { distance(vertices, ray, range) } else { None }
 }
 
-/// [`intersect`] for four vertices, which most polygons have.
+/// Distance along the ray to the plane of a polygon.
 #[inline(always)]
-pub(crate) fn intersect_four(vertices: &[DVec3; 4], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
-    if !frame.passes_through_four(vertices) {
-        return None;
-    }
+pub(crate) fn distance(vertices: &[DVec3], ray: &Ray, range: Range<f64>) -> Option<f64> {
     let normal = area_vector(vertices);
     let distance = normal.dot(vertices[0] - ray.origin) / normal.dot(ray.direction);
     (distance > range.start && distance < range.end).then_some(distance)

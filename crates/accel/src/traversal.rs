@@ -9,7 +9,7 @@ use crate::mesh::triangle_crossing;
 use crate::outline::{GridResult, MANY_VERTICES};
 use crate::polygon::{self, RayFrame};
 use crate::ray::Ray;
-use crate::{coincident, cone, disk, sphere};
+use crate::{coincident, cone, disk, quadrilateral, sphere};
 use glam::DVec3;
 use radsight_ir::{Instance, MeshInstance, Scene, Shape, ValidScene};
 use std::ops::Range;
@@ -155,7 +155,7 @@ impl Geometry {
                 let vertices = &scene.vertices[start as usize..][..count as usize];
                 match vertices {
                     [_, _, _] => polygon::intersect_triangle(vertices.first_chunk()?, ray, frame, range),
-                    [_, _, _, _] => polygon::intersect_four(vertices.first_chunk()?, ray, frame, range),
+                    [_, _, _, _] => quadrilateral::intersect(vertices.first_chunk()?, ray, frame, range),
                     _ => polygon::intersect(vertices, ray, frame, range),
                 }
             }
@@ -364,7 +364,7 @@ fn four_crossing(
     if from == Some(primitive) {
         return None;
     }
-    let distance = polygon::intersect_four(vertices, ray, frame, limits.range())?;
+    let distance = quadrilateral::intersect(vertices, ray, frame, limits.range())?;
     Some(Crossing { distance, primitive })
 }
 

@@ -1,33 +1,67 @@
-//! The test of a polygon with four vertices by vectors of two numbers (SSE2): the operations of
-//! `polygon.rs`, and so its results, for two vertices at once.
+//! Polygons with four vertices, which most polygons have. On x86-64 two vertices are tested at once
+//! (SSE2): the operations of `polygon.rs`, and so its results.
 
-use crate::polygon::RayFrame;
+use crate::polygon::{RayFrame, distance, passes_through};
+use crate::ray::Ray;
 use glam::DVec3;
+#[cfg(target_arch = "x86_64")]
 use pulp::core_arch::x86::Sse2;
+#[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::__m128d;
+use std::ops::Range;
+
+/// Distance along the ray to the polygon's plane, if the ray passes through the polygon.
+#[inline(always)]
+pub(crate) fn intersect(vertices: &[DVec3; 4], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
+    if passes_through_four(vertices, frame) { distance(vertices, ray, range) } else { None }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn passes_through_four(vertices: &[DVec3; 4], frame: &RayFrame) -> bool {
+    match Pairs::new() {
+        Some(pairs) => pairs.passes_through(vertices, frame),
+        None => passes_through_scalars(vertices, frame),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[cold]
+fn passes_through_scalars(vertices: &[DVec3; 4], frame: &RayFrame) -> bool {
+    passes_through(vertices, frame)
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+#[inline(always)]
+fn passes_through_four(vertices: &[DVec3; 4], frame: &RayFrame) -> bool {
+    passes_through(vertices, frame)
+}
 
 /// Vectors of two numbers.
+#[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pairs(Sse2);
+struct Pairs(Sse2);
 
 /// The coordinates u and v of two points.
+#[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 struct Projected {
     u: __m128d,
     v: __m128d,
 }
 
+#[cfg(target_arch = "x86_64")]
 impl Pairs {
     /// `None` if the processor lacks them, which no x86-64 processor does.
     #[inline(always)]
-    pub(crate) fn new() -> Option<Pairs> {
+    fn new() -> Option<Pairs> {
         Sse2::try_new().map(Pairs)
     }
 
     /// Whether the line of a ray crosses the polygon: the parity of edges that cross the positive
     /// half axis.
     #[inline(always)]
-    pub(crate) fn passes_through(self, vertices: &[DVec3; 4], frame: &RayFrame) -> bool {
+    fn passes_through(self, vertices: &[DVec3; 4], frame: &RayFrame) -> bool {
         let first = self.project([&vertices[0], &vertices[1]], frame);
         let last = self.project([&vertices[2], &vertices[3]], frame);
         let crossed = self.crosses(self.before(first, last), first) ^ self.crosses(self.before(last, first), last);
@@ -73,11 +107,9 @@ impl Pairs {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
-    use crate::polygon::passes_through;
-    use crate::ray::Ray;
 
     #[test]
     fn vectors_agree_with_scalars() {
