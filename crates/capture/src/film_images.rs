@@ -120,7 +120,7 @@ impl FilmImages {
         let rays = exposer.rays;
         let near = vec![Vec::new(); film.pixel_count()];
         let film_blur = ImageBlur::new(DMat2::from_diagonal(film.shift()));
-        let divides_rays = exposer.renderer.plan().divides_rays();
+        let divides_rays = exposer.renderer.plan().divides_rays;
         let (images, parts) = (Vec::new(), Vec::new());
         let mut found = FilmImages { images, parts, near, region: None, film_blur, divides_rays };
         for image in curved.iter().filter_map(|curved| FilmImage::new(rays, curved)) {

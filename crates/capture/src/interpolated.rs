@@ -81,7 +81,7 @@ impl AdaptiveSampler<'_> {
         }
         let on_film = match (&self.film, self.images.curved_alone()) {
             (Some(film), Some(curved)) => FilmImages::new(self.exposer, film, curved, allowed)?,
-            (Some(_), None) if self.exposer.renderer.plan().divides_rays() => return Err(UnknownImages),
+            (Some(_), None) if self.exposer.renderer.plan().divides_rays => return Err(UnknownImages),
             _ => None,
         };
         Ok(match on_film {

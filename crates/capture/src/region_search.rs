@@ -251,7 +251,7 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
     fn pixels_near_reflectors(&self) -> Vec<usize> {
         let (film, rays) = (self.film, self.exposer.rays);
         let plan = self.exposer.renderer.plan();
-        let (reflectors, has_panes) = (&plan.reflectors, plan.has_panes());
+        let (reflectors, has_panes) = (&plan.reflectors, plan.has_panes);
         if reflectors.is_empty() && !has_panes || self.towards.len() > MAX_MIRRORED_LIGHTS {
             return Vec::new();
         }

@@ -164,7 +164,7 @@ impl UnblurredFilm {
 
     /// Whether each pixel of the film sees light that is refracted by dielectrics; empty without any.
     pub(crate) fn refracted(&self, exposer: &Exposer<'_>) -> Vec<bool> {
-        if !exposer.renderer.plan().divides_rays() {
+        if !exposer.renderer.plan().divides_rays {
             return Vec::new();
         }
         let places = [[0.1, 0.1], [0.9, 0.1], [0.5, 0.5], [0.1, 0.9], [0.9, 0.9]].map(DVec2::from);

@@ -63,6 +63,10 @@ pub struct RenderPlan {
     pub has_media: bool,
     /// Whether there are media other than the inside of dielectrics.
     pub has_mist: bool,
+    /// Whether there are panes.
+    pub has_panes: bool,
+    /// Whether dielectrics or panes divide rays: lights are seen by way of both parts.
+    pub divides_rays: bool,
     /// Whether light sampling accounts for all light of lights, so that BSDF samples ignore it:
     /// mist attenuates the two differently.
     pub lights_are_covered: bool,

@@ -58,7 +58,9 @@ impl RenderPlan {
         let veils = find_veils(&scene, &geometry, shader);
         let in_medium = !options.medium.extinction.is_black();
         let has_mist = in_medium || any(|kind| matches!(kind, Kind::Mist(_)));
-        let has_media = has_mist || any(|kind| matches!(kind, Kind::Dielectric(_)));
+        let has_dielectrics = any(|kind| matches!(kind, Kind::Dielectric(_)));
+        let has_panes = any(|kind| matches!(kind, Kind::Glass { .. }));
+        let has_media = has_mist || has_dielectrics;
         let stands_in = any(|kind| matches!(kind, Kind::Illum { .. } | Kind::Mirror { substitute: Some(_), .. }));
         let cut_shaders = all_cut(&shaders);
         let has_antimatter = any(|kind| matches!(kind, Kind::Antimatter(_)));
@@ -98,6 +100,8 @@ impl RenderPlan {
             see_through: see_through || !may_skip(Skip::BehindShadows),
             shadow_rays_interact: shadow_rays_interact || !may_skip(Skip::RefractedShadows),
             has_mist,
+            has_panes,
+            divides_rays: has_dielectrics || has_panes,
             has_media: has_media || !may_skip(Skip::Media),
             has_antimatter: has_antimatter || !may_skip(Skip::Antimatter),
             cut_shaders,

@@ -117,18 +117,6 @@ impl RenderPlan {
         !self.has_mist && !self.has_antimatter && self.shaders.iter().all(|shader| is_known(&shader.kind))
     }
 
-    /// Whether dielectrics or panes divide rays: lights are seen by way of both parts.
-    #[must_use]
-    pub fn divides_rays(&self) -> bool {
-        self.has_panes() || self.shaders.iter().any(|shader| matches!(shader.kind, Kind::Dielectric(_)))
-    }
-
-    /// Whether there are panes.
-    #[must_use]
-    pub fn has_panes(&self) -> bool {
-        self.shaders.iter().any(|shader| matches!(shader.kind, Kind::Glass { .. }))
-    }
-
     /// Whether surfaces other than retroreflectors and perfect mirrors scatter light about a direction.
     /// Scattered rays go to different surfaces, so their light is noisy.
     #[must_use]

@@ -92,7 +92,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// by way of dielectrics.
     pub(crate) fn image_rays(&mut self, start: (DVec3, Option<PrimitiveId>), direction: DVec3) -> Vec<MirroredRay> {
         let mut rays = self.mirrored_rays(start, direction);
-        if self.plan.divides_rays() {
+        if self.plan.divides_rays {
             let mut ends = Vec::new();
             self.specular_ends(&Ray { origin: start.0, direction }, &mut ends);
             for end in ends.into_iter().filter(|end| end.weight >= MIN_IMAGE_WEIGHT) {
