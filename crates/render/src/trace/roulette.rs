@@ -55,7 +55,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             return None;
         }
         let least = self.plan.options.least_weight;
-        let is_view = path.mis.is_none();
+        let is_view = path.mis.is_none() && lobe.is_none();
         self.view_rays += u32::from(is_view);
         let roulette = match self.plan.options.path_limit {
             PathLimit::Cut(most) if reflections > most || unsplit < least => return None,
@@ -69,7 +69,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         } else {
             // A path with a sampled ray is noisy anyway; one through mirrors from the eye is not,
             // and stays so.
-            let drawn = !is_view && depth >= ROULETTE_DEPTH;
+            let drawn = path.mis.is_some() && depth >= ROULETTE_DEPTH;
             let usual = if lobe == Some(Lobe::Diffuse) { ROULETTE_THROUGHPUT } else { ROULETTE_VIEW_THROUGHPUT };
             let by_weight = if roulette > 0.0 { strongest / roulette } else { 1.0 };
             let by_share = if drawn { unsplit / usual } else { 1.0 };
