@@ -103,7 +103,7 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) next_set: u32,
     pub(crate) workspace: Workspace,
     waiting: Vec<PathState<BANDS>>,
-    /// Number of branches of the current ray that no sampled ray precedes.
+    /// Number of specular branches of the current ray that no sampled ray precedes.
     view_rays: u32,
     /// Media of the current ray; the first fills the scene.
     media: Vec<Medium<BANDS>>,
