@@ -258,3 +258,58 @@ fn push_count(out: &mut Vec<u8>, object: &Object<'_>, group: &str, found: usize)
     push_integer(out, found as i64, 2);
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn object(kind: &str, modifier: Option<usize>, name: &str, reals: &[f64]) -> Object<'static> {
+        let bytes = |text: &str| text.as_bytes().to_vec().into();
+        let strings = vec![bytes("a word"), bytes("")];
+        Object { kind: bytes(kind), modifier, name: bytes(name), strings, reals: reals.to_vec() }
+    }
+
+    fn written() -> (Vec<Object<'static>>, Vec<u8>) {
+        let objects = vec![
+            object("plastic", None, "paint", &[0.5, 0.25, 0.125]),
+            object("sphere", Some(0), "ball", &[1.0, 2.0, -3.0, 0.5]),
+            object("light", None, "lamp", &[]),
+            object("ring", Some(2), "disk", &[8.0]),
+        ];
+        let mut bytes = Vec::new();
+        write_objects(&mut bytes, &objects, 4).unwrap();
+        (objects, bytes)
+    }
+
+    fn packed(bytes: &[u8]) -> Result<PackedObjects<'_>, FormatError> {
+        PackedObjects::read(&mut Reader::of(bytes), 4)
+    }
+
+    #[test]
+    fn objects_are_read_one_by_one_with_the_names_of_their_modifiers() {
+        let (objects, bytes) = written();
+        let packed = packed(&bytes).unwrap();
+        let mut visited = Vec::new();
+        packed.for_each(|object, modifier| {
+            visited.push((object.name.to_vec(), modifier.map(<[u8]>::to_vec)));
+            if visited.len() == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        let expected = [("paint", None), ("ball", Some("paint")), ("lamp", None)];
+        let expected = expected.map(|(name, modifier)| (name.into(), modifier.map(|name| name.as_bytes().to_vec())));
+        assert_eq!(visited, expected);
+        assert_eq!((packed.len(), packed.is_empty()), (4, false));
+        let near = |(read, written): (&Object<'_>, &Object<'_>)| {
+            let close = read.reals.iter().zip(&written.reals).all(|(read, written)| (read - written).abs() < 1e-8);
+            close && read.reals.len() == written.reals.len() && read.strings == written.strings
+        };
+        assert!(packed.to_vec().iter().zip(&objects).all(near));
+    }
+
+    #[test]
+    fn objects_that_end_early_are_an_error_before_the_first_is_visited() {
+        let (_, bytes) = written();
+        for end in 0..bytes.len() {
+            assert!(matches!(packed(&bytes[..end]), Err(FormatError::Truncated { .. })), "{end} bytes");
+        }
+    }
+}

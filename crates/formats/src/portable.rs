@@ -33,6 +33,12 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// A reader of bytes without a header.
+    #[cfg(test)]
+    pub(crate) fn of(bytes: &'a [u8]) -> Self {
+        Reader { bytes, offset: 0 }
+    }
+
     pub(crate) fn unexpected(
         &self,
         offset: usize,
@@ -169,17 +175,13 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn reader(bytes: &[u8]) -> Reader<'_> {
-        Reader { bytes, offset: 0 }
-    }
-
     #[test]
     fn integers_keep_their_sign_in_any_width() {
         for size in 1..=8 {
             for value in [0, 1, -1, 100, -128, 127] {
                 let mut bytes = Vec::new();
                 push_integer(&mut bytes, value, size);
-                assert_eq!((bytes.len(), reader(&bytes).integer(size, "").unwrap()), (size, value));
+                assert_eq!((bytes.len(), Reader::of(&bytes).integer(size, "").unwrap()), (size, value));
             }
         }
     }
@@ -194,7 +196,7 @@ mod tests {
         let mut bytes = Vec::new();
         push_float(&mut bytes, 1.0);
         assert_eq!(bytes, [0x3f, 0xff, 0xff, 0xff, 1]);
-        assert_eq!(reader(&bytes).float("").unwrap(), 1.0);
+        assert_eq!(Reader::of(&bytes).float("").unwrap(), 1.0);
     }
 
     #[test]
@@ -202,7 +204,7 @@ mod tests {
         for (value, read) in [(0.0, 0.0), (1e-300, 0.0), (5e-324, 0.0), (1e300, f64::powi(2.0, 127))] {
             let mut bytes = Vec::new();
             push_float(&mut bytes, value);
-            let found = reader(&bytes).float("").unwrap();
+            let found = Reader::of(&bytes).float("").unwrap();
             assert!((found - read).abs() <= 1e-9 * read, "{value}: {found}");
         }
     }
@@ -213,7 +215,7 @@ mod tests {
             let value = fraction * f64::powi(2.0, exponent);
             let mut bytes = Vec::new();
             push_float(&mut bytes, value);
-            let found = reader(&bytes).float("").unwrap();
+            let found = Reader::of(&bytes).float("").unwrap();
             prop_assert!((found - value).abs() <= 5e-10 * value.abs());
         }
     }
