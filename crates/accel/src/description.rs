@@ -63,7 +63,7 @@ impl Geometry {
         let shape = self.shapes[member.0 as usize];
         let outline = match shape {
             Shape::Polygon { start, count } if count >= MANY_VERTICES => {
-                self.outline(member, &scene.vertices[start as usize..][..count as usize])
+                self.outline(member, scene.polygon_vertices(start, count))
             }
             _ => None,
         };

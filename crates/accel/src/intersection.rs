@@ -1,8 +1,10 @@
 //! Crossings and intersections.
 
 use crate::ids::{PrimitiveId, ShaderId};
+use crate::limits::Limits;
 use glam::DVec3;
 use radsight_ir::{SurfaceHandle, Transform};
+use std::ops::Range;
 
 /// A ray's crossing of a primitive.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +13,23 @@ pub struct Crossing {
     pub distance: f64,
     /// The primitive.
     pub primitive: PrimitiveId,
+}
+
+impl Crossing {
+    /// The crossing of a flat primitive at the distance that a test finds within the limits. A ray never
+    /// hits the flat surface from which it starts.
+    #[inline(always)]
+    pub(crate) fn of_flat(
+        primitive: PrimitiveId,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+        test: impl FnOnce(Range<f64>) -> Option<f64>,
+    ) -> Option<Crossing> {
+        if from == Some(primitive) {
+            return None;
+        }
+        test(limits.range()).map(|distance| Crossing { distance, primitive })
+    }
 }
 
 /// A ray's intersection with a surface, with all geometric data for shading.

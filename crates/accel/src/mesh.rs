@@ -117,28 +117,11 @@ impl MeshGeometry {
         limits: &Limits,
     ) -> Option<Crossing> {
         let primitive = PrimitiveId(u64::from(slot));
-        match copied {
-            Some(corners) => triangle_crossing(corners, primitive, ray, frame, from, limits),
-            None => {
-                let corners = corners(mesh, self.slots[slot as usize].0);
-                triangle_crossing(&corners, primitive, ray, frame, from, limits)
-            }
-        }
+        Crossing::of_flat(primitive, from, limits, |range| match copied {
+            Some(corners) => polygon::intersect_triangle(corners, ray, frame, range),
+            None => polygon::intersect_triangle(&corners(mesh, self.slots[slot as usize].0), ray, frame, range),
+        })
     }
-}
-
-/// The crossing of a ray with a triangle, unless the ray starts from it.
-#[inline(always)]
-pub(crate) fn triangle_crossing(
-    corners: &[DVec3; 3],
-    primitive: PrimitiveId,
-    ray: &Ray,
-    frame: &RayFrame,
-    from: Option<PrimitiveId>,
-    limits: &Limits,
-) -> Option<Crossing> {
-    let distance = polygon::intersect_triangle(corners, ray, frame, limits.range())?;
-    (from != Some(primitive)).then_some(Crossing { distance, primitive })
 }
 
 #[inline]

@@ -23,9 +23,7 @@ impl Geometry {
 
     fn is_outside(&self, scene: &ValidScene, shaft: &Shaft, member: MemberId) -> bool {
         match self.shapes[member.0 as usize] {
-            Shape::Polygon { start, count } => {
-                shaft.excludes(&scene.vertices[start as usize..][..count as usize], self.tolerance)
-            }
+            Shape::Polygon { start, count } => shaft.excludes(scene.polygon_vertices(start, count), self.tolerance),
             Shape::Ring(handle)
                 if shaft.has_beside_it(
                     (scene.rings[handle].center, scene.rings[handle].normal, scene.rings[handle].outer_radius),

@@ -16,9 +16,7 @@ pub fn is_flat(shape: Shape) -> bool {
 #[inline]
 pub(crate) fn surface_point(scene: &Scene, shape: Shape, point: DVec3) -> (DVec3, DVec3) {
     match shape {
-        Shape::Polygon { start, count } => {
-            (point, polygon::normal(&scene.vertices[start as usize..][..count as usize]))
-        }
+        Shape::Polygon { start, count } => (point, polygon::normal(scene.polygon_vertices(start, count))),
         Shape::Sphere(handle) => sphere::surface_point(&scene.spheres[handle], point),
         Shape::Cone(handle) => (point, cone::normal(&scene.cones[handle], point)),
         Shape::Ring(handle) => (point, scene.rings[handle].normal),
@@ -36,7 +34,7 @@ pub fn flat_normal(scene: &Scene, shape: Shape) -> Option<DVec3> {
 pub(crate) fn bounds_of_plain(scene: &Scene, shape: Shape) -> Option<Bounds> {
     match shape {
         Shape::Polygon { start, count } => {
-            let vertices = &scene.vertices[start as usize..][..count as usize];
+            let vertices = scene.polygon_vertices(start, count);
             vertices.iter().map(|vertex| Bounds::point(*vertex)).reduce(Bounds::union)
         }
         Shape::Sphere(handle) => {

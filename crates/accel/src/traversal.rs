@@ -5,7 +5,6 @@ use crate::hierarchy::{AnyOrder, NearestFirst, Search, Visited};
 use crate::ids::{MemberId, PrimitiveId, ShaderTable};
 use crate::intersection::{Crossing, Intersection};
 use crate::limits::Limits;
-use crate::mesh::triangle_crossing;
 use crate::outline::{GridResult, MANY_VERTICES};
 use crate::polygon::{self, RayFrame};
 use crate::ray::Ray;
@@ -91,12 +90,15 @@ impl Geometry {
             if tested == Some(MemberId(slot)) {
                 return limits.farthest;
             }
-            let crossing = match corners {
-                Some(corners) => triangle_crossing(corners, MemberId(slot).primitive(), ray, &frame, from, &limits),
-                None => match self.four_vertices(scene, MemberId(slot)) {
-                    Some(vertices) => four_crossing(vertices, MemberId(slot).primitive(), ray, &frame, from, &limits),
-                    None => self.crossing(scene, MemberId(slot), ray, &frame, from, &limits),
-                },
+            let member = MemberId(slot);
+            let crossing = if let Some(corners) = corners {
+                let test = |range| polygon::intersect_triangle(corners, ray, &frame, range);
+                Crossing::of_flat(member.primitive(), from, &limits, test)
+            } else if let Some(vertices) = self.four_vertices(scene, member) {
+                let test = |range| quadrilateral::intersect(vertices, ray, &frame, range);
+                Crossing::of_flat(member.primitive(), from, &limits, test)
+            } else {
+                self.crossing(scene, member, ray, &frame, from, &limits)
             };
             if let Some(crossing) = crossing {
                 if crossing.distance < tied_from {
@@ -152,7 +154,7 @@ impl Geometry {
             Shape::Polygon { .. } | Shape::Ring(_) if from_here => None,
             Shape::Polygon { count: MANY_VERTICES.., .. } => self.polygon_crossing(scene, member, ray, frame, range),
             Shape::Polygon { start, count } => {
-                let vertices = &scene.vertices[start as usize..][..count as usize];
+                let vertices = scene.polygon_vertices(start, count);
                 match vertices {
                     [_, _, _] => polygon::intersect_triangle(vertices.first_chunk()?, ray, frame, range),
                     [_, _, _, _] => quadrilateral::intersect(vertices.first_chunk()?, ray, frame, range),
@@ -187,7 +189,7 @@ impl Geometry {
         range: Range<f64>,
     ) -> Option<f64> {
         let Shape::Polygon { start, count } = self.shapes[member.0 as usize] else { return None };
-        let vertices = &scene.vertices[start as usize..][..count as usize];
+        let vertices = scene.polygon_vertices(start, count);
         match self.outline(member, vertices).map_or(GridResult::Unknown, |outline| outline.classify(ray, &range)) {
             GridResult::Miss => None,
             GridResult::Hit(distance) => Some(distance),
@@ -259,9 +261,11 @@ impl Geometry {
             let member = MemberId(slot);
             if !blocked && member.primitive() != target {
                 blocked = if let Some(corners) = corners {
-                    triangle_crossing(corners, member.primitive(), ray, &frame, from, limits).is_some_and(&mut *block)
+                    let test = |range| polygon::intersect_triangle(corners, ray, &frame, range);
+                    Crossing::of_flat(member.primitive(), from, limits, test).is_some_and(&mut *block)
                 } else if let Some(vertices) = self.four_vertices(scene, member) {
-                    four_crossing(vertices, member.primitive(), ray, &frame, from, limits).is_some_and(&mut *block)
+                    let test = |range| quadrilateral::intersect(vertices, ray, &frame, range);
+                    Crossing::of_flat(member.primitive(), from, limits, test).is_some_and(&mut *block)
                 } else if self.is_plain(member) {
                     self.any_crossing(scene, member, (ray, &frame), from, limits, block)
                 } else {
@@ -348,24 +352,6 @@ impl Geometry {
             _ => false,
         }
     }
-}
-
-/// The crossing of a ray with a polygon with four vertices.
-#[inline(always)]
-fn four_crossing(
-    vertices: &[DVec3; 4],
-    primitive: PrimitiveId,
-    ray: &Ray,
-    frame: &RayFrame,
-    from: Option<PrimitiveId>,
-    limits: &Limits,
-) -> Option<Crossing> {
-    // A ray never hits the flat surface from which it starts.
-    if from == Some(primitive) {
-        return None;
-    }
-    let distance = quadrilateral::intersect(vertices, ray, frame, limits.range())?;
-    Some(Crossing { distance, primitive })
 }
 
 /// Passes crossings of a member to `block`, with primitives offset by `first` and distances scaled.

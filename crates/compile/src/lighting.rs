@@ -123,7 +123,7 @@ fn collect_virtual_surfaces<'a>(
             let shape = scene.surfaces[surface].shape;
             let normal = flat_normal(scene, shape)?;
             let corners = match shape {
-                Shape::Polygon { start, count } => scene.vertices[start as usize..][..count as usize].to_vec(),
+                Shape::Polygon { start, count } => scene.polygon_vertices(start, count).to_vec(),
                 Shape::Ring(ring) => square_around(&scene.rings[ring]),
                 _ => return None,
             };

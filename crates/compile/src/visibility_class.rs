@@ -1,10 +1,10 @@
 //! Visibility classes: possible blockers between a light and a surface, by shaft culling (Haines
 //! and Wallace 1991).
 //!
-//! Every pair of a surface and a light is classified when the first ray hits the surface. If no other surface
-//! reaches into their convex hull, no shadow ray is needed; if few do, only those are tested. A
-//! flat surface with nothing but lights in front of it needs no rays for indirect light. All tests
-//! are conservative: they cannot change the picture.
+//! Every pair of a surface and a light is classified when the first ray hits the surface. If no
+//! other surface reaches into their convex hull, no shadow ray is needed; if few do, only those are
+//! tested. A flat surface with nothing but lights in front of it needs no rays for indirect light.
+//! All tests are conservative: they cannot change the picture.
 
 use crate::shader::{Kind, Shader, Substitution};
 use glam::DVec3;
@@ -304,7 +304,7 @@ fn range(points: &[DVec3], axis: DVec3) -> (f64, f64) {
 /// Points whose convex hull contains the surface.
 fn hull(scene: &Scene, geometry: &Geometry, shape: Shape) -> Vec<DVec3> {
     match shape {
-        Shape::Polygon { start, count } => scene.vertices[start as usize..][..count as usize].to_vec(),
+        Shape::Polygon { start, count } => scene.polygon_vertices(start, count).to_vec(),
         Shape::Ring(handle) => {
             let ring = scene.rings[handle];
             let (x, y) = ring.normal.any_orthonormal_pair();

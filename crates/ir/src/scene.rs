@@ -150,6 +150,16 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The vertices of a polygon, by the numbers of its [`crate::Shape`].
+    ///
+    /// # Panics
+    /// When there are no such vertices, which no polygon of a valid scene has.
+    #[inline(always)]
+    #[must_use]
+    pub fn polygon_vertices(&self, start: u32, count: u32) -> &[DVec3] {
+        &self.vertices[start as usize..][..count as usize]
+    }
+
     /// The modifier chain from `first` on.
     pub fn chain(&self, first: Option<ModifierHandle>) -> impl Iterator<Item = (ModifierHandle, &Modifier)> {
         std::iter::successors(first.map(|handle| (handle, &self.modifiers[handle])), |(_, modifier)| {

@@ -115,7 +115,7 @@ impl LightForm {
     /// Shape of an emitting surface; none for a shape that cannot be sampled.
     pub fn new(scene: &Scene, shape: Shape) -> Option<LightForm> {
         match shape {
-            Shape::Polygon { start, count } => polygon_form(&scene.vertices[start as usize..][..count as usize]),
+            Shape::Polygon { start, count } => polygon_form(scene.polygon_vertices(start, count)),
             Shape::Sphere(handle) => {
                 let sphere = scene.spheres[handle];
                 Some(LightForm::Sphere { center: sphere.center, radius: sphere.radius, facing: sphere.facing })

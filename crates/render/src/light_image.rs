@@ -173,7 +173,7 @@ fn is_polished(kind: &Kind) -> bool {
 /// Points in whose convex hull a flat surface lies.
 fn corners(plan: &RenderPlan, surface: SurfaceHandle) -> Vec<DVec3> {
     match plan.scene.surfaces[surface].shape {
-        Shape::Polygon { start, count } => plan.scene.vertices[start as usize..][..count as usize].to_vec(),
+        Shape::Polygon { start, count } => plan.scene.polygon_vertices(start, count).to_vec(),
         shape => LightForm::new(&plan.scene, shape).map_or_else(Vec::new, |form| form.outline(DVec3::ZERO)),
     }
 }

@@ -86,7 +86,7 @@ fn light(scene: &Scene, surface: &Surface) -> Option<Toward> {
     }
     match surface.shape {
         Shape::Polygon { start, count } => {
-            let vertices = &scene.vertices[start as usize..][..count as usize];
+            let vertices = scene.polygon_vertices(start, count);
             let numbers: Vec<f64> = vertices.iter().flat_map(|vertex| vertex.to_array()).collect();
             FluxSurface::new("light", Form::Polygon, &numbers).ok().map(Toward::Surface)
         }

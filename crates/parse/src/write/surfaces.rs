@@ -16,7 +16,7 @@ impl Writer<'_> {
         let scene = self.scene;
         match shape {
             Shape::Polygon { start, count } => {
-                let vertices = &scene.vertices[start as usize..start as usize + count as usize];
+                let vertices = scene.polygon_vertices(start, count);
                 (Kind::Polygon, Arguments::of_reals(vertices.iter().flat_map(|vertex| vertex.to_array())))
             }
             Shape::Sphere(handle) => {
