@@ -230,8 +230,11 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
     /// The pixels of the film that see a mirror, and near which a corner of a pixel sees one in another.
     /// `None` where there are too many, or too many lights.
     fn mirroring_pixels(&mut self) -> Option<Vec<usize>> {
+        if self.towards.len() > MAX_MIRRORED_LIGHTS {
+            return None;
+        }
         let near_reflectors = self.pixels_near_reflectors();
-        if self.towards.len() > MAX_MIRRORED_LIGHTS || near_reflectors.len() > self.max_rays() {
+        if near_reflectors.len() > self.max_rays() {
             return None;
         }
         // The most mirrors to which a corner leads, by pixel.
@@ -252,7 +255,7 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
         let (film, rays) = (self.film, self.exposer.rays);
         let plan = self.exposer.renderer.plan();
         let (reflectors, has_panes) = (&plan.reflectors, plan.has_panes);
-        if reflectors.is_empty() && !has_panes || self.towards.len() > MAX_MIRRORED_LIGHTS {
+        if reflectors.is_empty() && !has_panes {
             return Vec::new();
         }
         let is_near = |pixel: &usize| {

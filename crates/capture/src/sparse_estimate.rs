@@ -36,8 +36,9 @@ pub(crate) enum NoisePooling {
     /// With the pixels beside it.
     Near,
     /// With a wider window until the pixel has [`MIN_KNOWN`] samples, then with the pixels beside it.
-    /// Glossy surfaces that are lit by way of others, and what dielectrics show, have rare and bright rays. A pixel whose first rays
-    /// met some would get more of them, and one whose rays met none would stay too dark.
+    /// Glossy surfaces that are lit by way of others, and what dielectrics show, have rare and bright
+    /// rays. A pixel whose first rays met some would get more of them, and one whose rays met none
+    /// would stay too dark.
     WideFirst,
 }
 

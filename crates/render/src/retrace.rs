@@ -54,38 +54,26 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         Some((ray, from))
     }
 
-    /// The ray behind its first mirror, its second, and so on.
-    pub(crate) fn mirrored_rays(&mut self, start: (DVec3, Option<PrimitiveId>), direction: DVec3) -> Vec<MirroredRay> {
+    /// The ray behind its first mirror, its second, and so on, through panes.
+    pub(crate) fn mirrored_rays(
+        &mut self,
+        (origin, mut from): (DVec3, Option<PrimitiveId>),
+        direction: DVec3,
+    ) -> Vec<MirroredRay> {
         let (mut rays, mut events) = (Vec::new(), Vec::new());
-        self.follow_mirrors(start, direction, |event, ray| {
+        let mut ray = Ray { origin, direction };
+        while rays.len() < MAX_MIRRORS && events.len() < MAX_EVENTS {
+            let Some(hit) = self.next_visible(ray, from) else { break };
+            let Some((event, direction)) = self.mirrored_step(&ray, &hit) else { break };
+            ray = Ray { origin: hit.point, direction };
+            from = Some(hit.primitive);
             events.push(event);
             if event == SpecularEvent::Reflected {
                 let chain = rays.len() as u32 + 1;
                 rays.push(MirroredRay { ray, events: events.clone(), chain });
             }
-            rays.len() < MAX_MIRRORS
-        });
-        rays
-    }
-
-    /// Follows a ray through panes and from mirror to mirror. `visit` gets each event and the ray after it,
-    /// and says whether to go on.
-    fn follow_mirrors(
-        &mut self,
-        (origin, mut from): (DVec3, Option<PrimitiveId>),
-        direction: DVec3,
-        mut visit: impl FnMut(SpecularEvent, Ray) -> bool,
-    ) {
-        let mut ray = Ray { origin, direction };
-        for _ in 0..MAX_EVENTS {
-            let Some(hit) = self.next_visible(ray, from) else { return };
-            let Some((event, direction)) = self.mirrored_step(&ray, &hit) else { return };
-            ray = Ray { origin: hit.point, direction };
-            from = Some(hit.primitive);
-            if !visit(event, ray) {
-                return;
-            }
         }
+        rays
     }
 
     /// One step of a ray that searches for mirrors: panes transmit it, other surfaces reflect it if
@@ -121,7 +109,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// The refraction of a ray by a dielectric; `None` for other surfaces.
-    fn refraction(&mut self, ray: &Ray, hit: &Intersection, shader: &Shader) -> Option<Refracted> {
+    pub(crate) fn refraction(&mut self, ray: &Ray, hit: &Intersection, shader: &Shader) -> Option<Refracted> {
         let Kind::Dielectric(boundary) = &shader.kind else { return None };
         let interaction = SurfaceInteraction::at(ray, hit, hit.distance);
         let scene = &self.plan.scene;

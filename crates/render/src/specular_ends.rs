@@ -108,25 +108,30 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Adds the branches of a ray after a surface; whether it is a mirror, a pane or a dielectric.
     fn divide(&mut self, branch: &Branch, hit: &Intersection, waiting: &mut Vec<Branch>) -> bool {
         let shader = self.plan.shader_at(hit.shader);
-        let cosine = branch.end.ray.direction.dot(hit.front).abs();
-        let (reflectance, is_pane) = match &shader.kind {
-            Kind::Dielectric(_) => (1.0 - self.transmittance(&branch.end.ray, hit, shader).unwrap_or(0.0), false),
-            Kind::Glass { refractive_index, .. } => (pane([1.0], *refractive_index, cosine)[0][0], true),
-            _ => {
-                let reflected = self.specular_direction(&branch.end.ray, hit, shader, SpecularEvent::Reflected);
-                let next = reflected.map(|direction| branch.after(hit, direction, SpecularEvent::Reflected));
-                waiting.extend(next.as_ref().and_then(|next| next.is_followed_by(1.0, 1)));
-                return next.is_some();
+        let ray = &branch.end.ray;
+        // Of each part: its direction, weight and number of mirrors.
+        let (reflected, transmitted) = if let Some(refraction) = self.refraction(ray, hit, shader) {
+            let reflected = Some(refraction.reflected(ray.direction, hit.front));
+            let transmitted = refraction.transmitted.map(|(direction, _)| direction);
+            ((reflected, refraction.reflectance, 2), (transmitted, 1.0 - refraction.reflectance, 2))
+        } else {
+            let mut towards = |event| self.specular_direction(ray, hit, shader, event);
+            let reflected = towards(SpecularEvent::Reflected);
+            if let Kind::Glass { refractive_index, .. } = &shader.kind {
+                let [[reflectance], _] = pane([1.0], *refractive_index, ray.direction.dot(hit.front).abs());
+                let transmitted = towards(SpecularEvent::Transmitted);
+                ((reflected, reflectance, 2), (transmitted, 1.0 - reflectance, 0))
+            } else if reflected.is_some() {
+                ((reflected, 1.0, 1), (None, 0.0, 0))
+            } else {
+                return false;
             }
         };
-        let events = [
-            (SpecularEvent::Reflected, reflectance, 2),
-            (SpecularEvent::Transmitted, 1.0 - reflectance, if is_pane { 0 } else { 2 }),
-        ];
-        for (event, weight, mirrors) in events {
-            if let Some(direction) = self.specular_direction(&branch.end.ray, hit, shader, event) {
-                waiting.extend(branch.after(hit, direction, event).is_followed_by(weight, mirrors));
-            }
+        for (event, (direction, weight, mirrors)) in
+            [(SpecularEvent::Reflected, reflected), (SpecularEvent::Transmitted, transmitted)]
+        {
+            let next = direction.map(|direction| branch.after(hit, direction, event));
+            waiting.extend(next.and_then(|next| next.is_followed_by(weight, mirrors)));
         }
         true
     }
