@@ -35,6 +35,13 @@ fn captures(camera: &str, part: &str, asked: [&str; 2]) -> Vec<Image<f32>> {
     (0..SEEDS).map(capture).collect()
 }
 
+fn mean(captures: &[Image<f32>]) -> Image<f32> {
+    let [first, ..] = captures else { panic!("there are seeds") };
+    let value = |pixel: usize| captures.iter().map(|picture| picture.data()[pixel]).sum::<f32>() / SEEDS as f32;
+    let values = (0..first.data().len()).map(value).collect();
+    Image::new(first.width(), first.height(), 1, values).expect("a picture")
+}
+
 /// The requested error equals the true one, and the mean over seeds is closer, as for independent
 /// errors.
 fn check(name: &str, part: &str, error: f64) {
@@ -46,10 +53,7 @@ fn check_in(camera: &str, name: &str, part: &str, error: f64) {
     let captures = captures(camera, part, ["--error", &error.to_string()]);
     let differences: Vec<Difference> = captures.iter().map(|picture| Difference::new(picture, &truth)).collect();
     let rms = (differences.iter().map(|difference| difference.rms.powi(2)).sum::<f64>() / f64::from(SEEDS)).sqrt();
-    let mean: Vec<f32> = (0..truth.data().len())
-        .map(|pixel| captures.iter().map(|picture| picture.data()[pixel]).sum::<f32>() / SEEDS as f32)
-        .collect();
-    let mean = Image::new(truth.width(), truth.height(), 1, mean).expect("a picture");
+    let mean = mean(&captures);
     let of_mean = Difference::new(&mean, &truth);
     println!("{name}: asked {error}, rms {rms}, of the mean {of_mean:?}");
     if rms > 1.1 * error
@@ -93,15 +97,13 @@ fn a_torus_of_triangles_shows_leds_along_its_crest() {
 fn a_ball_of_glass_shows_every_led_to_pixels_that_share_rays() {
     let truth = exposure_file(&root().join("tests/gripps/truth/part-glass-ball.pfm"));
     let captures = captures("part-fine.toml", &gripps("part-glass-ball.rad"), ["--error", "0.01"]);
-    let (columns, rows) = (truth.width(), truth.height());
-    let mut mean = vec![0.0_f32; columns * rows];
-    for capture in &captures {
-        for (index, value) in capture.data().iter().enumerate() {
-            let (column, row) = (index % (2 * columns), index / (2 * columns));
-            mean[row / 2 * columns + column / 2] += 0.25 * value / SEEDS as f32;
-        }
+    let fine = mean(&captures);
+    let mut values = vec![0.0; truth.data().len()];
+    for (index, value) in fine.data().iter().enumerate() {
+        let (column, row) = (index % fine.width(), index / fine.width());
+        values[row / 2 * truth.width() + column / 2] += 0.25 * value;
     }
-    let mean = Image::new(truth.width(), truth.height(), 1, mean).expect("a picture");
+    let mean = Image::new(truth.width(), truth.height(), 1, values).expect("a picture");
     let difference = Difference::new(&mean, &truth);
     assert!(difference.rms < 0.009 && difference.mean.abs() < 0.0025, "{difference:?}");
 }
