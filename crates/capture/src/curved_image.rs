@@ -34,6 +34,10 @@ const CELLS_AROUND: i32 = 5;
 /// The image of a light from all points of a pinhole.
 #[derive(Clone, Debug)]
 pub(crate) struct CurvedImage {
+    /// Index of the light.
+    pub(crate) light: usize,
+    /// The specular events along its rays, as in [`SpecularEnd::chain`](radsight_render::SpecularEnd::chain).
+    pub(crate) chain: u32,
     frame: Frame,
     /// Turn of the direction that acts like a shift of the origin, one row for each component.
     by_origin: [DVec3; 2],
@@ -57,6 +61,8 @@ pub(crate) struct Footprint {
     reach: f64,
     /// Sum of light over the cells' area.
     light: f64,
+    /// Density of the cells around those that are known.
+    around: f64,
 }
 
 /// Directions around one of them, as tangents.
@@ -114,7 +120,8 @@ impl CurvedImage {
             ray.map_or(0.0, |ray| worker.trace(0, &ray).value.iter().sum())
         });
         worker.count(CountedLight::All);
-        footprint.map(|footprint| CurvedImage { frame, by_origin, center, map, inverse: map.inverse(), footprint })
+        let (light, chain, inverse) = (light.light(), light.chain(), map.inverse());
+        footprint.map(|footprint| CurvedImage { light, chain, frame, by_origin, center, map, inverse, footprint })
     }
 
     /// The tangents of a ray, with the turn that acts like the shift of its origin.
@@ -205,6 +212,7 @@ impl Footprint {
             columns: size.x,
             reach: 0.0,
             light: light * CELL * CELL,
+            around: 0.0,
         };
         let mut below = 0.0;
         for (cell, weight) in weights {
@@ -276,7 +284,8 @@ impl Footprint {
             }
         }
         let weights = cells.into_iter().map(|(_, cell, weight)| (cell, weight));
-        (Footprint::new(weights, self.light / (CELL * CELL)), parts)
+        let footprint = Footprint::new(weights, self.light / (CELL * CELL));
+        (Footprint { around: each / (CELL * CELL), ..footprint }, parts)
     }
 
     /// The pdf of [`Footprint::sample`] per area.
@@ -287,6 +296,12 @@ impl Footprint {
         }
         let around = (std::f64::consts::PI * reach * reach).recip();
         AROUND_FRACTION * around + (1.0 - AROUND_FRACTION) * self.in_cells(place)
+    }
+
+    /// Whether a place is in a cell with light or next to one, and not around them.
+    pub(crate) fn is_near_light(&self, place: DVec2) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        self.in_cells(place) > (1.0 + ROUNDING) * self.around
     }
 
     /// The pdf of places in the cells, per area.

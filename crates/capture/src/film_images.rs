@@ -126,11 +126,7 @@ impl FilmImages {
         for image in curved.iter().filter_map(|curved| FilmImage::new(rays, curved)) {
             found.add(rays, film, image);
         }
-        let is_known = |point: DVec2| {
-            let seen = film.ray_to_point(rays, point, DVec2::ZERO);
-            seen.is_some_and(|seen| found.are_shown_by(rays, &seen))
-        };
-        match RegionSearch::new(exposer, film, is_known).region(allowed) {
+        match RegionSearch::new(exposer, film, &found).region(allowed) {
             FoundRegion::Lit(region) => found.add_region(rays, film, region),
             FoundRegion::Unknown if divides_rays => return Err(UnknownImages),
             FoundRegion::Dark | FoundRegion::Unknown => {}
@@ -189,6 +185,20 @@ impl FilmImages {
     /// Whether a ray of a pixel of the film shows an image.
     pub(crate) fn are_shown_by(&self, rays: &Rays, seen: &FilmRay) -> bool {
         self.image_of(rays, seen).is_some()
+    }
+
+    /// Whether a ray shows a place of a known image of a light, by a chain, or near it.
+    pub(crate) fn is_known(&self, seen: &FilmRay, (light, chain): (usize, u32)) -> bool {
+        let mut near = self.near[seen.pixel].iter().map(|image| &self.images[*image as usize]);
+        near.any(|image| {
+            (image.curved.light, image.curved.chain) == (light, chain) && image.density(&seen.ray) > 0.0
+        })
+    }
+
+    /// Whether a ray shows the light of a known image.
+    pub(crate) fn shows_light(&self, seen: &FilmRay) -> bool {
+        let mut near = self.near[seen.pixel].iter().map(|image| &self.images[*image as usize]);
+        near.any(|image| image.shows_light(&seen.ray))
     }
 
     /// The image of which a ray shows a place: the one with the highest density of rays there.
@@ -294,6 +304,11 @@ impl FilmImage {
     fn density(&self, ray: &CameraRay) -> f64 {
         let density = self.curved.footprint.in_cells(self.curved.place(ray.origin, ray.direction));
         if density > 0.0 { density / self.curved.solid_angle(ray.direction) } else { 0.0 }
+    }
+
+    /// Whether a ray shows a place with light.
+    fn shows_light(&self, ray: &CameraRay) -> bool {
+        self.curved.footprint.is_near_light(self.curved.place(ray.origin, ray.direction))
     }
 
     /// The farthest point of the film from the middle at which the image is seen, pixels along each

@@ -8,6 +8,7 @@
 //! that it saves.
 
 use crate::Exposer;
+use crate::film_images::FilmImages;
 use crate::fixed::radiance;
 use crate::image_region::{ImageRegion, MAX_LEVEL, RegionSquare};
 use crate::shared_rays::UnblurredFilm;
@@ -116,13 +117,12 @@ pub(crate) enum FoundRegion {
 }
 
 /// What is known of the images of a film before the search.
-pub(crate) struct RegionSearch<'s, K> {
+pub(crate) struct RegionSearch<'s> {
     exposer: &'s Exposer<'s>,
     film: &'s UnblurredFilm,
     worker: RayWorker<'s>,
-    /// Whether the ray that sees a point of the film through the middle of the pinhole shows an image
-    /// that has rays of its own.
-    is_known: K,
+    /// Images that have rays of their own.
+    known: &'s FilmImages,
     /// Unit directions from the pinhole to the lights.
     towards: Vec<DVec3>,
     /// In the order in which they were traced.
@@ -138,8 +138,8 @@ pub(crate) struct RegionSearch<'s, K> {
     waiting: BinaryHeap<Candidate>,
 }
 
-impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
-    pub(crate) fn new(exposer: &'s Exposer<'s>, film: &'s UnblurredFilm, is_known: K) -> RegionSearch<'s, K> {
+impl<'s> RegionSearch<'s> {
+    pub(crate) fn new(exposer: &'s Exposer<'s>, film: &'s UnblurredFilm, known: &'s FilmImages) -> RegionSearch<'s> {
         let camera = exposer.rays.camera();
         let position = camera.position_m() / camera.scene_unit_m();
         let lights = exposer.renderer.plan().lights.iter();
@@ -147,7 +147,7 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
             exposer,
             film,
             worker: exposer.renderer.worker(),
-            is_known,
+            known,
             towards: lights.map(|light| (light.center - position).normalize_or(DVec3::Z)).collect(),
             corners: Vec::new(),
             ends: Vec::new(),
@@ -307,7 +307,10 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
     /// What is seen dimly counts by its squared radiance.
     fn lit(&self, (corner, level): (UVec2, u32), corners: [usize; 4], around: f64) -> (f64, f64) {
         let (unit, side) = (RegionSquare::side(MAX_LEVEL), RegionSquare::side(level));
-        let is_known = |place: DVec2| (self.is_known)(unit * corner.as_dvec2() + side * place);
+        let seen = |place: DVec2| {
+            let point = unit * corner.as_dvec2() + side * place;
+            self.film.ray_to_point(self.exposer.rays, point, DVec2::ZERO)
+        };
         let ends = corners.map(|corner| &self.ends[self.corners[corner].ends.clone()]);
         let (mut lit, mut extent) = (0.0, 0.0_f64);
         for (first, End { chain, squared_weight, .. }) in
@@ -329,13 +332,14 @@ impl<'s, K: Fn(DVec2) -> bool> RegionSearch<'s, K> {
                 }
                 let passing = Passing::new(corners.map(|offset| offset.map(Vec2::as_dvec2)), around);
                 let fraction = passing.lit();
+                let is_known = |place: DVec2| seen(place).is_some_and(|seen| self.known.is_known(&seen, (light, *chain)));
                 if fraction > 0.0 && !passing.place().is_some_and(is_known) {
                     lit += squared_weight * fraction;
                     extent = extent.max(passing.extent);
                 }
             }
         }
-        if lit > 0.0 && is_known(DVec2::splat(0.5)) {
+        if lit > 0.0 && seen(DVec2::splat(0.5)).is_some_and(|seen| self.known.shows_light(&seen)) {
             return (0.0, around);
         }
         (f64::min(lit, 1.0), extent.min(around))

@@ -60,6 +60,18 @@ impl MirroredLight {
         self.direction
     }
 
+    /// Index of the light.
+    #[must_use]
+    pub fn light(&self) -> usize {
+        self.light
+    }
+
+    /// The specular events along its rays, as in [`SpecularEnd::chain`](crate::SpecularEnd::chain).
+    #[must_use]
+    pub fn chain(&self) -> u32 {
+        self.events.iter().fold(1, |chain, event| event.appended_to(chain))
+    }
+
     /// A cone around all directions in which a virtual source may be seen: its unit axis and the
     /// tangent of its half angle. `None` if it is not known.
     #[must_use]

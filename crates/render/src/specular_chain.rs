@@ -20,6 +20,11 @@ pub(crate) enum SpecularEvent {
 }
 
 impl SpecularEvent {
+    /// A chain of interactions, as in [`SpecularEnd::chain`](crate::SpecularEnd::chain), with this one after it.
+    pub(crate) fn appended_to(self, chain: u32) -> u32 {
+        chain << 1 | u32::from(self == SpecularEvent::Reflected)
+    }
+
     /// The other interaction of a surface.
     pub(crate) fn other(self) -> SpecularEvent {
         match self {

@@ -56,12 +56,8 @@ struct Branch {
 
 impl Branch {
     fn after(&self, hit: &Intersection, direction: DVec3, event: SpecularEvent) -> Branch {
-        let reflected = u32::from(event == SpecularEvent::Reflected);
-        let end = SpecularEnd {
-            chain: self.end.chain << 1 | reflected,
-            ray: Ray { origin: hit.point, direction },
-            ..self.end
-        };
+        let ray = Ray { origin: hit.point, direction };
+        let end = SpecularEnd { chain: event.appended_to(self.end.chain), ray, ..self.end };
         Branch { from: Some(hit.primitive), end }
     }
 
