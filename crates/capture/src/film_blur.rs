@@ -20,7 +20,7 @@ impl<'a> AdaptiveSampler<'a> {
         let levels: Vec<u8> = levels.iter().map(|level| *level.min(&FINEST_PROBED)).collect();
         let nodes = lattice.nodes(&levels);
         let probed: Vec<usize> = (0..nodes.len()).filter(|pixel| nodes[*pixel] > 0).collect();
-        let is_glossy = self.exposer.renderer.plan().scatters_glossily();
+        let has_rare_rays = self.exposer.renderer.plan().has_rare_rays();
         let probe = |worker: &mut Workers<'a>, pixel: usize| {
             if let Some(known) = self.shared.known().and_then(|known| known.probe(pixel)) {
                 return (pixel, known);
@@ -30,7 +30,7 @@ impl<'a> AdaptiveSampler<'a> {
                 PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, (pixel, sample), on_pinhole))
             };
             let first = probe(0);
-            (pixel, if is_glossy { first.smooth_with(|| probe(1)) } else { first })
+            (pixel, if has_rare_rays { first.smooth_with(|| probe(1)) } else { first })
         };
         let probes: Vec<_> =
             probed.into_par_iter().with_min_len(8).map_init(|| self.exposer.workers(), probe).collect();

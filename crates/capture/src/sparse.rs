@@ -324,8 +324,7 @@ impl<'a> AdaptiveSampler<'a> {
         let is_smooth = edges.are_wider_than_pixels();
         let (edge_widths, outlines) = edges.into_widths_and_outlines();
         let plan = exposer.renderer.plan();
-        let has_rare_rays = plan.scatters_glossily() || plan.divides_rays;
-        let pooling = if has_rare_rays { NoisePooling::WideFirst } else { NoisePooling::Near };
+        let pooling = if plan.has_rare_rays() { NoisePooling::WideFirst } else { NoisePooling::Near };
         let sparse = Sparse { lattice, levels, nodes, is_smooth, ratios, edge_widths, pooling };
         if sparse.is_dense() { None } else { Some((sparse, outlines)) }
     }

@@ -117,16 +117,17 @@ impl RenderPlan {
         !self.has_mist && !self.has_antimatter && self.shaders.iter().all(|shader| is_known(&shader.kind))
     }
 
-    /// Whether surfaces other than retroreflectors and perfect mirrors scatter light about a direction.
-    /// Scattered rays go to different surfaces, so their light is noisy.
+    /// Whether some rays are much brighter than those beside them: dielectrics and panes divide rays, or
+    /// surfaces other than retroreflectors and perfect mirrors scatter light about a direction, to
+    /// different surfaces.
     #[must_use]
-    pub fn scatters_glossily(&self) -> bool {
+    pub fn has_rare_rays(&self) -> bool {
         let is_glossy = |kind: &Kind| match kind {
             Kind::Glossy(glossy) => glossy.specularity > 0.0 && !glossy.is_smooth(),
             Kind::Scatterer(_) | Kind::Plugin(_) => true,
             _ => false,
         };
-        self.shaders.iter().any(|shader| is_glossy(&shader.kind))
+        self.divides_rays || self.shaders.iter().any(|shader| is_glossy(&shader.kind))
     }
 
     /// How a light reaches a point and what is within `margin` of it, scene units; `None` where it
