@@ -30,6 +30,9 @@ const SEQUENCE_PIXELS: u64 = 1 << 32;
 const FIRST_RAYS: usize = 1 << 17;
 const MOST_FIRST: usize = 256;
 
+/// Squared noise of a slope, relative to its square, from which nothing is known of it: half of it.
+const NOISE_RATIO: f64 = 2.0;
+
 /// The light of the images of a film.
 #[derive(Debug)]
 pub(crate) struct FilmImageLight {
@@ -140,20 +143,24 @@ impl FilmImageLight {
     /// Relative derivative of the light of some parts by the point of the pinhole, per radius. An
     /// estimate within its noise is shrunk (James and Stein 1961).
     fn slope(&self, parts: Range<usize>, errors: &PartErrors<'_>) -> DVec2 {
-        let [mut light, mut noise] = [0.0; 2];
-        let mut moment = DVec2::ZERO;
-        for index in parts {
+        let count = parts.len() as f64;
+        let noise: f64 = parts.clone().map(|index| errors.of_light(index)).sum();
+        let of_part = |index: usize| {
             let Part { sums, samples, .. } = &self.state.pixels[index];
             let samples = f64::from(*samples);
             let mean = sums.light / samples;
-            light += mean;
-            noise += errors.of_light(index);
-            moment += (sums.on_pinhole - mean * sums.drawn_on_pinhole) / samples;
-        }
+            (mean, (sums.on_pinhole - mean * sums.drawn_on_pinhole) / samples)
+        };
+        let sum = |(light, moment), (of_part, added): (f64, DVec2)| (light + of_part, moment + added);
+        let (light, moment) = parts.clone().map(of_part).fold((0.0, DVec2::ZERO), sum);
+        // Parts that have a slope in common differ by noise. Few rays of a part see its edges, and
+        // whether they do depends on the point of the pinhole much more than the light does.
+        let scatter: f64 = parts.map(of_part).map(|(own, at)| (at - own / light * moment).length_squared()).sum();
+        let scatter = if count > 1.0 { scatter * count / (count - 1.0) } else { 0.0 };
         // Over the unit disk the mean of p·pᵀ is ¼.
         let slope = 4.0 * moment / light;
-        let of_noise = 8.0 * noise / (light * light);
-        let kept = 1.0 - of_noise / slope.length_squared();
+        let of_noise = f64::max(8.0 * noise, 16.0 * scatter) / (light * light);
+        let kept = 1.0 - NOISE_RATIO * of_noise / slope.length_squared();
         if kept > 0.0 && slope.is_finite() { kept * slope } else { DVec2::ZERO }
     }
 }
