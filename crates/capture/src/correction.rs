@@ -13,8 +13,8 @@ use crate::sparse_estimate::WindowSums;
 /// beside the border.
 const REACHES: [usize; 2] = [3, 6];
 
-/// Minimum number of rays in these windows.
-const LEAST_RAYS: f64 = 4.0;
+/// Minimum number of rays in these windows. Fewer do not tell the variance.
+const LEAST_RAYS: f64 = 8.0;
 
 /// Smaller windows. They are used where their squared error is below this fraction of what is allowed.
 const NARROW_REACHES: [usize; 2] = [1, 2];
