@@ -131,6 +131,17 @@ fn a_mesh_of_thousands_of_facets_outside_of_the_picture_takes_hardly_any_rays() 
     assert!(with_mesh <= alone + alone / 5, "{with_mesh} instead of {alone} rays");
 }
 
+/// Four of the images of LEDs in the top of the box are cut by its edges, and none of them is found by a ray
+/// to the centre of the LED. The search of the film took them for the margin of images beside them, and rays
+/// found their light by chance.
+#[test]
+fn images_that_the_edges_of_a_box_of_glass_cut_are_found() {
+    let glass = "void dielectric glass\n0\n0\n5 .98 .98 .98 1.52 0\n\
+                 !genbox glass box .014 .01 .006 | xform -t -.007 -.005 .0005 -rz 20 -t .03 .012 0\n";
+    let rays = rays_with(glass);
+    assert!(rays < 100_000, "{rays} rays");
+}
+
 /// With a fixed number of rays there is no bias by the choice of pixels that get more.
 #[test]
 fn a_ball_of_glass_is_seen_without_bias() {

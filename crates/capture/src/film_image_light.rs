@@ -140,29 +140,44 @@ impl FilmImageLight {
         pixels.iter().map(|(pixel, light)| (*pixel, light.value, error(light))).collect()
     }
 
-    /// Relative derivative of the light of some parts by the point of the pinhole, per radius. An
-    /// estimate within its noise is shrunk (James and Stein 1961).
+    /// Relative derivative of the light of some parts by the point of the pinhole, per radius.
     fn slope(&self, parts: Range<usize>, errors: &PartErrors<'_>) -> DVec2 {
-        let count = parts.len() as f64;
-        let noise: f64 = parts.clone().map(|index| errors.of_light(index)).sum();
-        let of_part = |index: usize| {
+        let moment = |index: usize| {
             let Part { sums, samples, .. } = &self.state.pixels[index];
             let samples = f64::from(*samples);
-            let mean = sums.light / samples;
-            (mean, (sums.on_pinhole - mean * sums.drawn_on_pinhole) / samples)
+            let light = sums.light / samples;
+            let at = (sums.on_pinhole - light * sums.drawn_on_pinhole) / samples;
+            PinholeMoment { light, squared_error: errors.of_light(index), at }
         };
-        let sum = |(light, moment), (of_part, added): (f64, DVec2)| (light + of_part, moment + added);
-        let (light, moment) = parts.clone().map(of_part).fold((0.0, DVec2::ZERO), sum);
-        // Parts that have a slope in common differ by noise. Few rays of a part see its edges, and
-        // whether they do depends on the point of the pinhole much more than the light does.
-        let scatter: f64 = parts.map(of_part).map(|(own, at)| (at - own / light * moment).length_squared()).sum();
-        let scatter = if count > 1.0 { scatter * count / (count - 1.0) } else { 0.0 };
-        // Over the unit disk the mean of p·pᵀ is ¼.
-        let slope = 4.0 * moment / light;
-        let of_noise = f64::max(8.0 * noise, 16.0 * scatter) / (light * light);
-        let kept = 1.0 - NOISE_RATIO * of_noise / slope.length_squared();
-        if kept > 0.0 && slope.is_finite() { kept * slope } else { DVec2::ZERO }
+        common_slope(&parts.map(moment).collect::<Vec<_>>())
     }
+}
+
+/// The light of a part, and its first moment over the pinhole, in radii.
+#[derive(Clone, Copy, Debug)]
+struct PinholeMoment {
+    light: f64,
+    /// Squared error of the light.
+    squared_error: f64,
+    at: DVec2,
+}
+
+/// Relative derivative of the light of parts by the point of the pinhole, per radius. An estimate within
+/// its noise is shrunk (James and Stein 1961).
+fn common_slope(parts: &[PinholeMoment]) -> DVec2 {
+    let light: f64 = parts.iter().map(|part| part.light).sum();
+    let moment: DVec2 = parts.iter().map(|part| part.at).sum();
+    let of_light: f64 = parts.iter().map(|part| part.squared_error).sum();
+    // Parts with a slope in common differ by noise. Whether the few rays of a part meet the edge of its
+    // light depends on the point of the pinhole, and the slope is noisier than the light.
+    let scatter: f64 = parts.iter().map(|part| (part.at - part.light / light * moment).length_squared()).sum();
+    let count = parts.len() as f64;
+    let scatter = if count > 1.0 { scatter * count / (count - 1.0) } else { 0.0 };
+    // Over the unit disk the mean of p·pᵀ is ¼.
+    let slope = 4.0 * moment / light;
+    let of_noise = f64::max(8.0 * of_light, 16.0 * scatter) / (light * light);
+    let kept = 1.0 - NOISE_RATIO * of_noise / slope.length_squared();
+    if kept > 0.0 && slope.is_finite() { kept * slope } else { DVec2::ZERO }
 }
 
 /// The light of a part of an image.
@@ -287,5 +302,37 @@ impl<'a> PixelSource for PartSource<'_, 'a> {
 
     fn traced(&self, samples: u32) {
         self.sampler.report(samples);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a hundred parts with a light of 1, from the moment of each.
+    fn slope(moment: impl Fn(f64) -> DVec2) -> DVec2 {
+        let part = |index: u32| PinholeMoment { light: 1.0, squared_error: 1e-4, at: moment(f64::from(index)) };
+        common_slope(&(0..100).map(part).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_slope_that_parts_have_in_common_is_kept() {
+        let common = DVec2::new(0.05, -0.02);
+        let noise = |index: f64| 0.05 * DVec2::from_angle(2.4 * index);
+        assert!(slope(|_| common).distance(4.0 * common) < 0.1 * common.length());
+        assert!(slope(|index| common + noise(index)).distance(4.0 * common) < 0.4 * common.length());
+    }
+
+    #[test]
+    fn slopes_that_parts_do_not_have_in_common_are_noise() {
+        let of_one = |index: f64| if index == 7.0 { DVec2::new(0.5, 0.1) } else { DVec2::ZERO };
+        assert_eq!(slope(of_one), DVec2::ZERO);
+        assert_eq!(slope(|index| 0.5 * DVec2::from_angle(2.4 * index)), DVec2::ZERO);
+    }
+
+    #[test]
+    fn without_light_there_is_no_slope() {
+        let dark = PinholeMoment { light: 0.0, squared_error: 0.0, at: DVec2::ZERO };
+        assert_eq!([common_slope(&[dark; 2]), common_slope(&[])], [DVec2::ZERO; 2]);
     }
 }

@@ -190,9 +190,7 @@ impl FilmImages {
     /// Whether a ray shows a place of a known image of a light, by a chain, or near it.
     pub(crate) fn is_known(&self, seen: &FilmRay, (light, chain): (usize, u32)) -> bool {
         let mut near = self.near[seen.pixel].iter().map(|image| &self.images[*image as usize]);
-        near.any(|image| {
-            (image.curved.light, image.curved.chain) == (light, chain) && image.density(&seen.ray) > 0.0
-        })
+        near.any(|image| (image.curved.light, image.curved.chain) == (light, chain) && image.density(&seen.ray) > 0.0)
     }
 
     /// Whether a ray shows the light of a known image.

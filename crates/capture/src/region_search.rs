@@ -332,7 +332,8 @@ impl<'s> RegionSearch<'s> {
                 }
                 let passing = Passing::new(corners.map(|offset| offset.map(Vec2::as_dvec2)), around);
                 let fraction = passing.lit();
-                let is_known = |place: DVec2| seen(place).is_some_and(|seen| self.known.is_known(&seen, (light, *chain)));
+                let is_known =
+                    |place: DVec2| seen(place).is_some_and(|seen| self.known.is_known(&seen, (light, *chain)));
                 if fraction > 0.0 && !passing.place().is_some_and(is_known) {
                     lit += squared_weight * fraction;
                     extent = extent.max(passing.extent);
