@@ -9,9 +9,9 @@
 
 use crate::sparse_estimate::WindowSums;
 
-/// How far windows reach to each side, pixels: the second one where the first one has too few rays, as
-/// beside the border.
-const REACHES: [usize; 2] = [3, 6];
+/// How far windows reach to each side, pixels: the next one where one has too few rays, as beside the
+/// border.
+const REACHES: [usize; 3] = [3, 6, 9];
 
 /// Minimum number of rays in these windows. Fewer do not tell the variance.
 const LEAST_RAYS: f64 = 8.0;
