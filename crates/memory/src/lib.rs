@@ -47,58 +47,93 @@ pub fn when_exhausted(act: Exhausted) {
     let _ = EXHAUSTED.set(act);
 }
 
-/// A huge page where the system has them, bytes.
-const HUGE_PAGE: usize = 2 << 20;
-/// In the GNU C library, the largest piece for which a heap may be made to grow, bytes: 32 MiB less
-/// its bookkeeping.
-const LARGEST_IN_HEAP: usize = (32 << 20) - (8 << 10);
-
 /// Prepares the memory of a program that will allocate much, in its main thread: small pieces come
-/// from `bytes` of huge pages, at most 28 MiB, and what is freed stays with the program.
+/// from `bytes` of huge pages, at most 28 MiB, and what is freed stays with the program. To be
+/// called before there are other threads.
 ///
 /// In the GNU C library a piece of more than 128 KiB is a mapping of its own at first, and the heap
 /// shrinks where its last piece is freed. A short program would take the same pages from the
 /// system again and again, one by one, and each takes as long as several rays. The memory is asked
-/// for, not touched, so it takes no pages. Other libraries lose nothing.
+/// for, not touched, so it takes no pages. With other libraries this does nothing.
 pub fn prepare_program(bytes: usize) {
-    let mut is_plenty = false;
-    with_piece(bytes.saturating_mul(4), |_| is_plenty = true);
-    if is_plenty {
-        // The first mapping that is freed tells the library how large pieces in heaps may be, and
-        // to keep twice as much that is free.
-        with_piece(LARGEST_IN_HEAP, |_| ());
-        begin_with_huge_pages(bytes.min(LARGEST_IN_HEAP - 2 * HUGE_PAGE));
-    }
+    heap::prepare_program(bytes);
 }
 
 /// Prepares the memory of another thread that will allocate much, in that thread: its heap, which
 /// in the GNU C library grows by single pages with a system call each, begins with a huge page.
 pub fn prepare_thread() {
-    begin_with_huge_pages(HUGE_PAGE);
+    heap::begin_with_huge_pages(heap::HUGE_PAGE);
 }
 
-/// Makes the heap of the thread grow and go on with huge pages.
-fn begin_with_huge_pages(bytes: usize) {
-    let mut before = 0;
-    with_piece(HUGE_PAGE + bytes, |memory| {
-        // A huge page can only be where none of its small pages is in use.
-        before = memory.addr().next_multiple_of(HUGE_PAGE) - memory.addr();
-        make_pages_huge(memory.wrapping_add(before), bytes);
-    });
-    // What is before the huge pages stays unused.
-    std::mem::forget(std::hint::black_box(Vec::<u8>::with_capacity(before)));
-}
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+mod heap {
+    use super::make_pages_huge;
+    use std::alloc::{GlobalAlloc, Layout, System};
 
-/// Takes a piece of memory for the time of a call, if there is as much.
-fn with_piece(bytes: usize, act: impl FnOnce(*mut u8)) {
-    let Ok(layout) = Layout::array::<u8>(bytes) else { return };
-    // SAFETY: the callers ask for more than nothing.
-    let memory = std::hint::black_box(unsafe { System.alloc(layout) });
-    if !memory.is_null() {
-        act(memory);
-        // SAFETY: the piece is the system's and has this layout.
-        unsafe { System.dealloc(memory, layout) };
+    /// A huge page where the system has them, bytes.
+    pub(super) const HUGE_PAGE: usize = 2 << 20;
+
+    /// The largest piece that the library takes from a heap if it is told to, bytes.
+    const LARGEST_IN_HEAP: usize = 32 << 20;
+
+    /// Larger pieces are mappings of their own, bytes: lists that grow beyond are moved without a
+    /// copy.
+    const OWN_MAPPING: usize = 8 << 20;
+
+    /// Free memory beyond this at the end of the heap goes back to the system, bytes.
+    const KEPT: usize = 64 << 20;
+
+    pub(super) fn prepare_program(bytes: usize) {
+        // Where memory is limited, none is set aside.
+        let mut is_plenty = false;
+        with_piece(bytes.saturating_mul(4), |_| is_plenty = true);
+        if is_plenty {
+            set(libc::M_TRIM_THRESHOLD, KEPT);
+            set(libc::M_MMAP_THRESHOLD, LARGEST_IN_HEAP);
+            begin_with_huge_pages(bytes.min(LARGEST_IN_HEAP - 2 * HUGE_PAGE));
+            set(libc::M_MMAP_THRESHOLD, OWN_MAPPING);
+        }
     }
+
+    /// Makes the heap of the thread grow and go on with huge pages.
+    pub(super) fn begin_with_huge_pages(bytes: usize) {
+        let mut before = 0;
+        with_piece(HUGE_PAGE + bytes, |memory| {
+            // A huge page can only be where none of its small pages is in use.
+            before = memory.addr().next_multiple_of(HUGE_PAGE) - memory.addr();
+            make_pages_huge(memory.wrapping_add(before), bytes);
+        });
+        // What is before the huge pages stays unused.
+        std::mem::forget(std::hint::black_box(Vec::<u8>::with_capacity(before)));
+    }
+
+    /// Takes a piece of memory for the time of a call, if there is as much.
+    fn with_piece(bytes: usize, act: impl FnOnce(*mut u8)) {
+        let Ok(layout) = Layout::array::<u8>(bytes) else { return };
+        // SAFETY: the callers ask for more than nothing.
+        let memory = std::hint::black_box(unsafe { System.alloc(layout) });
+        if !memory.is_null() {
+            act(memory);
+            // SAFETY: the piece is the system's and has this layout.
+            unsafe { System.dealloc(memory, layout) };
+        }
+    }
+
+    /// Sets a parameter of the library, in bytes. It keeps its own value if it refuses.
+    fn set(parameter: libc::c_int, bytes: usize) {
+        let value = libc::c_int::try_from(bytes).unwrap_or(libc::c_int::MAX);
+        // SAFETY: the library takes any value, with a lock.
+        unsafe { libc::mallopt(parameter, value) };
+    }
+}
+
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+mod heap {
+    pub(super) const HUGE_PAGE: usize = 0;
+
+    pub(super) fn prepare_program(_: usize) {}
+
+    pub(super) fn begin_with_huge_pages(_: usize) {}
 }
 
 /// The system's allocator with huge pages for large allocations, which calls the function set by
@@ -165,9 +200,6 @@ fn make_pages_huge(page: *mut u8, bytes: usize) {
     // does no harm.
     let _ = unsafe { madvise(page.cast(), bytes, Advice::LinuxHugepage) };
 }
-
-#[cfg(not(target_os = "linux"))]
-fn make_pages_huge(_: *mut u8, _: usize) {}
 
 #[inline]
 fn checked(memory: *mut u8, bytes: usize) -> *mut u8 {
