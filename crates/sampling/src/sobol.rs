@@ -66,7 +66,7 @@ const fn direction_numbers((degree, coefficients, first): (usize, u32, [u32; 3])
 static SUMS: [[[u32; DIMENSIONS]; 1 << DIGIT]; BITS / DIGIT] = {
     let mut sums = [[[0; DIMENSIONS]; 1 << DIGIT]; BITS / DIGIT];
     let mut entry = 0;
-    while entry < BITS / DIGIT * DIGIT * DIMENSIONS << DIGIT {
+    while entry < BITS * DIMENSIONS * (1 << DIGIT) {
         let (dimension, rest) = (entry % DIMENSIONS, entry / DIMENSIONS);
         let (bit, rest) = (rest % DIGIT, rest / DIGIT);
         let (value, digit) = (rest % (1 << DIGIT), rest >> DIGIT);
