@@ -10,12 +10,23 @@ const FORM: &str = "%Y:%m:%d %H:%M:%S";
 /// Adds the time of creation: local (`CAPDATE`) and Greenwich (`GMT`).
 pub(crate) fn push_date(header: &mut Header) {
     let now = Timestamp::now();
-    push_date_of(header, &now.to_zoned(TimeZone::system()));
+    push_date_of(header, &now.to_zoned(local_zone()));
 }
 
 /// The local time in the format of Radiance's headers.
 pub(crate) fn now_local() -> String {
-    Timestamp::now().to_zoned(TimeZone::system()).strftime(FORM).to_string()
+    Timestamp::now().to_zoned(local_zone()).strftime(FORM).to_string()
+}
+
+/// The time zone of the machine or of the variable `TZ`.
+///
+/// To find the name of a zone, which no header has, takes a walk through the folder of all zones.
+fn local_zone() -> TimeZone {
+    let of_machine = || TimeZone::tzif("Local", &std::fs::read("/etc/localtime").ok()?).ok();
+    match std::env::var_os("TZ") {
+        None if cfg!(unix) => of_machine().unwrap_or_else(TimeZone::system),
+        _ => TimeZone::system(),
+    }
 }
 
 fn push_date_of(header: &mut Header, local: &Zoned) {

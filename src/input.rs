@@ -340,6 +340,9 @@ pub(crate) fn valid_scene(
 /// Largest number of threads, whatever the number of processors.
 const MOST_THREADS: usize = 4096;
 
+/// Memory in huge pages for scenes and pictures, bytes: as much as most short commands use.
+const HEAP: usize = 28 << 20;
+
 /// Starts one thread per processor, for programs without a thread option, unless threads were
 /// started before.
 pub(crate) fn use_default_threads() -> Outcome {
@@ -357,9 +360,11 @@ pub(crate) fn use_threads(threads: Option<usize>) -> Outcome {
     if let Some(threads) = threads.filter(|threads| *threads > MOST_THREADS) {
         return Err(Failure::fault(format!("cannot start {threads} threads: the limit is {MOST_THREADS}")));
     }
-    // Zero means one per processor.
+    radsight_memory::prepare_program(HEAP);
+    // Zero means one per processor. The main thread is one of them: the others wait for it anyway.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
+        .use_current_thread()
         .start_handler(|_| radsight_memory::prepare_thread());
     pool.build_global().map_err(|error| {
         let number = threads.map_or_else(|| "one thread per processor".to_owned(), |n| format!("{n} threads"));

@@ -9,6 +9,25 @@ use std::ops::Range;
 /// Relative rounding error of a discriminant, with respect to its terms.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
+/// What of a cone does not depend on the ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ConeAxis {
+    /// Unit, from the base to the apex.
+    direction: DVec3,
+    /// Scene units.
+    length: f64,
+    /// By how much the radius changes along the axis.
+    slope: f64,
+}
+
+impl ConeAxis {
+    pub(crate) fn of(cone: &Cone) -> ConeAxis {
+        let axis = cone.apex - cone.base;
+        let length = axis.length();
+        ConeAxis { direction: axis / length, length, slope: (cone.apex_radius - cone.base_radius) / length }
+    }
+}
+
 /// Distance to the cone.
 ///
 /// With `h` the height of a point above the base along the axis, the surface is
@@ -16,11 +35,8 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// the ray nearest to the centre of the axis, so that a distant origin loses no precision. The wall
 /// is extended by the rounding error, so that no ray passes between it and a ring at its end.
 #[inline]
-pub(crate) fn intersect(cone: &Cone, ray: &Ray, range: Range<f64>) -> Option<f64> {
-    let axis = cone.apex - cone.base;
-    let length = axis.length();
-    let axis = axis / length;
-    let slope = (cone.apex_radius - cone.base_radius) / length;
+pub(crate) fn intersect(cone: &Cone, axis: &ConeAxis, ray: &Ray, range: Range<f64>) -> Option<f64> {
+    let ConeAxis { direction: axis, length, slope } = *axis;
     let middle = (cone.apex + cone.base) * 0.5;
     let shift = (middle - ray.origin).dot(ray.direction);
     let from_base = ray.at(shift) - cone.base;
@@ -64,10 +80,7 @@ fn solve(a: f64, half_b: f64, c: f64) -> Option<[f64; 2]> {
 
 /// Unit normal on the front side at a point of the surface.
 pub(crate) fn normal(cone: &Cone, point: DVec3) -> DVec3 {
-    let axis = cone.apex - cone.base;
-    let length = axis.length();
-    let axis = axis / length;
-    let slope = (cone.apex_radius - cone.base_radius) / length;
+    let ConeAxis { direction: axis, slope, .. } = ConeAxis::of(cone);
     let from_base = point - cone.base;
     let radial = (from_base - axis * from_base.dot(axis)).normalize_or(axis.any_orthonormal_vector());
     let outward = (radial - axis * slope).normalize();

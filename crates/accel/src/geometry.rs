@@ -3,6 +3,7 @@
 use crate::bounds::Bounds;
 use crate::builder::Builder;
 use crate::coincident::{self, SubstanceOf};
+use crate::cone::ConeAxis;
 use crate::hierarchy::Hierarchy;
 use crate::ids::{MemberId, PrimitiveId, ShaderId, ShaderTable};
 use crate::limits::SELF_HIT;
@@ -37,6 +38,8 @@ pub struct Geometry {
     pub(crate) meshes: Vec<MeshGeometry>,
     /// By octree handle.
     pub(crate) octrees: Vec<Arc<Geometry>>,
+    /// By cone handle.
+    pub(crate) cones: Vec<ConeAxis>,
     /// The grids of polygons with many vertices.
     outlines: Vec<PendingOutline>,
     /// By member: one more than the index of its grid, or 0. Empty without grids.
@@ -108,6 +111,7 @@ impl Geometry {
         geometry.hierarchy = hierarchy;
         geometry.members = order.into_iter().map(|index| handles[index as usize]).collect();
         geometry.shapes = geometry.members.iter().map(|handle| scene.surfaces[*handle].shape).collect();
+        geometry.cones = scene.cones.items().iter().map(ConeAxis::of).collect();
         (geometry.outlines, geometry.outline_places) = outlines(&geometry.shapes);
         geometry.number_primitives(scene)?;
         Ok(geometry)
@@ -126,6 +130,7 @@ impl Geometry {
             tolerance: 0.0,
             meshes,
             octrees,
+            cones: Vec::new(),
             outlines: Vec::new(),
             outline_places: Vec::new(),
             substance_of,

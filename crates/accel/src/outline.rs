@@ -56,7 +56,8 @@ pub(crate) struct Outline {
     /// The coordinates of the projection along the axis of the largest area.
     axes: [usize; 2],
     origin: [f64; 2],
-    cell: f64,
+    /// Cells in a unit of length.
+    resolution: f64,
     counts: [usize; 2],
     cells: Vec<Cover>,
     /// The edges of each row, in cells from the grid's corner.
@@ -126,7 +127,7 @@ impl Outline {
             offset: offset / cell,
             axes,
             origin,
-            cell,
+            resolution: cell.recip(),
             counts,
             cells: vec![Cover::Outside; counts[0] * counts[1]],
             edges: Vec::new(),
@@ -141,7 +142,7 @@ impl Outline {
 
     /// Cells from the grid's corner.
     fn coordinates(&self, point: DVec3) -> [f64; 2] {
-        [0, 1].map(|index| (point[self.axes[index]] - self.origin[index]) / self.cell)
+        [0, 1].map(|index| (point[self.axes[index]] - self.origin[index]) * self.resolution)
     }
 
     /// Fills cells by the parity of edges on one side of their centres.

@@ -162,7 +162,7 @@ impl Geometry {
                 }
             }
             Shape::Sphere(handle) => sphere::intersect(&scene.spheres[handle], ray, range),
-            Shape::Cone(handle) => cone::intersect(&scene.cones[handle], ray, range),
+            Shape::Cone(handle) => cone::intersect(&scene.cones[handle], &self.cones[handle.index()], ray, range),
             Shape::Ring(handle) => disk::intersect(&scene.rings[handle], ray, range),
             Shape::Source(_) => None,
             Shape::Mesh(_) | Shape::Instance(_) => return self.first_within(scene, member, ray, from, limits),

@@ -103,9 +103,9 @@ pub(crate) fn fractal(point: [f64; 3]) -> f64 {
     let target = point.map(|x| (FINEST as f64 * x) as i64);
     let mut origin = point.map(|x| (FINEST as f64 * x.floor()) as i64);
     let mut corners: [f64; 8] = std::array::from_fn(|corner| {
-        lattice(std::array::from_fn(|axis| {
+        lattice(seed(std::array::from_fn(|axis| {
             if corner >> axis & 1 == 1 { origin[axis].wrapping_add(size) } else { origin[axis] }
-        }))
+        })))
     });
     loop {
         let mean = corners.iter().sum::<f64>() * 0.125;
@@ -131,29 +131,37 @@ const FACES: [[[usize; 4]; 2]; 3] =
 /// stage.
 fn subdivide(corners: &mut [f64; 8], mean: f64, centre: [i64; 3], branch: usize, size: i64) {
     let amplitude = size as f64 * STEP;
-    let toward = |axis: usize| if branch >> axis & 1 == 1 { size } else { -size };
+    let centre = seed(centre);
+    // From the centre to the face or edge of the octant, along each axis.
+    let toward: [i64; 3] = std::array::from_fn(|axis| {
+        let step = size.wrapping_mul(SEED_STEPS[axis]);
+        if branch >> axis & 1 == 1 { step } else { -step }
+    });
     corners[!branch & 7] = mean + amplitude * lattice(centre);
     for axis in 0..3 {
-        let mut face = centre;
-        face[axis] = face[axis].wrapping_add(toward(axis));
+        let face = centre.wrapping_add(toward[axis]);
         let on_face = FACES[axis][branch >> axis & 1];
         let sum = on_face.into_iter().fold(0.0, |sum, corner| sum + corners[corner & 7]);
         corners[!(branch ^ 1 << axis) & 7] = 0.25 * sum + amplitude * lattice(face);
     }
     for axis in 0..3 {
-        let mut edge = centre;
-        for other in [(axis + 1) % 3, (axis + 2) % 3] {
-            edge[other] = edge[other].wrapping_add(toward(other));
-        }
+        let edge = centre.wrapping_add(toward[(axis + 1) % 3]).wrapping_add(toward[(axis + 2) % 3]);
         let sum = corners[branch & !(1 << axis) & 7] + corners[(branch | 1 << axis) & 7];
         corners[(branch ^ 1 << axis) & 7] = 0.5 * sum + amplitude * lattice(edge);
     }
 }
 
-/// A random number in (−1, 1] for a lattice point, by a common integer hash in 64-bit arithmetic.
-fn lattice(point: [i64; 3]) -> f64 {
-    let [x, y, z] = point;
-    let seed = x.wrapping_mul(17).wrapping_add(y.wrapping_mul(23)).wrapping_add(z.wrapping_mul(29));
+/// How much the seed changes with each coordinate of a lattice point.
+const SEED_STEPS: [i64; 3] = [17, 23, 29];
+
+/// The seed of a lattice point, a linear function in 64-bit arithmetic.
+fn seed(point: [i64; 3]) -> i64 {
+    let [x, y, z] = std::array::from_fn(|axis| point[axis].wrapping_mul(SEED_STEPS[axis]));
+    x.wrapping_add(y).wrapping_add(z)
+}
+
+/// A random number in (−1, 1] for a seed, by a common integer hash.
+fn lattice(seed: i64) -> f64 {
     let s = seed.wrapping_shl(13) ^ seed;
     let cubic = s.wrapping_mul(s.wrapping_mul(s).wrapping_mul(15731).wrapping_add(789_221));
     1.0 - (cubic.wrapping_add(1_376_312_589) & 0x7fff_ffff) as f64 / 1_073_741_824.0

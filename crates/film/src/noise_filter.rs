@@ -37,8 +37,17 @@ const FIRST_COLUMN: u32 = 0b00001_00001_00001_00001_00001;
 /// The places before a pixel's own.
 const EARLIER: u32 = (1 << OWN_PLACE) - 1;
 
-/// The weight of the distance of a column or row of the square.
-const WEIGHTS: [f64; WIDTH] = [1.0, 2.0, 3.0, 2.0, 1.0];
+/// The weight of each place by its distance: a product of those of its row and of its column.
+const WEIGHTS: [f64; PLACES] = {
+    const ALONG: [f64; WIDTH] = [1.0, 2.0, 3.0, 2.0, 1.0];
+    let mut weights = [0.0; PLACES];
+    let mut place = 0;
+    while place < PLACES {
+        weights[place] = ALONG[place / WIDTH] * ALONG[place % WIDTH];
+        place += 1;
+    }
+    weights
+};
 
 impl Block<'_> {
     /// The values of all samples, each averaged with those around it.
@@ -46,9 +55,9 @@ impl Block<'_> {
         let all = || (0..self.samples.count()).into_par_iter().with_min_len(256);
         let noise = KnownNoise::of(self);
         let later: Vec<Later> = all().map(|index| self.later(&noise, index)).collect();
-        let means: Vec<f64> = self.samples.iter().map(|sample| mean(&sample.value)).collect();
-        let patches: Vec<Patch> = all().map(|index| self.patch((&noise, &later), &means, index)).collect();
-        all().map(|index| self.averaged((&means, &patches), index)).collect()
+        let results: Vec<PixelResult> = self.samples.iter().map(PixelResult::of).collect();
+        let patches: Vec<Patch> = all().map(|index| self.patch((&noise, &later), &results, index)).collect();
+        all().map(|index| self.averaged((&results, &patches), index)).collect()
     }
 
     /// The spacing of the finest grid that has samples next to a pixel.
@@ -162,33 +171,33 @@ impl Block<'_> {
     /// Calls `visit` for the neighbours of a sample, with their index and the weight of their
     /// distance.
     #[inline]
-    fn for_each_neighbor(&self, index: usize, neighbors: Neighbors, mut visit: impl FnMut(usize, &Sample, f64)) {
+    fn for_each_neighbor(&self, index: usize, neighbors: Neighbors, mut visit: impl FnMut(usize, f64)) {
         let (at, _) = self.samples.numbered(index);
         let square = Square { at, step: neighbors.step as usize, places: neighbors.places };
         for (place, other) in self.pixels_at(&square, square.places) {
             if let Some(other) = self.samples.index(other) {
-                let [down, right] = POSITIONS[place].map(usize::from);
-                visit(other, self.samples.numbered(other).1, WEIGHTS[down] * WEIGHTS[right]);
+                visit(other, WEIGHTS[place]);
             }
         }
     }
 
     /// The combined statistics of the samples around a sample.
-    fn patch(&self, known: (&KnownNoise, &[Later]), means: &[f64], index: usize) -> Patch {
+    fn patch(&self, known: (&KnownNoise, &[Later]), results: &[PixelResult], index: usize) -> Patch {
         let neighbors = self.neighbors(known, index);
         if neighbors.places == 0 {
             return Patch::default();
         }
         let (mut variance, mut weights) = (0.0, 0.0);
         let (mut sum, mut near) = (0.0, 0.0);
-        self.for_each_neighbor(index, neighbors, |place, other, weight| {
-            let rays = f64::from(other.rays);
-            if other.rays > 1 {
+        self.for_each_neighbor(index, neighbors, |place, weight| {
+            let other = &results[place];
+            let rays = other.rays;
+            if rays > 1.0 {
                 variance += weight * (rays - 1.0) * other.variance * rays;
                 weights += weight * (rays - 1.0);
             }
             if weight >= ADJACENT_WEIGHT {
-                sum += rays * means[place];
+                sum += rays * other.mean;
                 near += rays;
             }
         });
@@ -196,29 +205,53 @@ impl Block<'_> {
             return Patch::default();
         }
         let variance = variance / weights;
-        let own = variance / f64::from(self.samples.numbered(index).1.rays);
-        Patch { variance: own, mean: sum / near, variance_of_mean: variance / near, neighbors }
+        Patch {
+            variance: variance / results[index].rays,
+            mean: sum / near,
+            variance_of_mean: variance / near,
+            neighbors,
+        }
     }
 
     /// The mean of a sample and of those around it that see the same surface and differ by no more
     /// than noise, as samples and as patches.
-    fn averaged(&self, (means, patches): (&[f64], &[Patch]), index: usize) -> [f64; 3] {
-        let (_, sample) = self.samples.numbered(index);
-        let patch = &patches[index];
+    fn averaged(&self, (results, patches): (&[PixelResult], &[Patch]), index: usize) -> [f64; 3] {
+        let (sample, patch) = (&results[index], &patches[index]);
         if patch.variance <= 0.0 {
             return sample.value;
         }
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
-        self.for_each_neighbor(index, patch.neighbors, |place, other, weight| {
-            let near = &patches[place];
-            let own = (means[index] - means[place]).powi(2) / (patch.variance + near.variance);
-            let together = (patch.mean - near.mean).powi(2) / (patch.variance_of_mean + near.variance_of_mean);
-            let difference = if place == index { 0.0 } else { 0.5 * own.max(together) };
-            let weight = weight * f64::from(other.rays) / (1.0 + difference.powi(2));
+        self.for_each_neighbor(index, patch.neighbors, |place, weight| {
+            let (other, near) = (&results[place], &patches[place]);
+            let differences = [sample.mean - other.mean, patch.mean - near.mean];
+            let variances = [patch.variance + near.variance, patch.variance_of_mean + near.variance_of_mean];
+            // Side by side, since divisions take most of the time.
+            let ratios: [f64; 2] = std::array::from_fn(|which| differences[which].powi(2) / variances[which]);
+            let larger = if ratios[1] > ratios[0] { ratios[1] } else { ratios[0] };
+            let difference = if place == index { 0.0 } else { 0.5 * larger };
+            let weight = weight * other.rays / (1.0 + difference.powi(2));
             sum = std::array::from_fn(|band| sum[band] + weight * other.value[band]);
             weights += weight;
         });
         sum.map(|band| band / weights)
+    }
+}
+
+/// What the filter needs of a sample, which is a third of it: each is read many times.
+#[derive(Clone, Copy, Debug)]
+struct PixelResult {
+    value: [f64; 3],
+    /// Over the bands.
+    mean: f64,
+    rays: f64,
+    /// As [`Sample::variance`].
+    variance: f64,
+}
+
+impl PixelResult {
+    fn of(sample: &Sample) -> PixelResult {
+        let Sample { value, variance, .. } = *sample;
+        PixelResult { value, mean: mean(&value), rays: f64::from(sample.rays), variance }
     }
 }
 

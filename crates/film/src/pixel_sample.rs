@@ -165,7 +165,8 @@ impl Surface {
             return false;
         }
         let way = other.point - self.point;
-        let apart = self.normal.dot(way).abs().max(other.normal.dot(way).abs());
+        let [here, there] = [self, other].map(|surface| surface.normal.dot(way).abs());
+        let apart = if there > here { there } else { here };
         // Most neighbours lie in one plane, which needs no square root.
         apart <= IN_PLANE || apart <= MAX_SLOPE * way.length() + IN_PLANE
     }

@@ -245,6 +245,9 @@ impl Light {
     /// for a distant light.
     #[inline]
     fn gradient(&self, receiver: DVec3, peak: &LobePeak) -> DVec3 {
+        if peak.is_constant() {
+            return DVec3::ZERO;
+        }
         match self.form {
             LightForm::Distant { direction, .. } | LightForm::DistantImage { direction, .. } => {
                 peak.gradient(direction)

@@ -29,10 +29,15 @@ impl LobePeak {
     /// A constant lobe.
     pub const NONE: LobePeak = LobePeak { axis: DVec3::Z, width: 0.0, height: 0.0, floor: 1.0 };
 
+    #[inline]
+    pub(crate) fn is_constant(&self) -> bool {
+        self.width == 0.0
+    }
+
     /// Gradient of the lobe's logarithm by the unit direction, at `towards`.
     #[inline]
     pub fn gradient(&self, towards: DVec3) -> DVec3 {
-        if self.width == 0.0 {
+        if self.is_constant() {
             return DVec3::ZERO;
         }
         let off = towards - self.axis;
@@ -62,6 +67,9 @@ impl DiskWarp {
     #[inline]
     #[must_use]
     pub fn new(x: f64, y: f64) -> DiskWarp {
+        if x == 0.0 && y == 0.0 {
+            return DiskWarp { x: 0.0, y: 0.0, squared: 0.0 };
+        }
         // The logarithm of the density has the gradient 4t per radius.
         let (x, y) = (0.25 * x, 0.25 * y);
         let length = (x * x + y * y).sqrt();
@@ -74,6 +82,9 @@ impl DiskWarp {
     #[inline]
     #[must_use]
     pub fn apply(&self, (a, b): (f64, f64)) -> (f64, f64) {
+        if self.squared == 0.0 {
+            return (a, b);
+        }
         let (top_x, top_y) = (a + self.x, b + self.y);
         let (bottom_x, bottom_y) = (1.0 + self.x * a + self.y * b, self.x * b - self.y * a);
         let scale = 1.0 / (bottom_x * bottom_x + bottom_y * bottom_y);
@@ -84,6 +95,9 @@ impl DiskWarp {
     #[inline]
     #[must_use]
     pub fn pdf(&self, (a, b): (f64, f64)) -> f64 {
+        if self.squared == 0.0 {
+            return 1.0;
+        }
         let along = self.x * a + self.y * b;
         let bottom = 1.0 - 2.0 * along + self.squared * (a * a + b * b);
         let ratio = (1.0 - self.squared) / bottom;

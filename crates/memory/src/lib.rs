@@ -47,19 +47,93 @@ pub fn when_exhausted(act: Exhausted) {
     let _ = EXHAUSTED.set(act);
 }
 
-/// Pieces that a thread takes once before it allocates: number, and bytes of each, few enough not to
-/// be a mapping of its own.
-const PIECES: usize = 16;
-const PIECE: usize = 120 << 10;
-
-/// Prepares the memory of a thread that will allocate much. To be called in that thread.
+/// Prepares the memory of a program that will allocate much, in its main thread: small pieces come
+/// from `bytes` of huge pages, at most 28 MiB, and what is freed stays with the program. To be
+/// called before there are other threads.
 ///
-/// In the GNU C library the heap of a thread grows by single pages, each with a system call that
-/// takes as long as several rays. Memory that was used once is not asked for again. The pieces are
-/// not touched, so they take no memory. Other libraries lose nothing.
+/// In the GNU C library a piece of more than 128 KiB is a mapping of its own at first, and the heap
+/// shrinks where its last piece is freed. A short program would take the same pages from the
+/// system again and again, one by one, and each takes as long as several rays. The memory is asked
+/// for, not touched, so it takes no pages. With other libraries this does nothing.
+pub fn prepare_program(bytes: usize) {
+    heap::prepare_program(bytes);
+}
+
+/// Prepares the memory of another thread that will allocate much, in that thread: its heap, which
+/// in the GNU C library grows by single pages with a system call each, begins with a huge page.
 pub fn prepare_thread() {
-    let pieces: [Vec<u8>; PIECES] = std::array::from_fn(|_| Vec::with_capacity(PIECE));
-    drop(std::hint::black_box(pieces));
+    heap::begin_with_huge_pages(heap::HUGE_PAGE);
+}
+
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+mod heap {
+    use super::make_pages_huge;
+    use std::alloc::{GlobalAlloc, Layout, System};
+
+    /// A huge page where the system has them, bytes.
+    pub(super) const HUGE_PAGE: usize = 2 << 20;
+
+    /// The largest piece that the library takes from a heap if it is told to, bytes.
+    const LARGEST_IN_HEAP: usize = 32 << 20;
+
+    /// Larger pieces are mappings of their own, bytes: lists that grow beyond are moved without a
+    /// copy.
+    const OWN_MAPPING: usize = 8 << 20;
+
+    /// Free memory beyond this at the end of the heap goes back to the system, bytes.
+    const KEPT: usize = 64 << 20;
+
+    pub(super) fn prepare_program(bytes: usize) {
+        // Where memory is limited, none is set aside.
+        let mut is_plenty = false;
+        with_piece(bytes.saturating_mul(4), |_| is_plenty = true);
+        if is_plenty {
+            set(libc::M_TRIM_THRESHOLD, KEPT);
+            set(libc::M_MMAP_THRESHOLD, LARGEST_IN_HEAP);
+            begin_with_huge_pages(bytes.min(LARGEST_IN_HEAP - 2 * HUGE_PAGE));
+            set(libc::M_MMAP_THRESHOLD, OWN_MAPPING);
+        }
+    }
+
+    /// Makes the heap of the thread grow and go on with huge pages.
+    pub(super) fn begin_with_huge_pages(bytes: usize) {
+        let mut before = 0;
+        with_piece(HUGE_PAGE + bytes, |memory| {
+            // A huge page can only be where none of its small pages is in use.
+            before = memory.addr().next_multiple_of(HUGE_PAGE) - memory.addr();
+            make_pages_huge(memory.wrapping_add(before), bytes);
+        });
+        // What is before the huge pages stays unused.
+        std::mem::forget(std::hint::black_box(Vec::<u8>::with_capacity(before)));
+    }
+
+    /// Takes a piece of memory for the time of a call, if there is as much.
+    fn with_piece(bytes: usize, act: impl FnOnce(*mut u8)) {
+        let Ok(layout) = Layout::array::<u8>(bytes) else { return };
+        // SAFETY: the callers ask for more than nothing.
+        let memory = std::hint::black_box(unsafe { System.alloc(layout) });
+        if !memory.is_null() {
+            act(memory);
+            // SAFETY: the piece is the system's and has this layout.
+            unsafe { System.dealloc(memory, layout) };
+        }
+    }
+
+    /// Sets a parameter of the library, in bytes. It keeps its own value if it refuses.
+    fn set(parameter: libc::c_int, bytes: usize) {
+        let value = libc::c_int::try_from(bytes).unwrap_or(libc::c_int::MAX);
+        // SAFETY: the library takes any value, with a lock.
+        unsafe { libc::mallopt(parameter, value) };
+    }
+}
+
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+mod heap {
+    pub(super) const HUGE_PAGE: usize = 0;
+
+    pub(super) fn prepare_program(_: usize) {}
+
+    pub(super) fn begin_with_huge_pages(_: usize) {}
 }
 
 /// The system's allocator with huge pages for large allocations, which calls the function set by
@@ -107,19 +181,25 @@ fn in_huge_pages(memory: *mut u8, bytes: usize) -> *mut u8 {
 #[cfg(target_os = "linux")]
 #[cold]
 fn ask_for_huge_pages(memory: *mut u8, bytes: usize) {
-    use rustix::mm::{Advice, madvise};
     // Whole pages, those of both ends among them: a part without the advice would be a mapping of
     // its own, and a piece in two mappings is copied where it grows instead of moved.
     let before = memory.addr() % rustix::param::page_size();
-    // SAFETY: the advice changes neither what pages hold nor who may use them, so it may cover what
-    // stands beside the piece in the pages of its ends. Systems without huge pages refuse it, which
-    // does no harm.
-    let _ = unsafe { madvise(memory.wrapping_sub(before).cast(), bytes + before, Advice::LinuxHugepage) };
+    make_pages_huge(memory.wrapping_sub(before), bytes + before);
 }
 
 #[cfg(not(target_os = "linux"))]
 #[cold]
 fn ask_for_huge_pages(_: *mut u8, _: usize) {}
+
+/// Asks for huge pages from the start of a page on.
+#[cfg(target_os = "linux")]
+fn make_pages_huge(page: *mut u8, bytes: usize) {
+    use rustix::mm::{Advice, madvise};
+    // SAFETY: the advice changes neither what pages hold nor who may use them, so it may cover what
+    // stands beside a piece in the pages of its ends. Systems without huge pages refuse it, which
+    // does no harm.
+    let _ = unsafe { madvise(page.cast(), bytes, Advice::LinuxHugepage) };
+}
 
 #[inline]
 fn checked(memory: *mut u8, bytes: usize) -> *mut u8 {

@@ -258,8 +258,11 @@ impl ExpectedLight {
             *mean += weight * band;
         }
         self.mean.unshadowed += weight * recorded.unshadowed;
-        self.strongest = self.strongest.max(recorded.unshadowed);
-        self.range = [self.range[0].min(sum), self.range[1].max(sum)];
+        // No value is NaN, for which `f32::max` takes several instructions.
+        let larger = |a: f32, b: f32| if b > a { b } else { a };
+        let smaller = |a: f32, b: f32| if b < a { b } else { a };
+        self.strongest = larger(self.strongest, recorded.unshadowed);
+        self.range = [smaller(self.range[0], sum), larger(self.range[1], sum)];
     }
 
     fn divide(&mut self, weights: f32) {

@@ -218,9 +218,11 @@ impl Selection {
     }
 
     fn next(&mut self, index: usize, chance: f64) -> SeldomSampled {
+        // Of sums below 2. `f64::fract` is a call of a function on processors without SSE 4.1.
+        let without_whole = |sum: f64| if sum >= 1.0 { sum - 1.0 } else { sum };
         let start = self.cumulative;
-        self.cumulative = (start + chance).fract();
-        let before = (start + self.offset).fract();
+        self.cumulative = without_whole(start + chance);
+        let before = without_whole(start + self.offset);
         SeldomSampled { index, chance, start, is_selected: before + chance >= 1.0, difference: [0.0; 3] }
     }
 }

@@ -169,7 +169,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let cut = self.add_subtraction(cache_point.cut.clone());
         let mis =
             MisState::new(0.0, (cache_point.point, direction), Reception::NONE, cache_point.primitive, Lobe::Diffuse);
-        self.finish(PathState {
+        self.finish(&mut PathState {
             ray: Ray { origin: cache_point.point, direction },
             from: cache_point.primitive,
             throughput: [1.0; BANDS],

@@ -116,17 +116,19 @@ impl DirectSampler<'_> {
         };
         for _ in 0..MAX_CROSSINGS {
             let probable = tracer.shadow_blockers.last(target);
-            let Some(mut hit) = plan.first_hit_near(&walk.ray, walk.from, probable) else {
+            // Its place in memory stays: a copy costs as much as the test of a box.
+            let mut first = plan.first_hit_near(&walk.ray, walk.from, probable);
+            let Some(hit) = &mut first else {
                 return leave(tracer, &walk, light, radiance);
             };
             walk.travelled += hit.distance;
             let mut beyond = walk.cut;
             if plan.has_antimatter {
-                match tracer.resolve(walk.cut, walk.ray.direction, &mut hit) {
+                match tracer.resolve(walk.cut, walk.ray.direction, hit) {
                     AntimatterEvent::Surface(cut) => beyond = cut,
                     AntimatterEvent::Nothing(cut) => {
-                        tracer.note_shadow_hit(&hit, walk.medium.shadow_transmission(hit.distance));
-                        walk.pass(&hit, cut);
+                        tracer.note_shadow_hit(hit, walk.medium.shadow_transmission(hit.distance));
+                        walk.pass(hit, cut);
                         tracer.note_shadow_bounce(walk.ray, BounceType::Passed, [1.0; BANDS]);
                         continue;
                     }
@@ -134,18 +136,18 @@ impl DirectSampler<'_> {
             }
             if let Some(virtual_source) = light.virtual_sources.get(walk.virtual_form) {
                 if virtual_source.member.primitive() == hit.primitive {
-                    if !self.virtual_source(tracer, &mut walk, virtual_source, &hit) {
+                    if !self.virtual_source(tracer, &mut walk, virtual_source, hit) {
                         return dark;
                     }
                     continue;
                 }
             } else if light.primitive == Some(hit.primitive) {
-                return arrive(tracer, &walk, light, &hit, radiance);
+                return arrive(tracer, &walk, light, hit, radiance);
             }
             let last = walk.virtual_form == light.virtual_sources.len();
-            let crossing = self.cross(tracer, &mut walk, &hit, plan.shader_at(hit.shader), last.then_some(light));
+            let crossing = self.cross(tracer, &mut walk, hit, plan.shader_at(hit.shader), last.then_some(light));
             let dimmed = walk.medium.shadow_transmission(hit.distance);
-            tracer.note_shadow_hit(&hit, dimmed);
+            tracer.note_shadow_hit(hit, dimmed);
             walk.through = product(walk.through, dimmed);
             let (direction, weight) = match crossing {
                 ShadowEvent::Blocked => {
@@ -153,7 +155,7 @@ impl DirectSampler<'_> {
                     return dark;
                 }
                 ShadowEvent::SpecularBounce(direction, weight) => {
-                    tracer.note_shadow_side(&hit);
+                    tracer.note_shadow_side(hit);
                     (direction, weight)
                 }
                 ShadowEvent::Into(medium, direction, weight) => {

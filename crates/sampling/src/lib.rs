@@ -20,6 +20,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod sobol;
 mod warp;
 
 pub use warp::{choose, cosine_hemisphere, unit_disk};
@@ -90,7 +91,7 @@ impl RaySampler {
     #[must_use]
     pub fn take(&self, set: DimensionSet) -> [f64; 4] {
         let scramble = (mix(u64::from(self.scramble) << 32 | u64::from(set.0)) >> 32) as u32;
-        sobol_burley::sample_4d(self.index, 0, scramble).map(f64::from)
+        sobol::point(self.index, scramble).map(f64::from)
     }
 }
 

@@ -189,7 +189,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         let medium = self.begin(RaySampler::new(self.plan.options.seed, index), self.global_medium());
         self.splits = self.plan.options.gathering.uncached == Uncached::Split;
         self.tree.iter_mut().for_each(|tree| tree.clear());
-        let start = PathState {
+        let mut start = PathState {
             ray: *ray,
             from: None,
             throughput: [1.0; BANDS],
@@ -212,7 +212,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             self.irradiance(&PathState { throughput: [PI; BANDS], node, ..start });
             self.follow_waiting();
         } else {
-            self.finish(start);
+            self.finish(&mut start);
         }
         self.plan.unbounded.bound(&mut self.radiance, self.first_hit.as_ref());
         Traced {
@@ -265,12 +265,12 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     }
 
     /// Traces a ray and all its branches.
-    pub(crate) fn finish(&mut self, mut path: PathState<BANDS>) {
+    pub(crate) fn finish(&mut self, path: &mut PathState<BANDS>) {
         if self.contributions.is_some() {
-            self.push(path);
+            self.push(*path);
         } else if path.throughput.iter().any(|band| *band > 0.0) {
             // Without the copies of a pending ray.
-            path.node = self.new_node(&path, BounceType::Passed);
+            path.node = self.new_node(path, BounceType::Passed);
             self.follow(path);
         }
         self.follow_waiting();
@@ -283,12 +283,12 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     /// Traces rays until at most this many are pending.
     fn follow_until(&mut self, waiting: usize) {
         while self.waiting.len() > waiting
-            && let Some(path) = self.waiting.pop()
+            && let Some(mut path) = self.waiting.pop()
         {
             if let Some(contributions) = &mut self.contributions {
                 contributions.close(self.radiance, self.waiting.len());
             }
-            self.follow(path);
+            self.follow(&mut path);
         }
     }
 
@@ -363,41 +363,41 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         tree.begin(path.node, bounce, path.ray, path.throughput)
     }
 
-    fn follow(&mut self, mut path: PathState<BANDS>) {
+    fn follow(&mut self, path: &mut PathState<BANDS>) {
         // Invisible surfaces and back faces are passed in this loop.
         loop {
-            let first = self.plan.first_hit(&path.ray, path.from);
+            let mut first = self.plan.first_hit(&path.ray, path.from);
             let distance = first.as_ref().map_or(f64::INFINITY, |hit| hit.distance);
             if path.reflections == 0 && path.travelled + distance > self.limit {
                 return;
             }
-            let Some(mut hit) = first else {
-                return self.leave(&path);
+            let Some(hit) = &mut first else {
+                return self.leave(path);
             };
             if self.plan.has_antimatter {
-                let meeting = self.resolve(path.cut, path.ray.direction, &mut hit);
+                let meeting = self.resolve(path.cut, path.ray.direction, hit);
                 let (AntimatterEvent::Surface(beyond) | AntimatterEvent::Nothing(beyond)) = meeting;
                 path.subtraction_beyond = beyond;
                 if meeting == AntimatterEvent::Nothing(beyond) {
-                    path = self.without_interaction(&path, &hit);
+                    *path = self.without_interaction(path, hit);
                     continue;
                 }
             }
             let shader = self.plan.shader_at(hit.shader);
             if matches!(shader.kind, Kind::Transparent) {
-                path = self.without_interaction(&path, &hit);
+                *path = self.without_interaction(path, hit);
                 continue;
             }
             path.follows_no_diffuse = self.plan.excludes_indirect(hit.shader);
             let behind = path.ray.direction.dot(hit.front) > 0.0;
             if behind && self.plan.hides_its_back(shader) {
-                path = self.without_interaction(&path, &hit);
+                *path = self.without_interaction(path, hit);
                 continue;
             }
             if self.contributions.is_some() {
-                self.note_tracked_hit(&path, &hit, shader);
+                self.note_tracked_hit(path, hit, shader);
             }
-            return self.shade(&path, &hit, shader);
+            return self.shade(path, hit, shader);
         }
     }
 
