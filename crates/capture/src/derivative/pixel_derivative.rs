@@ -43,7 +43,7 @@ pub(super) struct TermSums {
 
 /// Number of points of the domain per sample of [`Term::Moving`]. Where a point does not show what
 /// moves, only its first hit is computed; so samples of all terms cost about the same.
-pub(super) const POINTS_PER_SAMPLE: u32 = 4;
+const POINTS_PER_SAMPLE: u32 = 4;
 
 /// Points of the domain beside a point, radii of the pinhole or pixels.
 const BESIDE: [DVec2; 4] =
