@@ -52,7 +52,8 @@ pub enum DerivativeSamples {
     /// Until the rms of the standard errors is this fraction of the rms of the derivative, over the
     /// picture.
     ToError(f64),
-    /// This number of samples per pixel, a multiple of [`RANDOMISATIONS`] times a power of two.
+    /// This number of samples of each term of a pixel, a multiple of [`RANDOMISATIONS`] times a power
+    /// of two, at most 2¹⁷.
     PerPixel(u32),
 }
 

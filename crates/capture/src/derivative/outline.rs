@@ -43,9 +43,16 @@ impl Motion {
 
     fn moves(&self, surface: usize) -> bool {
         match self {
-            Motion::Part(part) => part.surfaces.binary_search(&surface).is_ok(),
+            Motion::Part(part) => part.moves(surface),
             Motion::Still | Motion::Camera => true,
         }
+    }
+}
+
+impl PartMotion {
+    /// Whether the part has this surface.
+    pub(super) fn moves(&self, surface: usize) -> bool {
+        self.surfaces.binary_search(&surface).is_ok()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::flow::Flow;
 use super::outline::outlines;
-use super::pixel_derivative::StepWorkers;
+use super::pixel_derivative::{StepWorkers, Term};
 use super::{DerivativeSamples, ParameterStep, RANDOMISATIONS};
 use crate::Progress;
 use crate::domain::Domain;
@@ -33,7 +33,7 @@ pub struct Derivative {
     pub outline_pixels: usize,
 }
 
-/// Sums over the samples of one pixel.
+/// Sums over the samples of one term of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct StepSums {
     /// Of the derivative, by randomisation.
@@ -42,8 +42,9 @@ struct StepSums {
     exposure: f64,
 }
 
-/// Samples of one pixel so far, of each randomisation.
-type Pixel = PixelSamples<StepSums>;
+/// Samples of one term of a pixel so far, of each randomisation. The sampler treats terms as if they
+/// were pixels: first [`Term::Rest`] of all pixels, then the others.
+type Cell = PixelSamples<StepSums>;
 
 impl SampleSums for StepSums {
     /// The error follows from the randomisations.
@@ -87,13 +88,14 @@ const FIRST_SAMPLES: u32 = 8;
 /// The error of the step is estimated in one of this many pixels.
 const STEP_LATTICE: usize = 7;
 
-/// Its largest number of samples of a randomisation.
+/// Its number of samples of a randomisation: this many, or this fraction of those of the derivative.
 const STEP_SAMPLES: u32 = 64;
+const STEP_SHARE: u32 = 4;
 
 /// Squared standard error of the mean.
-fn squared_error(pixel: &Pixel) -> f64 {
-    let (mean, samples) = (pixel.mean(), f64::from(pixel.samples.max(1)));
-    let squares: f64 = pixel.sums.slopes.iter().map(|sum| (sum / samples - mean).powi(2)).sum();
+fn squared_error(cell: &Cell) -> f64 {
+    let (mean, samples) = (cell.mean(), f64::from(cell.samples.max(1)));
+    let squares: f64 = cell.sums.slopes.iter().map(|sum| (sum / samples - mean).powi(2)).sum();
     squares / f64::from(RANDOMISATIONS * (RANDOMISATIONS - 1))
 }
 
@@ -111,30 +113,29 @@ pub(super) fn derivative(
     let flow = |(pixel, outline): (usize, &Option<_>)| Flow::following(step, domain, pixel as u64, (*outline)?);
     let flows: Vec<Option<Flow>> = outlines.par_iter().enumerate().map(flow).collect();
     let sampler = Sampler { step, flows: &flows, progress, traced: AtomicU64::new(0) };
-    let mut state = SamplingState::new(flows.len());
+    let mut state = SamplingState::new(Term::ALL.len() * flows.len());
     begin(&sampler, &mut state);
     match samples {
         DerivativeSamples::ToError(error) => sampler.refine(&mut state, error),
         DerivativeSamples::PerPixel(samples) => {
             let enough = |state: &SamplingState<StepSums>| state.pixels[0].samples * RANDOMISATIONS >= samples;
             while !state.pixels.is_empty() && !enough(&state) && !progress.stops() {
-                state.pending = (0..flows.len()).collect();
+                state.pending = (0..state.pixels.len()).collect();
                 double(&sampler, &mut state);
             }
         }
     }
-    let pixels = state.pixels;
     if progress.stops() {
         return None;
     }
-    let squared = squared_errors(&pixels, rays.camera().columns() as usize);
-    let values: Vec<f64> = pixels.iter().map(Pixel::mean).collect();
-    let size = signal(&pixels, &squared, step.step).sqrt();
+    let estimate = DerivativeErrors::new(&state.pixels, rays.camera().columns() as usize, step.step);
+    let size = estimate.signal.sqrt();
     let relative = |squared: f64| if squared > 0.0 { squared.sqrt() / size } else { 0.0 };
+    let squared = of_pixels(&estimate.squared);
     Some(Derivative {
         relative_error: relative(mean(&squared)),
-        step_error: relative(sampler.squared_step_error(&pixels)),
-        values,
+        step_error: relative(sampler.squared_step_error(&state.pixels)),
+        values: of_pixels(&state.pixels.iter().map(Cell::mean).collect::<Vec<f64>>()),
         standard_errors: squared.iter().map(|squared| squared.sqrt()).collect(),
         rays: sampler.traced.load(Ordering::Relaxed),
         outline_pixels: flows.iter().flatten().count(),
@@ -157,53 +158,62 @@ impl Sampler<'_> {
             most_passes: MAX_PASSES,
             ..NoiseTarget::new(error * error, Selection::FractionOrFirst)
         };
-        refine(self, state, &target, |pixels| DerivativeErrors::new(pixels, columns, self.step.step));
+        refine(self, state, &target, |cells| DerivativeErrors::new(cells, columns, self.step.step));
     }
 
-    /// Samples of a pixel with this step.
+    /// Samples of a cell with this step.
     fn sums_of_step(
         &self,
         step: &ParameterStep<'_>,
         workers: &mut StepWorkers<'_>,
-        pixel: usize,
+        cell: usize,
         range: Range<u32>,
     ) -> StepSums {
+        let (pixel, term) = (cell % self.flows.len(), Term::ALL[cell / self.flows.len()]);
         let flow = self.flows[pixel].as_ref();
-        let samples = range.len() as u32;
-        let mut added = StepSums::default();
-        for (randomisation, sum) in (0..).zip(&mut added.slopes) {
-            let [slope, exposure] = step.sum(workers, (pixel as u64, flow), randomisation, range.clone());
-            *sum = slope;
-            added.exposure += exposure;
+        let (mut added, mut rays) = (StepSums::default(), 0);
+        for (randomisation, slope) in (0..).zip(&mut added.slopes) {
+            let sums = step.sum(workers, (pixel as u64, flow, term), randomisation, range.clone());
+            *slope = sums.slope;
+            added.exposure += sums.exposure;
+            rays += sums.rays;
         }
-        let rays = u64::from(samples * RANDOMISATIONS) * if flow.is_some() { 3 } else { 2 };
         let done = self.traced.fetch_add(rays, Ordering::Relaxed) + rays;
         self.progress.report(done, done);
         added
     }
 
     /// Mean squared error due to the finite step, from a lattice of pixels. Products of the
-    /// differences of independent randomisations have no noise in the mean.
-    fn squared_step_error(&self, pixels: &[Pixel]) -> f64 {
+    /// differences of independent randomisations have no noise in the mean. Terms on the rim do not
+    /// depend on the step.
+    fn squared_step_error(&self, cells: &[Cell]) -> f64 {
         let Some(doubled) = self.step.doubled() else { return 0.0 };
-        let squares: Vec<f64> = (0..pixels.len())
+        let pixels = self.flows.len();
+        let squares: Vec<f64> = (0..pixels)
             .into_par_iter()
             .step_by(STEP_LATTICE)
             .map_init(
                 || [self.step.step_workers(), doubled.step_workers()],
                 |[near, far], pixel| {
-                    let range = 0..pixels[pixel].samples.min(STEP_SAMPLES);
-                    let [near, far] = [(self.step, near), (&doubled, far)]
-                        .map(|(step, workers)| self.sums_of_step(step, workers, pixel, range.clone()));
-                    let mut slopes = far.slopes;
-                    slopes.iter_mut().zip(near.slopes).for_each(|(far, near)| *far = (*far - near) / 3.0);
-                    let difference = Pixel::of(StepSums { slopes, exposure: 0.0 }, range.len() as u32);
-                    difference.mean().powi(2) - squared_error(&difference)
+                    let [rest, moving] = [pixel, pixels + pixel].map(|cell| {
+                        let range = 0..step_samples(&cells[cell]);
+                        let [near, far] = [(self.step, &mut *near), (&doubled, &mut *far)]
+                            .map(|(step, workers)| self.sums_of_step(step, workers, cell, range.clone()));
+                        let mut slopes = far.slopes;
+                        slopes.iter_mut().zip(near.slopes).for_each(|(far, near)| *far = (*far - near) / 3.0);
+                        Cell::of(StepSums { slopes, exposure: 0.0 }, range.len() as u32)
+                    });
+                    (rest.mean() + moving.mean()).powi(2) - squared_error(&rest) - squared_error(&moving)
                 },
             )
             .collect();
         mean(&squares).max(0.0)
     }
+}
+
+/// Number of samples of a cell for the error of the step.
+fn step_samples(cell: &Cell) -> u32 {
+    cell.samples.min(STEP_SAMPLES.max(cell.samples / STEP_SHARE))
 }
 
 impl<'a> PixelSource for Sampler<'a> {
@@ -214,13 +224,13 @@ impl<'a> PixelSource for Sampler<'a> {
         self.step.step_workers()
     }
 
-    fn sums(&self, workers: &mut StepWorkers<'a>, pixel: usize, samples: Range<u32>) -> StepSums {
-        self.sums_of_step(self.step, workers, pixel, samples)
+    fn sums(&self, workers: &mut StepWorkers<'a>, cell: usize, samples: Range<u32>) -> StepSums {
+        self.sums_of_step(self.step, workers, cell, samples)
     }
 
     /// Without doublings: the error follows from the randomisations.
-    fn first(&self, workers: &mut StepWorkers<'a>, pixel: usize) -> Pixel {
-        Pixel::of(self.sums(workers, pixel, 0..FIRST_SAMPLES), FIRST_SAMPLES)
+    fn first(&self, workers: &mut StepWorkers<'a>, cell: usize) -> Cell {
+        Cell::of(self.sums(workers, cell, 0..FIRST_SAMPLES), FIRST_SAMPLES)
     }
 
     fn stops(&self) -> bool {
@@ -228,57 +238,68 @@ impl<'a> PixelSource for Sampler<'a> {
     }
 }
 
-/// The errors of the pixels' derivatives.
+/// The errors of the cells.
 struct DerivativeErrors {
-    pixels: Vec<PixelError>,
+    cells: Vec<PixelError>,
+    squared: Vec<f64>,
     /// Mean square of the derivative.
     signal: f64,
 }
 
 impl DerivativeErrors {
-    fn new(pixels: &[Pixel], columns: usize, step: f64) -> DerivativeErrors {
-        let squared = squared_errors(pixels, columns);
-        let of_pixel =
-            |(pixel, squared): (&Pixel, &f64)| PixelError { squared: *squared, gain: GAIN, samples: pixel.samples };
-        let errors = pixels.iter().zip(&squared).map(of_pixel).collect();
-        DerivativeErrors { pixels: errors, signal: signal(pixels, &squared, step) }
+    fn new(cells: &[Cell], columns: usize, step: f64) -> DerivativeErrors {
+        let terms = cells.chunks((cells.len() / Term::ALL.len()).max(1));
+        let squared: Vec<f64> = terms.flat_map(|cells| squared_errors(cells, columns)).collect();
+        let of_cell =
+            |(cell, squared): (&Cell, &f64)| PixelError { squared: *squared, gain: GAIN, samples: cell.samples };
+        let errors = cells.iter().zip(&squared).map(of_cell).collect();
+        DerivativeErrors { cells: errors, signal: signal(cells, &squared, step), squared }
     }
 }
 
 impl ErrorEstimate for DerivativeErrors {
     fn pixels(&self) -> &[PixelError] {
-        &self.pixels
+        &self.cells
     }
 
+    /// The squared error of a pixel is the sum of those of its cells, and the target their mean.
     fn unit(&self) -> f64 {
-        self.signal
+        self.signal / Term::ALL.len() as f64
     }
 }
 
-/// Squared standard error of each pixel: its own, and that of its window for equally many samples.
-fn squared_errors(pixels: &[Pixel], columns: usize) -> Vec<f64> {
-    let own: Vec<f64> = pixels.iter().map(squared_error).collect();
-    let of_one: Vec<f64> = own.iter().zip(pixels).map(|(own, pixel)| own * f64::from(pixel.samples)).collect();
+/// Sums over the terms of each pixel.
+fn of_pixels(cells: &[f64]) -> Vec<f64> {
+    let pixels = cells.len() / Term::ALL.len();
+    (0..pixels).map(|pixel| cells.iter().skip(pixel).step_by(pixels).sum()).collect()
+}
+
+/// Squared standard error of each cell of a term: its own, and that of its window for equally many
+/// samples.
+fn squared_errors(cells: &[Cell], columns: usize) -> Vec<f64> {
+    let own: Vec<f64> = cells.iter().map(squared_error).collect();
+    let of_one: Vec<f64> = own.iter().zip(cells).map(|(own, cell)| own * f64::from(cell.samples)).collect();
     let near = window_means(&of_one, columns, WINDOW);
-    let pooled = |((own, near), pixel): ((&f64, &f64), &Pixel)| {
-        OWN_WEIGHT * own + (1.0 - OWN_WEIGHT) * near / f64::from(pixel.samples.max(1))
+    let pooled = |((own, near), cell): ((&f64, &f64), &Cell)| {
+        OWN_WEIGHT * own + (1.0 - OWN_WEIGHT) * near / f64::from(cell.samples.max(1))
     };
-    own.iter().zip(&near).zip(pixels).map(pooled).collect()
+    own.iter().zip(&near).zip(cells).map(pooled).collect()
 }
 
 /// Mean square of the derivative without its noise, to which errors relate. A derivative that
 /// changes next to nothing over the step counts as if it changed [`LEAST_CHANGE`].
-fn signal(pixels: &[Pixel], squared_errors: &[f64], step: f64) -> f64 {
-    let square = mean_square(pixels.iter().map(Pixel::mean));
-    let exposure = |pixel: &Pixel| pixel.sums.exposure / f64::from(RANDOMISATIONS * pixel.samples.max(1));
-    let least = (LEAST_CHANGE / step).powi(2) * mean_square(pixels.iter().map(exposure));
+fn signal(cells: &[Cell], squared_errors: &[f64], step: f64) -> f64 {
+    let slopes = of_pixels(&cells.iter().map(Cell::mean).collect::<Vec<f64>>());
+    let exposure = |cell: &Cell| cell.sums.exposure / f64::from(RANDOMISATIONS * cell.samples.max(1));
+    let exposures = of_pixels(&cells.iter().map(exposure).collect::<Vec<f64>>());
+    let square = mean_square(&slopes);
+    let least = (LEAST_CHANGE / step).powi(2) * mean_square(&exposures);
     // Where noise dominates, the difference says nothing.
-    (square - mean(squared_errors)).max(0.1 * square).max(least)
+    (square - mean(&of_pixels(squared_errors))).max(0.1 * square).max(least)
 }
 
-fn mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = values.len().max(1) as f64;
-    values.map(|value| value * value).sum::<f64>() / count
+fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
 }
 
 fn mean(values: &[f64]) -> f64 {

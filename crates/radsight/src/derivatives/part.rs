@@ -12,8 +12,9 @@ use radsight_pinhole::PinholeCamera;
 /// Motion of the outline between the two sides of a step, in pixels.
 const OUTLINE_STEP: f64 = 0.1;
 
-/// Largest step of an angle, degrees.
-const MAX_TURN_STEP: f64 = 1.0;
+/// Largest step of an angle, degrees. A wall that a camera sees at a grazing angle appears and
+/// vanishes within a degree, and mirrors turn light by twice their own angle.
+const MAX_TURN_STEP: f64 = 0.25;
 
 /// A part of a scene, and a degree of freedom of its pose.
 pub(super) struct MovingPart<'p> {
