@@ -96,12 +96,8 @@ impl ParameterStep<'_> {
             (Term::Rest | Term::Moving, _) => {
                 let points = if term == Term::Moving { POINTS_PER_SAMPLE } else { 1 };
                 for point in samples.start * points..samples.end * points {
-                    self.add_inside(
-                        &mut sums,
-                        workers,
-                        (pixel, domain, flow, term),
-                        self.index(sequence, pixel, point),
-                    );
+                    let index = self.index(sequence, pixel, point);
+                    self.add_inside(&mut sums, workers, (pixel, domain, flow), (term, index));
                 }
                 let share = f64::from(points).recip();
                 (sums.slope, sums.exposure) = (sums.slope * share, sums.exposure * share);
@@ -115,8 +111,8 @@ impl ParameterStep<'_> {
         &self,
         sums: &mut TermSums,
         workers: &mut StepWorkers<'_>,
-        (pixel, domain, flow, term): (u64, Domain, Option<&Flow>, Term),
-        index: u64,
+        (pixel, domain, flow): (u64, Domain, Option<&Flow>),
+        (term, index): (Term, u64),
     ) {
         let (fixed, drawn) = self.drawn(domain, index);
         let at = domain.uniform(drawn);
