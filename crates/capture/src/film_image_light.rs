@@ -7,12 +7,13 @@ use crate::fixed::radiance;
 use crate::image_light::{ExposedImages, image_target, image_worker};
 use crate::shared_rays::{DERIVATIVE_ERROR, UnblurredFilm};
 use crate::{Exposer, Workers};
-use glam::DVec2;
+use glam::{DVec2, IVec2};
 use radsight_adaptive::{
     ErrorEstimate, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState, begin,
     double, ray_number, refine,
 };
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
+use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -32,6 +33,9 @@ const MOST_FIRST: usize = 256;
 
 /// Squared noise of a slope, relative to its square, from which nothing is known of it: half of it.
 const NOISE_RATIO: f64 = 2.0;
+
+/// How far parts of the region that have a slope in common are from each other along each axis, pixels.
+const SLOPE_REACH: i32 = 2;
 
 /// The light of the images of a film.
 #[derive(Debug)]
@@ -121,8 +125,8 @@ impl FilmImageLight {
     fn spread(&self, sampler: &AdaptiveSampler<'_>, errors: &PartErrors<'_>) -> Vec<(usize, f64, PixelError)> {
         let mut pixels: BTreeMap<usize, PixelLight> = BTreeMap::new();
         for parts in self.images.by_image() {
-            let slope = self.slope(parts.clone(), errors);
-            for index in parts {
+            let slopes = self.slopes(parts.clone(), errors);
+            for (index, slope) in parts.zip(slopes) {
                 let known = &self.images.parts()[index];
                 let part = PartLight::new(known, &self.state.pixels[index], errors.of_light(index), slope);
                 self.images.for_each_pixel(sampler.exposer.rays, (index, part.center), |pixel, overlap| {
@@ -140,8 +144,27 @@ impl FilmImageLight {
         pixels.iter().map(|(pixel, light)| (*pixel, light.value, error(light))).collect()
     }
 
-    /// Relative derivative of the light of some parts by the point of the pinhole, per radius.
-    fn slope(&self, parts: Range<usize>, errors: &PartErrors<'_>) -> DVec2 {
+    /// Relative derivatives of the light of an image's parts by the point of the pinhole, per radius. All
+    /// parts of an image have them in common; the region shows several images, and parts near to each other
+    /// are those of one.
+    fn slopes(&self, parts: Range<usize>, errors: &PartErrors<'_>) -> Vec<DVec2> {
+        let moments = self.moments(parts.clone(), errors);
+        let known = &self.images.parts()[parts];
+        if known.first().is_none_or(|first| !self.images.is_in_region(first)) {
+            return vec![common_slope(&moments); moments.len()];
+        }
+        let place = |part: &ImagePart| part.center.floor().as_ivec2();
+        let by_place: FxHashMap<IVec2, usize> = known.iter().map(place).zip(0..).collect();
+        let around = |part: &ImagePart| {
+            let along = || -SLOPE_REACH..=SLOPE_REACH;
+            let near = along().flat_map(|y| along().map(move |x| IVec2::new(x, y)));
+            let near = near.filter_map(|offset| by_place.get(&(place(part) + offset)));
+            common_slope(&near.map(|index| moments[*index]).collect::<Vec<_>>())
+        };
+        known.iter().map(around).collect()
+    }
+
+    fn moments(&self, parts: Range<usize>, errors: &PartErrors<'_>) -> Vec<PinholeMoment> {
         let moment = |index: usize| {
             let Part { sums, samples, .. } = &self.state.pixels[index];
             let samples = f64::from(*samples);
@@ -149,7 +172,7 @@ impl FilmImageLight {
             let at = (sums.on_pinhole - light * sums.drawn_on_pinhole) / samples;
             PinholeMoment { light, squared_error: errors.of_light(index), at }
         };
-        common_slope(&parts.map(moment).collect::<Vec<_>>())
+        parts.map(moment).collect()
     }
 }
 

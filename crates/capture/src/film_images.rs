@@ -119,7 +119,7 @@ impl FilmImages {
     ) -> Result<Option<FilmImages>, UnknownImages> {
         let rays = exposer.rays;
         let near = vec![Vec::new(); film.pixel_count()];
-        let film_blur = ImageBlur::new(DMat2::from_diagonal(film.shift()));
+        let film_blur = ImageBlur::of_film(film);
         let divides_rays = exposer.renderer.plan().divides_rays;
         let (images, parts) = (Vec::new(), Vec::new());
         let mut found = FilmImages { images, parts, near, region: None, film_blur, divides_rays };
@@ -328,6 +328,11 @@ impl ImageBlur {
         ImageBlur { by_pinhole, inverse: by_pinhole.inverse() }
     }
 
+    /// Of what is at the depth of the film: a point of it is seen through p at x − S·p.
+    fn of_film(film: &UnblurredFilm) -> ImageBlur {
+        ImageBlur::new(DMat2::from_diagonal(-film.shift()))
+    }
+
     fn for_each_pixel(&self, rays: &Rays, center: DVec2, mut of_pixel: impl FnMut(usize, DiskOverlap)) {
         let camera = rays.camera();
         let [columns, rows] = [camera.columns(), camera.rows()].map(|count| count as usize);
@@ -345,6 +350,22 @@ impl ImageBlur {
                     of_pixel(row * columns + column, overlap);
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shared_rays::tests::film;
+
+    #[test]
+    fn a_point_of_the_film_is_seen_where_its_blur_says() {
+        let film = film([3.7, 3.2], [9, 7]);
+        let (blur, at) = (ImageBlur::of_film(&film), DVec2::new(4.2, 3.1));
+        for on_pinhole in [DVec2::ZERO, DVec2::X, DVec2::new(-0.3, 0.6)] {
+            let (point, _) = film.seen_from(at + blur.by_pinhole * on_pinhole, on_pinhole).expect("it is on the film");
+            assert!(film.picture_point(point).distance(at) < 1e-12, "{point}");
         }
     }
 }
