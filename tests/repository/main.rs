@@ -15,4 +15,5 @@ mod option_words;
 mod packages;
 mod signatures;
 mod sources;
+mod top_level;
 mod words;
