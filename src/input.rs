@@ -340,9 +340,6 @@ pub(crate) fn valid_scene(
 /// Largest number of threads, whatever the number of processors.
 const MOST_THREADS: usize = 4096;
 
-/// Memory in huge pages for scenes and pictures, bytes: as much as most short commands use.
-const HEAP: usize = 28 << 20;
-
 /// Starts one thread per processor, for programs without a thread option, unless threads were
 /// started before.
 pub(crate) fn use_default_threads() -> Outcome {
@@ -360,7 +357,7 @@ pub(crate) fn use_threads(threads: Option<usize>) -> Outcome {
     if let Some(threads) = threads.filter(|threads| *threads > MOST_THREADS) {
         return Err(Failure::fault(format!("cannot start {threads} threads: the limit is {MOST_THREADS}")));
     }
-    radsight_memory::prepare_program(HEAP);
+    radsight_memory::prepare_program();
     // Zero means one per processor. The main thread is one of them: the others wait for it anyway.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))

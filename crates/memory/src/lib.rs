@@ -48,21 +48,21 @@ pub fn when_exhausted(act: Exhausted) {
 }
 
 /// Prepares the memory of a program that will allocate much, in its main thread: small pieces come
-/// from `bytes` of huge pages, at most 28 MiB, and what is freed stays with the program. To be
-/// called before there are other threads.
+/// from 28 MiB of huge pages, as much as most short commands use, and what is freed stays with the
+/// program. To be called before there are other threads.
 ///
 /// In the GNU C library a piece of more than 128 KiB is a mapping of its own at first, and the heap
 /// shrinks where its last piece is freed. A short program would take the same pages from the
 /// system again and again, one by one, and each takes as long as several rays. The memory is asked
 /// for, not touched, so it takes no pages. With other libraries this does nothing.
-pub fn prepare_program(bytes: usize) {
-    heap::prepare_program(bytes);
+pub fn prepare_program() {
+    heap::prepare_program();
 }
 
 /// Prepares the memory of another thread that will allocate much, in that thread: its heap, which
 /// in the GNU C library grows by single pages with a system call each, begins with a huge page.
 pub fn prepare_thread() {
-    heap::begin_with_huge_pages(heap::HUGE_PAGE);
+    heap::prepare_thread();
 }
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
@@ -71,7 +71,10 @@ mod heap {
     use std::alloc::{GlobalAlloc, Layout, System};
 
     /// A huge page where the system has them, bytes.
-    pub(super) const HUGE_PAGE: usize = 2 << 20;
+    const HUGE_PAGE: usize = 2 << 20;
+
+    /// The heap of the main thread begins with so many bytes of huge pages.
+    const MAIN_HEAP: usize = LARGEST_IN_HEAP - 2 * HUGE_PAGE;
 
     /// The largest piece that the library takes from a heap if it is told to, bytes.
     const LARGEST_IN_HEAP: usize = 32 << 20;
@@ -83,20 +86,24 @@ mod heap {
     /// Free memory beyond this at the end of the heap goes back to the system, bytes.
     const KEPT: usize = 64 << 20;
 
-    pub(super) fn prepare_program(bytes: usize) {
+    pub(super) fn prepare_program() {
         // Where memory is limited, none is set aside.
         let mut is_plenty = false;
-        with_piece(bytes.saturating_mul(4), |_| is_plenty = true);
+        with_piece(4 * MAIN_HEAP, |_| is_plenty = true);
         if is_plenty {
             set(libc::M_TRIM_THRESHOLD, KEPT);
             set(libc::M_MMAP_THRESHOLD, LARGEST_IN_HEAP);
-            begin_with_huge_pages(bytes.min(LARGEST_IN_HEAP - 2 * HUGE_PAGE));
+            begin_with_huge_pages(MAIN_HEAP);
             set(libc::M_MMAP_THRESHOLD, OWN_MAPPING);
         }
     }
 
+    pub(super) fn prepare_thread() {
+        begin_with_huge_pages(HUGE_PAGE);
+    }
+
     /// Makes the heap of the thread grow and go on with huge pages.
-    pub(super) fn begin_with_huge_pages(bytes: usize) {
+    fn begin_with_huge_pages(bytes: usize) {
         let mut before = 0;
         with_piece(HUGE_PAGE + bytes, |memory| {
             // A huge page can only be where none of its small pages is in use.
@@ -129,11 +136,9 @@ mod heap {
 
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
 mod heap {
-    pub(super) const HUGE_PAGE: usize = 0;
+    pub(super) fn prepare_program() {}
 
-    pub(super) fn prepare_program(_: usize) {}
-
-    pub(super) fn begin_with_huge_pages(_: usize) {}
+    pub(super) fn prepare_thread() {}
 }
 
 /// The system's allocator with huge pages for large allocations, which calls the function set by
