@@ -189,20 +189,23 @@ impl FilmImages {
 
     /// Whether a ray shows a place of a known image of a light, by a chain, or near it.
     pub(crate) fn is_known(&self, seen: &FilmRay, (light, chain): (usize, u32)) -> bool {
-        let mut near = self.near[seen.pixel].iter().map(|image| &self.images[*image as usize]);
-        near.any(|image| (image.curved.light, image.curved.chain) == (light, chain) && image.density(&seen.ray) > 0.0)
+        let is_same = |image: &FilmImage| (image.curved.light, image.curved.chain) == (light, chain);
+        self.near(seen.pixel).any(|(_, image)| is_same(image) && image.density(&seen.ray) > 0.0)
     }
 
     /// Whether a ray shows the light of a known image.
     pub(crate) fn shows_light(&self, seen: &FilmRay) -> bool {
-        let mut near = self.near[seen.pixel].iter().map(|image| &self.images[*image as usize]);
-        near.any(|image| image.shows_light(&seen.ray))
+        self.near(seen.pixel).any(|(_, image)| image.shows_light(&seen.ray))
+    }
+
+    /// The images that rays of a pixel of the film may show, with their indices.
+    fn near(&self, pixel: usize) -> impl Iterator<Item = (usize, &FilmImage)> {
+        self.near[pixel].iter().map(|image| (*image as usize, &self.images[*image as usize]))
     }
 
     /// The image of which a ray shows a place: the one with the highest density of rays there.
     fn image_of(&self, rays: &Rays, FilmRay { ray, pixel, point, .. }: &FilmRay) -> Option<usize> {
-        let near = self.near[*pixel].iter().map(|image| *image as usize);
-        let with_density = near.map(|image| (image, self.images[image].density(ray)));
+        let with_density = self.near(*pixel).map(|(index, image)| (index, image.density(ray)));
         let in_region = self.region.as_ref().map(|region| {
             let by_pixel = region.density(*pixel, *point);
             (self.images.len(), by_pixel * rays.camera().pixels_per_solid_angle(ray.direction))
