@@ -5,6 +5,7 @@ use crate::disk_overlap::DiskOverlap;
 use crate::film_images::{FilmImages, ImagePart, PartRay};
 use crate::fixed::radiance;
 use crate::image_light::{ExposedImages, image_target, image_worker};
+use crate::pinhole_derivatives::kept_fraction;
 use crate::shared_rays::{DERIVATIVE_ERROR, UnblurredFilm};
 use crate::{Exposer, Workers};
 use glam::{DVec2, IVec2};
@@ -30,9 +31,6 @@ const SEQUENCE_PIXELS: u64 = 1 << 32;
 /// hits must be known before the rays are distributed.
 const FIRST_RAYS: usize = 1 << 17;
 const MOST_FIRST: usize = 256;
-
-/// Squared noise of a slope, relative to its square, from which nothing is known of it: half of it.
-const NOISE_RATIO: f64 = 2.0;
 
 /// How far parts of the region that have a slope in common are from each other along each axis, pixels.
 const SLOPE_REACH: i32 = 2;
@@ -185,8 +183,7 @@ struct PinholeMoment {
     at: DVec2,
 }
 
-/// Relative derivative of the light of parts by the point of the pinhole, per radius. An estimate within
-/// its noise is shrunk (James and Stein 1961).
+/// Relative derivative of the light of parts by the point of the pinhole, per radius, shrunk by its noise.
 fn common_slope(parts: &[PinholeMoment]) -> DVec2 {
     let light: f64 = parts.iter().map(|part| part.light).sum();
     let moment: DVec2 = parts.iter().map(|part| part.at).sum();
@@ -199,8 +196,7 @@ fn common_slope(parts: &[PinholeMoment]) -> DVec2 {
     // Over the unit disk the mean of p·pᵀ is ¼.
     let slope = 4.0 * moment / light;
     let of_noise = f64::max(8.0 * of_light, 16.0 * scatter) / (light * light);
-    let kept = 1.0 - NOISE_RATIO * of_noise / slope.length_squared();
-    if kept > 0.0 && slope.is_finite() { kept * slope } else { DVec2::ZERO }
+    if slope.is_finite() { kept_fraction(slope.length_squared(), of_noise) * slope } else { DVec2::ZERO }
 }
 
 /// The light of a part of an image.

@@ -17,9 +17,16 @@ const STEEPEST: f64 = 0.5;
 /// Maximum difference between the sums over the points of both axes, relative to the sum over all.
 const MOST_UNEVEN: f64 = 0.05;
 
-/// Squared half difference of two probes' moments, relative to the square of their mean, from which
-/// nothing is known of the derivatives: half of it.
+/// Squared noise of a derivative, relative to its square, from which nothing is known of it: half of
+/// it.
 const NOISE_RATIO: f64 = 2.0;
+
+/// The fraction of a derivative that is kept, by its square and its squared noise: an estimate within
+/// its noise is shrunk (James and Stein 1961).
+pub(crate) fn kept_fraction(squared: f64, squared_noise: f64) -> f64 {
+    let kept = 1.0 - NOISE_RATIO * squared_noise / squared;
+    if kept > 0.0 { kept } else { 0.0 }
+}
 
 /// The radiance of a film pixel through four points of the pinhole.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,8 +74,7 @@ impl PinholeProbe {
             unevenness: 0.5 * (self.unevenness + sign * other.unevenness),
         });
         let squared = |probe: &PinholeProbe| probe.moments.iter().map(|moment| moment * moment).sum::<f64>();
-        let kept = 1.0 - NOISE_RATIO * squared(&half_difference) / squared(&mean);
-        let kept = if kept > 0.0 { kept } else { 0.0 };
+        let kept = kept_fraction(squared(&mean), squared(&half_difference));
         PinholeProbe { moments: mean.moments.map(|moment| kept * moment), ..mean }
     }
 
