@@ -131,11 +131,11 @@ pub(super) fn derivative(
     let estimate = DerivativeErrors::new(&state.pixels, rays.camera().columns() as usize, step.step);
     let size = estimate.signal.sqrt();
     let relative = |squared: f64| if squared > 0.0 { squared.sqrt() / size } else { 0.0 };
-    let squared = of_pixels(&estimate.squared);
+    let squared = of_pixels(&estimate.cells, |cell| cell.squared);
     Some(Derivative {
         relative_error: relative(mean(&squared)),
         step_error: relative(sampler.squared_step_error(&state.pixels)),
-        values: of_pixels(&state.pixels.iter().map(Cell::mean).collect::<Vec<f64>>()),
+        values: of_pixels(&state.pixels, Cell::mean),
         standard_errors: squared.iter().map(|squared| squared.sqrt()).collect(),
         rays: sampler.traced.load(Ordering::Relaxed),
         outline_pixels: flows.iter().flatten().count(),
@@ -241,7 +241,6 @@ impl<'a> PixelSource for Sampler<'a> {
 /// The errors of the cells.
 struct DerivativeErrors {
     cells: Vec<PixelError>,
-    squared: Vec<f64>,
     /// Mean square of the derivative.
     signal: f64,
 }
@@ -249,11 +248,11 @@ struct DerivativeErrors {
 impl DerivativeErrors {
     fn new(cells: &[Cell], columns: usize, step: f64) -> DerivativeErrors {
         let terms = cells.chunks((cells.len() / Term::ALL.len()).max(1));
-        let squared: Vec<f64> = terms.flat_map(|cells| squared_errors(cells, columns)).collect();
-        let of_cell =
-            |(cell, squared): (&Cell, &f64)| PixelError { squared: *squared, gain: GAIN, samples: cell.samples };
-        let errors = cells.iter().zip(&squared).map(of_cell).collect();
-        DerivativeErrors { cells: errors, signal: signal(cells, &squared, step), squared }
+        let squared = terms.flat_map(|cells| squared_errors(cells, columns));
+        let of_cell = |(cell, squared): (&Cell, f64)| PixelError { squared, gain: GAIN, samples: cell.samples };
+        let errors: Vec<PixelError> = cells.iter().zip(squared).map(of_cell).collect();
+        let signal = signal(cells, &of_pixels(&errors, |cell| cell.squared), step);
+        DerivativeErrors { cells: errors, signal }
     }
 }
 
@@ -269,9 +268,9 @@ impl ErrorEstimate for DerivativeErrors {
 }
 
 /// Sums over the terms of each pixel.
-fn of_pixels(cells: &[f64]) -> Vec<f64> {
+fn of_pixels<C>(cells: &[C], of_cell: impl Fn(&C) -> f64) -> Vec<f64> {
     let pixels = cells.len() / Term::ALL.len();
-    (0..pixels).map(|pixel| cells.iter().skip(pixel).step_by(pixels).sum()).collect()
+    (0..pixels).map(|pixel| cells.iter().skip(pixel).step_by(pixels).map(&of_cell).sum()).collect()
 }
 
 /// Squared standard error of each cell of a term: its own, and that of its window for equally many
@@ -287,15 +286,16 @@ fn squared_errors(cells: &[Cell], columns: usize) -> Vec<f64> {
 }
 
 /// Mean square of the derivative without its noise, to which errors relate. A derivative that
-/// changes next to nothing over the step counts as if it changed [`LEAST_CHANGE`].
+/// changes next to nothing over the step counts as if it changed [`LEAST_CHANGE`]. `squared_errors` are
+/// those of the pixels.
 fn signal(cells: &[Cell], squared_errors: &[f64], step: f64) -> f64 {
-    let slopes = of_pixels(&cells.iter().map(Cell::mean).collect::<Vec<f64>>());
+    let slopes = of_pixels(cells, Cell::mean);
     let exposure = |cell: &Cell| cell.sums.exposure / f64::from(RANDOMISATIONS * cell.samples.max(1));
-    let exposures = of_pixels(&cells.iter().map(exposure).collect::<Vec<f64>>());
+    let exposures = of_pixels(cells, exposure);
     let square = mean_square(&slopes);
     let least = (LEAST_CHANGE / step).powi(2) * mean_square(&exposures);
     // Where noise dominates, the difference says nothing.
-    (square - mean(&of_pixels(squared_errors))).max(0.1 * square).max(least)
+    (square - mean(squared_errors)).max(0.1 * square).max(least)
 }
 
 fn mean_square(values: &[f64]) -> f64 {
