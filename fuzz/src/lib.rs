@@ -5,8 +5,9 @@
 //! fuzz/instrumentation.flags)" cargo build --release --target TRIPLE` in this folder builds them
 //! all; a target is then a libFuzzer program: `scene -timeout=1 -rss_limit_mb=2048 CORPUS_FOLDER`.
 //! `fuzz/run` does all that: each target for a minute over its files in `fuzz/corpus`.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
+mod fixed_inputs;
 mod real_radiance;
 mod small_scene;
 
@@ -272,6 +273,7 @@ pub fn weather(bytes: &[u8]) {
 /// # Panics
 /// If one is not.
 pub fn render(scene: &SmallScene) {
+    fixed_inputs::on_requested_threads();
     let Ok(read) = Scene::builder().loader(MemoryLoader::default()).text("small.rad", scene.text.as_bytes()).build()
     else {
         return;

@@ -26,11 +26,11 @@ const LEAST_WEIGHT_IN_LARGE_TREE: f64 = 1e-4;
 /// Maximum path length. With a reflectance of 0.99 one path in 10¹⁷ would be longer.
 const MAX_DEPTH: u32 = 4096;
 
-/// The minimum weight of a view ray in a tree of this many rays. It grows as their square, so that a
+/// The minimum weight of a view ray in a tree of this many rays. It grows as their cube, so that a
 /// tree ends after a few times `LARGE_TREE`.
 fn least_weight_in_tree(least: f64, rays: u32) -> f64 {
     let excess = f64::from(rays) / f64::from(LARGE_TREE);
-    if excess <= 1.0 { least } else { least.max(LEAST_WEIGHT_IN_LARGE_TREE) * excess * excess }
+    if excess <= 1.0 { least } else { least.max(LEAST_WEIGHT_IN_LARGE_TREE) * excess.powi(3) }
 }
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
