@@ -6,8 +6,10 @@ use std::io;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+/// Device, number and time of birth, where the file system has one: the number of a file that was
+/// removed is soon that of another one.
 #[cfg(unix)]
-type Identity = (u64, u64);
+type Identity = (u64, u64, Option<std::time::SystemTime>);
 #[cfg(not(unix))]
 type Identity = std::path::PathBuf;
 
@@ -64,7 +66,7 @@ pub fn is_standard_input_standard_output() -> bool {
 #[cfg(unix)]
 fn identity(_path: &Path, found: &Metadata) -> Option<Identity> {
     use std::os::unix::fs::MetadataExt;
-    found.is_file().then(|| (found.dev(), found.ino()))
+    found.is_file().then(|| (found.dev(), found.ino(), found.created().ok()))
 }
 
 #[cfg(not(unix))]
@@ -113,5 +115,19 @@ mod tests {
         }
         assert_eq!(name_of(&at("other")), None);
         assert_eq!(name_of(&at("missing")), None);
+    }
+
+    #[test]
+    fn a_new_file_with_the_number_of_a_removed_input_is_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("read"), "x").unwrap();
+        let file = File::open(at("read")).unwrap();
+        let has_birth = file.metadata().unwrap().created().is_ok();
+        remember(&at("read"), &file);
+        drop(file);
+        fs::remove_file(at("read")).unwrap();
+        fs::write(at("new"), "x").unwrap();
+        assert!(!has_birth || name_of(&at("new")).is_none());
     }
 }
