@@ -1,6 +1,6 @@
 //! Ideal diffuse reflection. Lambert, *Photometria*, 1760: `f = ρ/π`.
 
-use crate::native::{NativeModel, REFLECTANCE};
+use crate::native_model::{NativeModel, REFLECTANCE};
 use crate::{Brdf, BrdfSample, Density, Lobes};
 use glam::DVec3;
 use radsight_sampling::cosine_hemisphere;

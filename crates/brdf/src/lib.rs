@@ -26,6 +26,7 @@ mod lambert;
 mod lobe;
 mod minnaert;
 pub mod native;
+mod native_model;
 mod ward;
 mod ward_anisotropic;
 

@@ -4,7 +4,7 @@
 //! 1941: `f = ρ (k+1)/(2π) (cos θ_i cos θ_o)^(k−1)`, with k = 1 for Lambert's surface. The albedo
 //! is `ρ cos^(k−1) θ_o`, at most ρ.
 
-use crate::native::{NativeModel, Parameter, REFLECTANCE};
+use crate::native_model::{NativeModel, Parameter, REFLECTANCE};
 use crate::{Brdf, BrdfSample, Density, Lobes};
 use glam::DVec3;
 use std::f64::consts::TAU;

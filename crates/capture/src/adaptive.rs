@@ -1,27 +1,22 @@
 //! Adaptive sampling until the requested error is reached.
 //!
-//! The number of samples of a pixel is doubled. The two halves of a low-discrepancy sequence
-//! complement each other, so the variance of single samples says little about the error of their
-//! mean. The difference between the means of the two halves does. Let `e(n)` be the error of the
-//! mean of n samples, and `d(n)` half the difference between the means of its halves. For
-//! exchangeable halves `⟨e(n)²⟩ = ⟨e(n/2)²⟩ − ⟨d(n)²⟩`, so `⟨e(n)²⟩ = ⟨d(2n)²⟩ + ⟨d(4n)²⟩ + …`. If
-//! `⟨d²⟩` falls by a factor q at each doubling, the sum is `⟨d(n)²⟩·q/(1−q)`: all of `⟨d²⟩` for
-//! independent samples (q = ½), and much less for smooth integrands. q is estimated in a window
-//! around each pixel, since smooth regions converge faster than edges.
+//! The number of samples of a pixel is doubled where that lowers the estimated error most for its cost
+//! ([`Estimate`]).
 
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
+use crate::film::{FilmRay, PixelPassage, UnblurredFilm};
 use crate::film_images::FilmImages;
-use crate::fixed::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
-use crate::neighbourhood::window_means;
+use crate::pixel_errors::{Estimate, SELECTION_BIAS};
+use crate::radiance::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::shared_film::{FilmRecord, SharedFilm};
-use crate::shared_rays::{FilmRay, PixelPassage, UnblurredFilm};
 use crate::subpixels::SubpixelRecord;
+use crate::sums::{Pixel, Sums};
 use crate::two_phase::{Chosen, FIRST_PHASE, choose, numbered};
-use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
+use crate::{Exposer, Exposure, Progress, Workers};
 use radsight_adaptive::{
-    ErrorEstimate, ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource,
-    SampleCounter, SampleSums, Selection, Stop, begin, ray_number, refine,
+    ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelSource, SampleCounter, Selection, Stop, begin,
+    ray_number, refine,
 };
 use radsight_pinhole::CameraRay;
 use radsight_render::{CountedLight, CubatureError, OutlinedSurface, Ray};
@@ -30,14 +25,6 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-
-/// Limits of the estimated factor q by which `⟨d²⟩` falls.
-const GAIN_RANGE: (f64, f64) = (0.25, 0.5);
-
-/// Correction of the selection bias: pixels whose halves agree by chance are not refined, so the
-/// estimated error is too low. On pictures with sharp shadow edges it was a quarter too low,
-/// measured against pictures that were integrated by other means.
-pub(crate) const SELECTION_BIAS: f64 = 1.33;
 
 /// Fraction of the requested error that cubature over a lamp may have.
 const CUBATURE_FRACTION: f64 = 0.125;
@@ -64,38 +51,6 @@ pub(crate) const CHOICE_SET: u32 = 1 << 24;
 
 /// Maximum number of passes, whatever the error is.
 pub(crate) const MAX_PASSES: u32 = 64;
-
-/// The samples of one pixel, with the squared half differences d² of the last two doublings.
-pub(crate) type Pixel = PixelSamples<Sums>;
-
-/// Sums of radiance·cos⁴ over some samples of a pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Sums {
-    /// Of all bands.
-    pub(crate) whole: f64,
-    /// Of the separate bands, else 0.
-    pub(crate) bands: [f64; MAX_BANDS],
-}
-
-impl SampleSums for Sums {
-    /// Squared.
-    type HalfDifference = f64;
-    type Mean = f64;
-
-    fn add(&mut self, other: &Sums) {
-        self.whole += other.whole;
-        self.bands.iter_mut().zip(other.bands).for_each(|(sum, band)| *sum += band);
-    }
-
-    fn half_difference(first: &Sums, second: &Sums, samples: u32) -> f64 {
-        let half_difference = (second.whole - first.whole) / f64::from(2 * samples);
-        half_difference * half_difference
-    }
-
-    fn mean(&self, samples: u32) -> f64 {
-        self.whole / f64::from(samples)
-    }
-}
 
 impl Exposer<'_> {
     /// Exposes until the estimated rms error over the pixels is the requested one, relative to the
@@ -507,78 +462,3 @@ fn images(exposer: &Exposer<'_>) -> PixelImages {
     let other = || exposer.by_row.iter().map(|light| PixelImages::find(&light.renderer, exposer.rays));
     if found.is_empty() { other().find(|images| !images.is_empty()).unwrap_or(found) } else { found }
 }
-
-/// The estimated error.
-pub(crate) struct Estimate {
-    /// Squared error of each pixel, relative to the mean of all pixels.
-    pub(crate) pixels: Vec<PixelError>,
-    /// The mean radiance·cos⁴ over all pixels.
-    pub(crate) mean: f64,
-}
-
-impl Estimate {
-    fn new(pixels: &[Pixel], columns: usize) -> Estimate {
-        let mean = pixels.iter().map(Pixel::mean).sum::<f64>() / pixels.len() as f64;
-        let unit = if mean > 0.0 { (mean * mean).recip() } else { 0.0 };
-        // Scaled to one sample, so that pixels with different numbers of samples can be added.
-        let of_one = |squared: fn(&Pixel) -> f64| -> Vec<f64> {
-            pixels.iter().map(|pixel| squared(pixel) * f64::from(pixel.samples)).collect()
-        };
-        let (last, before) = (of_one(|pixel| pixel.last), of_one(|pixel| pixel.before));
-        let near = window_means(&last, columns, ERROR_WINDOW);
-        let (wide, wide_before) =
-            (window_means(&last, columns, GAIN_WINDOW), window_means(&before, columns, GAIN_WINDOW));
-        let estimate = |(index, pixel): (usize, &Pixel)| {
-            let gain = gain(wide[index], wide_before[index]);
-            unit_error(pixel, near[index], gain, unit)
-        };
-        Estimate { pixels: pixels.iter().enumerate().map(estimate).collect(), mean }
-    }
-
-    pub(crate) fn relative_error(&self) -> f64 {
-        let mean_square = self.pixels.iter().map(|pixel| pixel.squared).sum::<f64>() / self.pixels.len() as f64;
-        SELECTION_BIAS * mean_square.sqrt()
-    }
-
-    /// The statistics of each pixel; `scale` is the exposure for a radiance of 1, J/m².
-    fn statistics(&self, scale: f64) -> PixelStatistics {
-        let error = |pixel: &PixelError| SELECTION_BIAS * scale * self.mean * pixel.squared.sqrt();
-        PixelStatistics {
-            standard_errors: self.pixels.iter().map(error).collect(),
-            samples: self.pixels.iter().map(|pixel| pixel.samples).collect(),
-        }
-    }
-}
-
-impl ErrorEstimate for Estimate {
-    fn pixels(&self) -> &[PixelError] {
-        &self.pixels
-    }
-}
-
-/// The factor by which `⟨d²⟩` falls at a doubling, from its last two values around a pixel.
-pub(crate) fn gain(last: f64, before: f64) -> f64 {
-    let prior = PRIOR_WEIGHT * before;
-    let gain = (last + prior * GAIN_RANGE.1) / (before + prior);
-    if gain.is_finite() { gain.clamp(GAIN_RANGE.0, GAIN_RANGE.1) } else { GAIN_RANGE.1 }
-}
-
-/// Squared error of a pixel times `unit`. `near` is the mean d² around it, scaled to one sample.
-pub(crate) fn unit_error<S>(pixel: &PixelSamples<S>, near: f64, gain: f64, unit: f64) -> PixelError
-where
-    S: SampleSums<HalfDifference = f64>,
-{
-    let pooled = (near / f64::from(pixel.samples)).max(0.25 * pixel.last);
-    // Convergence slows down when only edges are left.
-    let later = 0.5 * (gain + GAIN_RANGE.1);
-    PixelError { squared: unit * pooled * later / (1.0 - later), gain, samples: pixel.samples }
-}
-
-/// Radius of the window for d², in pixels: a single squared difference says little.
-pub(crate) const ERROR_WINDOW: usize = 1;
-
-/// Radius of the window for the factor by which d² falls, in pixels.
-pub(crate) const GAIN_WINDOW: usize = 3;
-
-/// Weight of the prior for that factor: independent samples.
-const PRIOR_WEIGHT: f64 = 0.1;

@@ -3,10 +3,11 @@
 use crate::Workers;
 use crate::adaptive::{AdaptiveSampler, DrawnRay, RESERVED_NUMBER};
 use crate::correction::{AllowedErrors, Corrections};
+use crate::film::{FilmRay, PixelPassage};
 use crate::lattice::Lattice;
 use crate::neighbourhood::slope;
+use crate::pinhole_blur::PinholeBlur;
 use crate::shared_film::KnownFilm;
-use crate::shared_rays::{FilmRay, PinholeBlur, PixelPassage};
 use crate::sparse_estimate::{Picture, SparseEstimate};
 use radsight_adaptive::ray_number;
 use radsight_render::CountedLight;

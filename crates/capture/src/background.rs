@@ -6,12 +6,12 @@
 //! miss the parts, and exposes the rest. Where pixels are interpolated or share rays, it copies those
 //! of the lattice.
 
-use crate::adaptive::Pixel;
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
+use crate::film::UnblurredFilm;
 use crate::neighbourhood::around;
 use crate::region::{LitRegion, Region};
 use crate::shared_film::{FilmRecord, KnownFilm, SharedFilm};
-use crate::shared_rays::UnblurredFilm;
+use crate::sums::Pixel;
 use crate::{Exposer, Exposure, Progress};
 use radsight_adaptive::{ErrorTarget, ray_number};
 use radsight_pinhole::Rays;

@@ -1,7 +1,7 @@
 //! The state of an unfinished exposure, which can be saved and resumed with the same bits.
 
-use crate::adaptive::{Pixel, Sums};
-use crate::fixed::bands_apart;
+use crate::radiance::bands_apart;
+use crate::sums::{Pixel, Sums};
 use radsight_adaptive::{MAX_SAMPLES, SamplingState};
 use radsight_pinhole::{BandWeights, Rays};
 use std::fmt;

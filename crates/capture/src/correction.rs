@@ -7,7 +7,7 @@
 //! audited rays. Errors of nodes, interpolation and blur are corrected together. What is left is
 //! noise without a sign, except where errors change within a window.
 
-use crate::sparse_estimate::WindowSums;
+use crate::window_sums::WindowSums;
 
 /// How far windows reach to each side, pixels: the next one where one has too few rays, as beside the
 /// border.

@@ -7,11 +7,11 @@
 //! of the blurred edge in pixels limits the stride of a lattice that resolves it.
 
 use crate::Exposer;
+use crate::film::UnblurredFilm;
 use crate::lattice::Lattice;
 use crate::mirrored_lights::PixelImages;
 use crate::neighbourhood::around;
 use crate::shared_film::KnownFilm;
-use crate::shared_rays::UnblurredFilm;
 use glam::DVec2;
 use radsight_pinhole::{CameraRay, Rays};
 use radsight_render::{Ray, SmoothView};

@@ -1,10 +1,11 @@
 //! The blur of an unblurred film.
 
 use crate::adaptive::AdaptiveSampler;
-use crate::fixed::radiance;
+use crate::film::UnblurredFilm;
 use crate::lattice::{Lattice, STRIDE};
+use crate::pinhole_blur::PinholeBlur;
 use crate::pinhole_derivatives::{PinholeDerivatives, PinholeProbe};
-use crate::shared_rays::{PinholeBlur, UnblurredFilm};
+use crate::radiance::radiance;
 use crate::{Exposer, Workers};
 use glam::DVec2;
 use radsight_adaptive::ray_number;

@@ -1,12 +1,14 @@
 //! The light of images, exposed for all pixels of the pinhole's disk at once ([`FilmImages`]).
 
-use crate::adaptive::{AdaptiveSampler, gain, unit_error};
+use crate::adaptive::AdaptiveSampler;
 use crate::disk_overlap::DiskOverlap;
+use crate::film::UnblurredFilm;
 use crate::film_images::{FilmImages, ImagePart, PartRay};
-use crate::fixed::radiance;
 use crate::image_light::{ExposedImages, image_target, image_worker};
+use crate::pinhole_blur::DERIVATIVE_ERROR;
 use crate::pinhole_derivatives::kept_fraction;
-use crate::shared_rays::{DERIVATIVE_ERROR, UnblurredFilm};
+use crate::pixel_errors::{gain, unit_error};
+use crate::radiance::radiance;
 use crate::{Exposer, Workers};
 use glam::{DVec2, IVec2};
 use radsight_adaptive::{

@@ -12,9 +12,8 @@
 use crate::Exposer;
 use crate::curved_image::CurvedImage;
 use crate::disk_overlap::{DiskOverlap, Parallelogram};
+use crate::film::{FilmRay, UnblurredFilm};
 use crate::image_region::ImageRegion;
-use crate::region_search::{FoundRegion, RegionSearch};
-use crate::shared_rays::{FilmRay, UnblurredFilm};
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Rays};
 use std::ops::Range;
@@ -58,10 +57,6 @@ struct ImageBlur {
     by_pinhole: DMat2,
     inverse: DMat2,
 }
-
-/// Images may be seen that were not searched.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct UnknownImages;
 
 /// A part of an image that is small on the picture.
 #[derive(Clone, Debug)]
@@ -108,15 +103,8 @@ impl ImagePart {
 }
 
 impl FilmImages {
-    /// `None` where the film shows no image. `allowed` is the squared error that images may add to
-    /// pixels, relative to the squared mean exposure. Fails where dielectrics may show images that
-    /// were not searched: hardly any ray meets them, and nobody would miss them.
-    pub(crate) fn new(
-        exposer: &Exposer<'_>,
-        film: &UnblurredFilm,
-        curved: &[CurvedImage],
-        allowed: f64,
-    ) -> Result<Option<FilmImages>, UnknownImages> {
+    /// Those of known images.
+    pub(crate) fn new(exposer: &Exposer<'_>, film: &UnblurredFilm, curved: &[CurvedImage]) -> FilmImages {
         let rays = exposer.rays;
         let near = vec![Vec::new(); film.pixel_count()];
         let film_blur = ImageBlur::of_film(film);
@@ -126,16 +114,16 @@ impl FilmImages {
         for image in curved.iter().filter_map(|curved| FilmImage::new(rays, curved)) {
             found.add(rays, film, image);
         }
-        match RegionSearch::new(exposer, film, &found).region(allowed) {
-            FoundRegion::Lit(region) => found.add_region(rays, film, region),
-            FoundRegion::Unknown if divides_rays => return Err(UnknownImages),
-            FoundRegion::Dark | FoundRegion::Unknown => {}
-        }
-        Ok((!found.parts.is_empty()).then_some(found))
+        found
+    }
+
+    /// Whether the film shows no image.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.parts.is_empty()
     }
 
     /// Adds the region of other images.
-    fn add_region(&mut self, rays: &Rays, film: &UnblurredFilm, region: ImageRegion) {
+    pub(crate) fn add_region(&mut self, rays: &Rays, film: &UnblurredFilm, region: ImageRegion) {
         let image = self.images.len();
         for (index, (pixel, expected)) in region.pixels().enumerate() {
             let cells = index..index + 1;
@@ -360,7 +348,7 @@ impl ImageBlur {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shared_rays::tests::film;
+    use crate::film::tests::film;
 
     #[test]
     fn a_point_of_the_film_is_seen_where_its_blur_says() {

@@ -8,11 +8,12 @@
 //!
 //! Images that were not found belong to the rest. Rays find them by chance, and pixels share them.
 
-use crate::adaptive::{AdaptiveSampler, Estimate, ImagesApart, MAX_PASSES, Pixel, Sums};
+use crate::adaptive::{AdaptiveSampler, MAX_PASSES};
 use crate::checkpoint::AdaptiveState;
-use crate::film_image_light::FilmImageLight;
-use crate::fixed::radiance;
-use crate::sparse_estimate::{NoisePooling, pooled_errors};
+use crate::pixel_errors::Estimate;
+use crate::pixel_errors::{NoisePooling, pooled_errors};
+use crate::radiance::radiance;
+use crate::sums::{Pixel, Sums};
 use crate::{Exposer, Workers};
 use radsight_adaptive::{
     ErrorEstimate, MAX_SAMPLES, NoiseTarget, PixelError, PixelSource, Selection, Stop, begin, ray_number, refine,
@@ -52,51 +53,7 @@ pub(crate) struct ImageLight {
     state: AdaptiveState,
 }
 
-/// The light of images that is exposed apart.
-#[derive(Debug)]
-pub(crate) enum ApartImages {
-    ByPixel(ImageLight),
-    OnFilm(FilmImageLight),
-}
-
-impl ApartImages {
-    /// With the first samples. `None` where the light of images is not exposed apart.
-    pub(crate) fn begin(sampler: &AdaptiveSampler<'_>) -> Option<ApartImages> {
-        match (&sampler.images_apart, &sampler.film) {
-            (ImagesApart::No, _) => None,
-            (ImagesApart::OnFilm(images), Some(film)) => {
-                Some(ApartImages::OnFilm(FilmImageLight::begin(sampler, images, film)))
-            }
-            _ => Some(ApartImages::ByPixel(ImageLight::begin(sampler))),
-        }
-    }
-
-    /// Sum over all pixels, in units of radiance.
-    pub(crate) fn sum(&self) -> f64 {
-        match self {
-            ApartImages::ByPixel(images) => images.sum(),
-            ApartImages::OnFilm(images) => images.sum(),
-        }
-    }
-
-    /// Number of rays.
-    pub(crate) fn samples(&self) -> u64 {
-        match self {
-            ApartImages::ByPixel(images) => images.samples(),
-            ApartImages::OnFilm(images) => images.samples(),
-        }
-    }
-
-    /// Refines the images to a sum of squared errors over all pixels.
-    pub(crate) fn expose(&mut self, sampler: &AdaptiveSampler<'_>, squared: f64, most_samples: u32) -> ExposedImages {
-        match self {
-            ApartImages::ByPixel(images) => images.expose(sampler, squared, most_samples),
-            ApartImages::OnFilm(images) => images.expose(sampler, squared, most_samples),
-        }
-    }
-}
-
-/// Its samples, with errors by pixel.
+/// The light of exposed images, with errors by pixel.
 #[derive(Debug)]
 pub(crate) struct ExposedImages {
     /// The pixel, the mean of its samples, and its error.
@@ -134,7 +91,7 @@ struct ImageSource<'s, 'a> {
 
 impl ImageLight {
     /// With the first samples.
-    fn begin(sampler: &AdaptiveSampler<'_>) -> ImageLight {
+    pub(crate) fn begin(sampler: &AdaptiveSampler<'_>) -> ImageLight {
         let count = sampler.exposer.rays.camera().pixel_count() as usize;
         let pixels: Vec<usize> = (0..count).filter(|pixel| sampler.images.sees_any(*pixel)).collect();
         let mut state = AdaptiveState::new(pixels.len());
@@ -143,17 +100,17 @@ impl ImageLight {
     }
 
     /// Sum over all pixels, in units of radiance.
-    fn sum(&self) -> f64 {
+    pub(crate) fn sum(&self) -> f64 {
         self.state.pixels.iter().map(Pixel::mean).sum()
     }
 
     /// Number of rays.
-    fn samples(&self) -> u64 {
+    pub(crate) fn samples(&self) -> u64 {
         self.state.samples()
     }
 
     /// Refines the images to a sum of squared errors over all pixels.
-    fn expose(&mut self, sampler: &AdaptiveSampler<'_>, squared: f64, most_samples: u32) -> ExposedImages {
+    pub(crate) fn expose(&mut self, sampler: &AdaptiveSampler<'_>, squared: f64, most_samples: u32) -> ExposedImages {
         let ImageLight { pixels, state } = self;
         let columns = sampler.exposer.rays.camera().columns() as usize;
         let most_samples = most_samples.min(MAX_SAMPLES);

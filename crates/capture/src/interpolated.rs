@@ -1,11 +1,14 @@
 //! The choice of what is interpolated: the film behind a point pinhole, which is then blurred, or the
 //! picture.
 
-use crate::adaptive::{AdaptiveSampler, Estimate, ImagesApart, SELECTION_BIAS};
+use crate::adaptive::{AdaptiveSampler, ImagesApart};
+use crate::apart_images::ApartImages;
 use crate::checkpoint::AdaptiveState;
-use crate::film_images::{FilmImages, UnknownImages};
-use crate::image_light::{ApartImages, IMAGE_FRACTION};
-use crate::shared_rays::UnblurredFilm;
+use crate::film::UnblurredFilm;
+use crate::film_image_search::UnknownImages;
+use crate::film_images::FilmImages;
+use crate::image_light::IMAGE_FRACTION;
+use crate::pixel_errors::{Estimate, SELECTION_BIAS};
 use crate::subpixels::SubpixelRecord;
 use radsight_adaptive::{ErrorTarget, Stop};
 use std::sync::Arc;
@@ -80,7 +83,7 @@ impl AdaptiveSampler<'_> {
             return Ok(ImagesApart::No);
         }
         let on_film = match (&self.film, self.images.curved_alone()) {
-            (Some(film), Some(curved)) => FilmImages::new(self.exposer, film, curved, allowed)?,
+            (Some(film), Some(curved)) => FilmImages::find(self.exposer, film, curved, allowed)?,
             (Some(_), None) if self.exposer.renderer.plan().divides_rays => return Err(UnknownImages),
             _ => None,
         };

@@ -7,20 +7,25 @@
 #![forbid(unsafe_code)]
 
 mod adaptive;
+mod apart_images;
 mod audit;
 mod audited_rays;
 mod background;
 mod checkpoint;
 mod correction;
+mod cubic;
 mod curved_image;
 mod derivative;
 mod disk_overlap;
 mod domain;
 mod edges;
 mod ellipse;
+mod film;
 mod film_blur;
 mod film_image_light;
+mod film_image_search;
 mod film_images;
+mod film_sums;
 mod fixed;
 mod image_light;
 mod image_region;
@@ -29,16 +34,21 @@ mod lattice;
 mod mirrored_lights;
 mod neighbourhood;
 mod piecewise_linear;
+mod pinhole_blur;
 mod pinhole_derivatives;
+mod pixel_errors;
 mod plane_images;
+mod radiance;
 mod region;
 mod region_search;
 mod shared_film;
-mod shared_rays;
 mod sparse;
 mod sparse_estimate;
+mod subpixel_kernels;
 mod subpixels;
+mod sums;
 mod two_phase;
+mod window_sums;
 
 pub use background::{Background, PlacedParts};
 pub use checkpoint::{Checkpoint, CheckpointError};

@@ -13,8 +13,8 @@
 use crate::curved_image::CurvedImage;
 use crate::domain::Domain;
 use crate::ellipse::{Ellipse, LinearMap};
+use crate::film::PixelPassage;
 use crate::plane_images::{PlaneImage, PlaneImages, PlaneStrata, WeightedPoint};
-use crate::shared_rays::PixelPassage;
 use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Rays};
 use radsight_render::{MirroredLight, Ray, RayWorker, RenderPlan, Renderer};

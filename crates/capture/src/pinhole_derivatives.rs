@@ -1,8 +1,8 @@
 //! How the radiance of a film's pixels depends on the point of the pinhole.
 
+use crate::film::UnblurredFilm;
 use crate::lattice::Lattice;
-use crate::shared_rays::UnblurredFilm;
-use crate::sparse_estimate::WindowSums;
+use crate::window_sums::WindowSums;
 use glam::DVec2;
 
 /// Relative derivatives of the radiance of each film pixel by the point of the pinhole, per radius

@@ -8,10 +8,10 @@
 //! that it saves.
 
 use crate::Exposer;
+use crate::film::UnblurredFilm;
 use crate::film_images::FilmImages;
-use crate::fixed::radiance;
 use crate::image_region::{ImageRegion, MAX_LEVEL, RegionSquare};
-use crate::shared_rays::UnblurredFilm;
+use crate::radiance::radiance;
 use glam::{DMat2, DVec2, DVec3, UVec2, Vec2};
 use radsight_adaptive::ray_number;
 use radsight_render::{CountedLight, MAX_MIRRORED_LIGHTS, Ray, RayWorker, SpecularEnd, light_offset};

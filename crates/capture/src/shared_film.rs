@@ -3,10 +3,10 @@
 //! A picture of the scene with parts uses it for all pixels whose light the parts do not affect: its
 //! rays would show the same. "Film" stands for what is exposed, the unblurred film or the picture.
 
-use crate::adaptive::Pixel;
+use crate::film::UnblurredFilm;
 use crate::pinhole_derivatives::PinholeProbe;
-use crate::shared_rays::UnblurredFilm;
 use crate::subpixels::SubpixelSamples;
+use crate::sums::Pixel;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Whether an exposure shares its film.
@@ -127,7 +127,7 @@ impl KnownFilm<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::adaptive::Sums;
+    use crate::sums::Sums;
 
     #[test]
     fn nothing_is_known_where_parts_affect_the_film() {

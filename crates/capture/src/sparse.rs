@@ -10,17 +10,20 @@
 //! agree on average with the interpolation. The position of the lattice depends on the seed.
 
 use crate::Workers;
-use crate::adaptive::{
-    AdaptiveSampler, Estimate, ImagesApart, MAX_PASSES, Pixel, RESERVED_NUMBER, SELECTION_BIAS, Sums,
-};
+use crate::adaptive::{AdaptiveSampler, ImagesApart, MAX_PASSES, RESERVED_NUMBER};
+use crate::apart_images::ApartImages;
 use crate::audit::Audit;
 use crate::checkpoint::AdaptiveState;
 use crate::edges::{Edges, SearchedFilm};
-use crate::image_light::{ApartImages, ExposedImages, IMAGE_FRACTION};
+use crate::film::UnblurredFilm;
+use crate::image_light::{ExposedImages, IMAGE_FRACTION};
 use crate::lattice::Lattice;
-use crate::shared_rays::{PinholeBlur, UnblurredFilm};
-use crate::sparse_estimate::{NoisePooling, Picture, SparseEstimate, residual_ratio};
+use crate::pinhole_blur::PinholeBlur;
+use crate::pixel_errors::NoisePooling;
+use crate::pixel_errors::{Estimate, SELECTION_BIAS};
+use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::subpixels::Subpixels;
+use crate::sums::{Pixel, Sums};
 use radsight_adaptive::{
     ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, PixelError, PixelSource, Stop, double, doublings, selection_threshold,
 };

@@ -1,10 +1,12 @@
 //! The estimate of all pixels from the exposed pixels of a lattice, with its error.
 
-use crate::adaptive::{ERROR_WINDOW, GAIN_WINDOW, Pixel, gain, unit_error};
 use crate::edges::EdgeBlurs;
+use crate::film::UnblurredFilm;
 use crate::lattice::Lattice;
-use crate::shared_rays::{PinholeBlur, UnblurredFilm};
-use radsight_adaptive::{FIRST_SAMPLES, PixelError};
+use crate::pinhole_blur::PinholeBlur;
+use crate::pixel_errors::{NoisePooling, pooled_errors};
+use crate::sums::Pixel;
+use radsight_adaptive::PixelError;
 
 /// Squared interpolation error of a level relative to the squared residual of the previous level,
 /// which has twice the stride: 1/16 for a function with a kink, as the profiles of lamps have them.
@@ -29,28 +31,6 @@ pub(crate) fn residual_ratio(blurs: EdgeBlurs) -> f64 {
 /// Mean squared weight of interpolation along both axes: the fraction of a node's variance in each
 /// pixel.
 const MEAN_SQUARED_WEIGHT: f64 = 0.6;
-
-/// How the noise of a pixel is pooled with that of pixels around it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum NoisePooling {
-    /// With the pixels beside it.
-    Near,
-    /// With a wider window until the pixel has [`MIN_KNOWN`] samples, then with the pixels beside it.
-    /// Glossy surfaces that are lit by way of others, and what dielectrics show, have rare and bright
-    /// rays. A pixel whose first rays met some would get more of them, and one whose rays met none
-    /// would stay too dark.
-    WideFirst,
-}
-
-impl NoisePooling {
-    /// Whether the noise of a pixel is that of a wider window.
-    fn is_wide(self, pixel: &Pixel) -> bool {
-        self == NoisePooling::WideFirst && pixel.samples < MIN_KNOWN
-    }
-}
-
-/// Number of samples from which a pixel's own noise counts, where some rays are rare and bright.
-const MIN_KNOWN: u32 = 16;
 
 /// How well the previous level predicts the nodes of a cell.
 #[derive(Clone, Copy, Debug, Default)]
@@ -219,37 +199,6 @@ fn node_errors(lattice: &Lattice, nodes: &[u8], samples: (&[Pixel], NoisePooling
     pooled_errors(samples, lattice.columns(), |pixel| if nodes[pixel] > 0 { Lattice::stride(nodes[pixel]) } else { 0 })
 }
 
-/// The noise of some pixels, pooled with the others near them. `stride` gives the distance between
-/// them around a pixel, and 0 for all other pixels. Those without a second half of samples are not
-/// pooled.
-pub(crate) fn pooled_errors(
-    (pixels, pooling): (&[Pixel], NoisePooling),
-    columns: usize,
-    stride: impl Fn(usize) -> usize,
-) -> Vec<(usize, PixelError)> {
-    let counted = |(index, pixel): (usize, &Pixel)| {
-        let samples = f64::from(pixel.samples);
-        let is_pooled = pixel.samples >= FIRST_SAMPLES && stride(index) > 0;
-        if is_pooled { [1.0, pixel.last * samples, pixel.before * samples] } else { [0.0; 3] }
-    };
-    let sums = WindowSums::new(pixels.iter().enumerate().map(counted), columns);
-    let everywhere = pixels.len().max(columns);
-    let of_pixel = |index: usize| {
-        let stride = stride(index);
-        let wide = sums.around(index, GAIN_WINDOW * stride);
-        let wide = if wide[0] < 0.5 { sums.around(index, everywhere) } else { wide };
-        let near = sums.around(index, ERROR_WINDOW * stride);
-        let near = if near[0] < 0.5 { wide } else { near };
-        let gain = gain(wide[1] / wide[0].max(1.0), wide[2] / wide[0].max(1.0));
-        if pooling.is_wide(&pixels[index]) {
-            let unknown = Pixel { last: 0.0, ..pixels[index] };
-            return (index, unit_error(&unknown, wide[1] / wide[0].max(1.0), gain, 1.0));
-        }
-        (index, unit_error(&pixels[index], near[1] / near[0].max(1.0), gain, 1.0))
-    };
-    (0..pixels.len()).filter(|pixel| stride(*pixel) > 0).map(of_pixel).collect()
-}
-
 fn residual(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise: &[f64]) -> InterpolationResidual {
     if level == lattice.finest() {
         return InterpolationResidual::default();
@@ -264,89 +213,4 @@ fn residual(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise
     }
     let count = f64::max(count, 1.0);
     InterpolationResidual { squared: residual.squared / count, noise: residual.noise / count, ..residual }
-}
-
-/// Summed-area table of pixels with several values each.
-pub(crate) struct WindowSums<const N: usize> {
-    /// Sums of all values left of and above each corner.
-    corners: Vec<[f64; N]>,
-    columns: usize,
-}
-
-impl<const N: usize> WindowSums<N> {
-    pub(crate) fn new(values: impl ExactSizeIterator<Item = [f64; N]>, columns: usize) -> WindowSums<N> {
-        let mut corners = vec![[0.0; N]; columns + 1];
-        corners.reserve(values.len() + values.len() / columns.max(1));
-        let mut of_row = [0.0; N];
-        let mut column = 0;
-        for value in values {
-            if column == 0 {
-                of_row = [0.0; N];
-                corners.push(of_row);
-            }
-            let above = corners[corners.len() - columns - 1];
-            of_row.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
-            corners.push(std::array::from_fn(|index| above[index] + of_row[index]));
-            column = if column + 1 == columns { 0 } else { column + 1 };
-        }
-        WindowSums { corners, columns }
-    }
-
-    /// Sums over the square of pixels within `reach` of a pixel, clipped to the picture, of values
-    /// that are not negative.
-    fn around(&self, pixel: usize, reach: usize) -> [f64; N] {
-        self.signed_around(pixel, reach).map(|sum| sum.max(0.0))
-    }
-
-    /// The same of any values.
-    pub(crate) fn signed_around(&self, pixel: usize, reach: usize) -> [f64; N] {
-        let rows = self.corners.len() / (self.columns + 1) - 1;
-        let near = |at: usize, count: usize| [at.saturating_sub(reach), (at + reach + 1).min(count)];
-        let [left, right] = near(pixel % self.columns, self.columns);
-        let [top, bottom] = near(pixel / self.columns, rows);
-        let corner = |x: usize, y: usize| self.corners[y * (self.columns + 1) + x];
-        let (first, last) = (corner(left, top), corner(right, bottom));
-        let (beside, below) = (corner(right, top), corner(left, bottom));
-        std::array::from_fn(|index| last[index] - below[index] - beside[index] + first[index])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn window_sums_are_clipped_to_the_picture() {
-        let sums = WindowSums::new((0..12).map(|value| [1.0, f64::from(value)]), 4);
-        assert_eq!(sums.around(0, 1), [4.0, 0.0 + 1.0 + 4.0 + 5.0]);
-        assert_eq!(sums.around(5, 1), [9.0, [0, 1, 2, 4, 5, 6, 8, 9, 10].iter().sum::<i32>().into()]);
-        assert_eq!(sums.around(11, 9), [12.0, 66.0]);
-    }
-    #[test]
-    fn pixels_without_a_second_half_take_the_noise_of_the_others() {
-        let pair = Pixel { samples: 2, ..Pixel::default() };
-        let known = Pixel { samples: FIRST_SAMPLES, last: 0.5, before: 1.0, ..Pixel::default() };
-        let mut pixels = vec![pair; 30];
-        pixels[7] = known;
-        let errors = pooled_errors((&pixels, NoisePooling::Near), 10, |_| 1);
-        let squared = |pixel: usize| errors[pixel].1.squared;
-        assert_eq!(squared(7), 0.5);
-        // Half as many samples, beside it and far away.
-        assert_eq!([squared(6), squared(17), squared(20), squared(29)], [1.0; 4]);
-    }
-
-    #[test]
-    fn a_pixel_with_few_samples_has_the_noise_of_a_wider_window() {
-        let quiet = Pixel { samples: FIRST_SAMPLES, ..Pixel::default() };
-        let mut pixels = vec![quiet; 100];
-        pixels[33] = Pixel { last: 0.5, before: 1.0, ..quiet };
-        let squared = |pixels: &[Pixel], pixel: usize| {
-            pooled_errors((pixels, NoisePooling::WideFirst), 10, |_| 1)[pixel].1.squared
-        };
-        // The 49 pixels around it have the same noise, and those beyond have none.
-        assert_eq!([33, 34, 66].map(|pixel| squared(&pixels, pixel)), [0.5 / 49.0; 3]);
-        assert_eq!(squared(&pixels, 37), 0.0);
-        pixels[33].samples = MIN_KNOWN;
-        assert!(squared(&pixels, 33) > 0.1);
-    }
 }

@@ -7,25 +7,14 @@
 //! by subpixels is by how much samples exceed it. So where the film is smooth this adds no noise, and
 //! where it is not, the picture is as good as one of a film with [`SIDE`]² times as many pixels.
 //!
-//! Where a pixel is sampled in two phases ([`two_phase`](crate::two_phase)), all rays of the first phase
-//! count, with the light of their stratum.
 
-use crate::Workers;
-use crate::adaptive::{AdaptiveSampler, DrawnRay, Phases, Pixel, Sums};
-use crate::disk_overlap::Parallelogram;
-use crate::shared_rays::{UnblurredFilm, cubic_weights};
-use crate::two_phase::{Chosen, FIRST_PHASE, MAX_STRATA};
-use glam::{DMat2, DVec2};
+use crate::cubic::cubic_weights;
+use crate::film::UnblurredFilm;
+use crate::subpixel_kernels::{COUNT, SIDE};
+use crate::sums::Pixel;
+use glam::DVec2;
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
-
-/// Subpixels along each side of a pixel. With four the error of a film is 16 times that of eight.
-const SIDE: usize = 8;
-const COUNT: usize = SIDE * SIDE;
-
-/// Squared error of a film with subpixels, relative to that of one without: 1/1100 beside straight edges.
-pub(crate) const SUBPIXEL_ERROR: f64 = 1.0 / 400.0;
 
 /// The samples of a pixel by subpixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,14 +32,19 @@ impl Default for SubpixelSamples {
 }
 
 impl SubpixelSamples {
+    /// None yet of a pixel whose subpixels all have samples of every surface that they see.
+    pub(crate) fn dense() -> SubpixelSamples {
+        SubpixelSamples { is_dense: true, ..SubpixelSamples::default() }
+    }
+
     /// Adds a sample at a place of the pixel, from 0 to 1 along both axes.
-    fn add(&mut self, place: [f64; 2], weight: f64, light: f64) {
+    pub(crate) fn add(&mut self, place: [f64; 2], weight: f64, light: f64) {
         let sum = &mut self.sums[SubpixelSamples::part_of(place)];
         *sum = [sum[0] + weight, sum[1] + weight * light];
     }
 
     /// Adds light at a place, without a sample of its own.
-    fn add_light(&mut self, place: [f64; 2], light: f64) {
+    pub(crate) fn add_light(&mut self, place: [f64; 2], light: f64) {
         self.sums[SubpixelSamples::part_of(place)][1] += light;
     }
 
@@ -121,7 +115,7 @@ impl<'f> Subpixels<'f> {
             if samples.is_dense {
                 found.dense.insert(pixel, surplus);
             } else {
-                kernels.add_blurred(film, pixel, &surplus, &mut found.sparse);
+                kernels.add_blurred(film.size()[0], pixel, &surplus, &mut found.sparse);
             }
         }
         found
@@ -154,7 +148,7 @@ impl<'f> Subpixels<'f> {
         let mut own = self.film.convolved(&self.sharpened, &kernels.interpolated);
         own.iter_mut().zip(blurred).zip(&self.sparse).for_each(|((own, blurred), sparse)| *own += sparse - blurred);
         for (pixel, surplus) in &self.dense {
-            kernels.add_blurred(self.film, *pixel, surplus, &mut own);
+            kernels.add_blurred(self.film.size()[0], *pixel, surplus, &mut own);
         }
         for (pixel, (value, own)) in picture.iter_mut().zip(own).enumerate() {
             if self.film.in_picture(pixel).is_some() {
@@ -212,135 +206,13 @@ fn interpolation(columns: usize, pixel: usize, offset: DVec2, value: impl Fn(usi
     sum
 }
 
-/// Weights of the subpixels of a film.
-#[derive(Debug)]
-pub(crate) struct SubpixelKernels {
-    /// By subpixel: offsets of pixels of the picture from the pixel of the film, and their weights.
-    of_parts: Vec<Vec<([isize; 2], f64)>>,
-    /// Of the pixels around a pixel of the picture, as they are interpolated.
-    interpolated: Vec<f64>,
-}
-
-impl SubpixelKernels {
-    /// For a shift by radius, in a kernel that reaches `margin` pixels to each side.
-    pub(crate) fn new(shift: DVec2, margin: [usize; 2]) -> SubpixelKernels {
-        let inverse = DMat2::from_diagonal(shift.recip());
-        let on_pinhole = Parallelogram::new(inverse);
-        let [reach_x, reach_y] = margin.map(|margin| margin as isize);
-        let of_part = |part: usize| {
-            let corner = DVec2::new((part % SIDE) as f64, (part / SIDE) as f64) / SIDE as f64 - 0.5;
-            let offsets = (-reach_y..=reach_y).flat_map(|y| (-reach_x..=reach_x).map(move |x| [x, y]));
-            let weighted = |[x, y]: [isize; 2]| {
-                // The mean over the subpixel by four points.
-                let points = [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]];
-                let area = points.map(|point| {
-                    let at = corner + DVec2::from(point) / SIDE as f64;
-                    on_pinhole.overlap(inverse * (DVec2::new(x as f64, y as f64) - at)).area
-                });
-                ([x, y], 0.25 * area.iter().sum::<f64>())
-            };
-            offsets.map(weighted).filter(|(_, weight)| *weight > 0.0).collect()
-        };
-        let of_parts: Vec<Vec<_>> = (0..COUNT).map(of_part).collect();
-        let interpolated = SubpixelKernels::interpolated(&of_parts, margin);
-        SubpixelKernels { of_parts, interpolated }
-    }
-
-    fn interpolated(of_parts: &[Vec<([isize; 2], f64)>], margin: [usize; 2]) -> Vec<f64> {
-        let [width, height] = margin.map(|margin| 2 * margin + 1);
-        let mut kernel = vec![0.0; width * height];
-        for (part, weights) in of_parts.iter().enumerate() {
-            let offset = [part % SIDE, part / SIDE].map(|at| (at as f64 + 0.5) / SIDE as f64 - 0.5);
-            let [columns, rows] = offset.map(cubic_weights);
-            let first = offset.map(|at| at.floor() as isize - 1);
-            for ([x, y], weight) in weights {
-                for (down, by_row) in rows.into_iter().enumerate() {
-                    for (right, by_column) in columns.into_iter().enumerate() {
-                        // The pixel of the film as seen from that of the picture.
-                        let at = [first[0] + right as isize - x, first[1] + down as isize - y];
-                        let [x, y] = [0, 1].map(|axis| (at[axis] + margin[axis] as isize) as usize);
-                        kernel[y * width + x] += by_row * by_column * weight / COUNT as f64;
-                    }
-                }
-            }
-        }
-        kernel
-    }
-
-    /// Adds the light of the subpixels of a pixel, as fractions of a pixel.
-    fn add_blurred(&self, film: &UnblurredFilm, pixel: usize, light: &[f64; COUNT], picture: &mut [f64]) {
-        let columns = film.size()[0] as isize;
-        for (light, weights) in light.iter().zip(&self.of_parts).filter(|(light, _)| **light != 0.0) {
-            for ([x, y], weight) in weights {
-                let index = pixel as isize + y * columns + x;
-                if let Some(value) = usize::try_from(index).ok().and_then(|index| picture.get_mut(index)) {
-                    *value += light * weight;
-                }
-            }
-        }
-    }
-}
-
-impl<'a> AdaptiveSampler<'a> {
-    /// Sums over some samples of a pixel of the film, which are recorded by subpixel.
-    pub(crate) fn film_sums(&self, worker: &mut Workers<'a>, pixel: usize, samples: Range<u32>) -> Sums {
-        let (mut whole, mut parts) = (0.0, SubpixelSamples::default());
-        for sample in samples {
-            let (number, u) = self.sample_point(pixel, sample);
-            let light = self.drawn(pixel, number, u).map_or(0.0, |ray| self.light(worker, pixel, ray));
-            whole += light;
-            parts.add([u[0], u[1]], 1.0, light);
-        }
-        self.subpixels.add(pixel, &parts);
-        Sums { whole, ..Sums::default() }
-    }
-
-    /// The same in two phases.
-    pub(crate) fn two_phase_film_sums(&self, worker: &mut Workers<'a>, pixel: usize, samples: Range<u32>) -> Sums {
-        let Phases { mut rays, strata, chosen } = self.phases(pixel, samples);
-        let (mut whole, mut parts) = (0.0, SubpixelSamples { is_dense: true, ..SubpixelSamples::default() });
-        let mut lit: Vec<(Chosen, f64)> = Vec::with_capacity(chosen.len());
-        for chosen in chosen {
-            let Some(ray) = rays[chosen.index].1.take() else { continue };
-            let light = self.light(worker, pixel, DrawnRay { weight: 1.0, ..ray });
-            whole += chosen.weight * light;
-            lit.push((chosen, light));
-        }
-        let means = stratum_means(&strata, &lit);
-        let mean = |index: usize| strata[index].map_or(0.0, |stratum| means[stratum]);
-        for (index, (place, _)) in rays.iter().enumerate() {
-            parts.add(*place, f64::from(FIRST_PHASE).recip(), mean(index));
-        }
-        for (chosen, light) in lit {
-            parts.add_light(rays[chosen.index].0, chosen.weight * (light - mean(chosen.index)));
-        }
-        self.subpixels.add(pixel, &parts);
-        Sums { whole, ..Sums::default() }
-    }
-
-    fn light(&self, worker: &mut Workers<'a>, pixel: usize, ray: DrawnRay) -> f64 {
-        self.summed(worker, pixel, std::iter::once(ray)).whole
-    }
-}
-
-/// The mean light of the chosen rays of each stratum.
-fn stratum_means(strata: &[Option<usize>], lit: &[(Chosen, f64)]) -> [f64; MAX_STRATA] {
-    let mut sums = [[0.0; 2]; MAX_STRATA];
-    for (chosen, light) in lit {
-        if let Some(stratum) = strata[chosen.index] {
-            let [weight, weighted] = sums[stratum];
-            sums[stratum] = [weight + chosen.weight, weighted + chosen.weight * light];
-        }
-    }
-    sums.map(|[weight, light]| if weight > 0.0 { light / weight } else { 0.0 })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::tests::{film, left_of};
+    use crate::pinhole_blur::PinholeBlur;
     use crate::pinhole_derivatives::PinholeDerivatives;
-    use crate::shared_rays::PinholeBlur;
-    use crate::shared_rays::tests::{film, left_of};
+    use crate::subpixel_kernels::SUBPIXEL_ERROR;
 
     const RADIUS: f64 = 3.6;
     const SIZE: [usize; 2] = [24, 3];
@@ -352,7 +224,7 @@ mod tests {
         let (mut values, mut pixels, record) =
             (vec![0.0; count], vec![Pixel::default(); count], SubpixelRecord::new(count));
         for pixel in 0..count {
-            let mut samples = SubpixelSamples { is_dense: true, ..SubpixelSamples::default() };
+            let mut samples = SubpixelSamples::dense();
             for index in 0..SIDE * steps {
                 let [x, y] = [index % steps, index / steps].map(|step| step as f64 + 0.5);
                 let place = [x / steps as f64, y / SIDE as f64];
@@ -401,7 +273,7 @@ mod tests {
             let u = [1.0, 0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_4]
                 .map(|step| (f64::from(index) * step).fract());
             let u = [(f64::from(index) + 0.5) / f64::from(points), u[1], u[2], u[3]];
-            blur.predicted(&values, pixel, &crate::shared_rays::PixelPassage::new(0, u))
+            blur.predicted(&values, pixel, &crate::film::PixelPassage::new(0, u))
         };
         for pixel in (0..picture.len()).filter(|pixel| film.in_picture(*pixel).is_some()) {
             let mean = (0..points).map(|index| of_point(pixel, index)).sum::<f64>() / f64::from(points);

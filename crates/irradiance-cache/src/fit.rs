@@ -8,8 +8,9 @@
 //! irradiance is not linear: then the fit uses a smaller neighbourhood, and the record gets a
 //! smaller reach.
 
-use crate::emitter::EmitterModel;
-use crate::record::{Limits, Record, mean};
+use crate::bands::mean;
+use crate::emitter_model::EmitterModel;
+use crate::record::{Limits, Record};
 use crate::stored::store_fields;
 use glam::{DMat3, DVec3};
 
@@ -385,3 +386,10 @@ const MIN_NEIGHBOURS: usize = 4;
 
 /// Minimum relative radius of a neighbourhood.
 const MIN_RADIUS: f64 = 0.3;
+impl<const BANDS: usize> Record<BANDS> {
+    /// The irradiance at the record itself, on a facet with this unit normal.
+    #[must_use]
+    pub fn irradiance_on(&self, facet: DVec3) -> [f64; BANDS] {
+        Fit::of(self).at(self, self.position, facet)
+    }
+}

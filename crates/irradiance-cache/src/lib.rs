@@ -28,8 +28,10 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod bands;
 mod cache;
 mod emitter;
+mod emitter_model;
 mod fit;
 mod gradient;
 mod grid;

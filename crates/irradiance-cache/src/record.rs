@@ -1,7 +1,7 @@
 //! The irradiance of one point, from its gather rays.
 
+use crate::bands::mean;
 use crate::emitter::{Emitters, GatherHit};
-use crate::fit::Fit;
 use crate::gradient::Gradients;
 use crate::hemisphere::{GatheredRadiance, Hemisphere};
 use crate::stored::store_fields;
@@ -103,12 +103,6 @@ impl<const BANDS: usize> Record<BANDS> {
     pub fn frame(normal: DVec3) -> [DVec3; 3] {
         let (x, y) = normal.any_orthonormal_pair();
         [x, y, normal]
-    }
-
-    /// The irradiance at the record itself, on a facet with this unit normal.
-    #[must_use]
-    pub fn irradiance_on(&self, facet: DVec3) -> [f64; BANDS] {
-        Fit::of(self).at(self, self.position, facet)
     }
 
     /// The same record with this number of rays, if it differs from one per cell.
@@ -225,11 +219,6 @@ impl<const BANDS: usize> Record<BANDS> {
     pub(crate) fn reduce_scale(&mut self, scale: f64, accuracy: f64) {
         self.scale = self.scale.min(scale.max(self.min_reach / accuracy));
     }
-}
-
-/// The mean of the bands.
-pub(crate) fn mean<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
-    bands.iter().sum::<f64>() / BANDS as f64
 }
 
 /// Relative rounding tolerance of a reach at its limit.

@@ -1,8 +1,7 @@
 //! Content of a BSDF file.
 
-use crate::mistake::Mistake;
-use crate::read::{Reading, read};
-use crate::scattering::{Resolution, Scattering};
+use crate::resolution::Resolution;
+use crate::scattering::Scattering;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -59,14 +58,6 @@ pub struct MeasuredBsdf {
 }
 
 impl MeasuredBsdf {
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// The first error that makes the data unusable, with its position.
-    pub fn read(bytes: &[u8]) -> Result<Reading, Mistake> {
-        read(bytes)
-    }
-
     /// Lambertian part of the reflection from a side, 0…1: red, green, blue.
     #[must_use]
     pub fn diffuse_reflectance(&self, side: Side) -> [f64; 3] {

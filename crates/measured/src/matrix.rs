@@ -2,7 +2,7 @@
 
 use crate::basis::AngleBasis;
 use crate::color::{rgb_of_xyz, sharp_of_xyz, xyz_of_sharp};
-use crate::scattering::{LEAST_TOTAL, Resolution, Way, luminance_worth_splitting};
+use crate::resolution::{LEAST_TOTAL, Resolution, Way, luminance_worth_splitting};
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 

@@ -23,7 +23,17 @@ pub struct Reading {
 /// A scattering function with a smaller total is left out.
 const LEAST_TOTAL: f64 = 0.001;
 
-pub(crate) fn read(bytes: &[u8]) -> Result<Reading, Mistake> {
+impl MeasuredBsdf {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// The first error that makes the data unusable, with its position.
+    pub fn read(bytes: &[u8]) -> Result<Reading, Mistake> {
+        read(bytes)
+    }
+}
+
+fn read(bytes: &[u8]) -> Result<Reading, Mistake> {
     let source = Text::decode(bytes)?;
     let result = Xml::parse(&source).and_then(|xml| {
         let mut reader = Reader { warnings: Vec::new(), bases: known_bases(), directions: Default::default() };

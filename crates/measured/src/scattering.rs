@@ -2,24 +2,10 @@
 
 use crate::Side;
 use crate::matrix::{Matrix, Patches};
+use crate::resolution::{Resolution, Way};
 use crate::tensor::Tensor;
 use glam::DVec3;
-use std::f64::consts::{FRAC_1_PI, PI};
-
-/// Whether a Lambertian part is split off: above one per cent.
-pub(crate) fn luminance_worth_splitting(luminance: f64) -> bool {
-    luminance.is_finite() && luminance > 0.01 / PI
-}
-
-/// Scattering of a smaller total is not sampled.
-pub(crate) const LEAST_TOTAL: f64 = 1e-6;
-
-/// Whether the given direction is the incident one of the data, or the exit one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Way {
-    Forward,
-    Backward,
-}
+use std::f64::consts::FRAC_1_PI;
 
 /// Scattering without the Lambertian part.
 ///
@@ -40,23 +26,6 @@ pub struct Scattering {
 pub(crate) enum Data {
     Matrix(Matrix),
     Tensor(Box<Tensor>),
-}
-
-/// Projected solid angles of the cells, within which directions are not distinguished, sr.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Resolution {
-    /// Smallest cell.
-    pub least: f64,
-    /// Largest cell.
-    pub largest: f64,
-}
-
-impl Resolution {
-    /// Resolution of two functions together.
-    #[must_use]
-    pub fn with(self, other: Resolution) -> Resolution {
-        Resolution { least: self.least.min(other.least), largest: self.largest.max(other.largest) }
-    }
 }
 
 /// A sampled direction.

@@ -1,7 +1,7 @@
 //! Scattering from a tensor tree of luminances and, with colour, two trees of chromaticities.
 
 use crate::color::{rgb_of_xyz, sharp_of_xyz, xyz_of_sharp, xyz_of_yuv};
-use crate::scattering::{LEAST_TOTAL, Resolution, Way, luminance_worth_splitting};
+use crate::resolution::{LEAST_TOTAL, Resolution, Way, luminance_worth_splitting};
 use crate::slice::{Given, Held, Slices};
 use crate::square::{disk_of_square, square_of_disk};
 use crate::tree::{Point, Rank, Tree, isotropic_coordinate};

@@ -4,6 +4,7 @@
 //! writes. Only the rows within the filter's support are in memory.
 
 mod bar;
+mod box_filter;
 mod gaussian;
 mod measure;
 mod rows;

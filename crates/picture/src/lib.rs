@@ -57,6 +57,8 @@ mod scanline;
 mod stream;
 #[cfg(feature = "tiff")]
 mod tiff;
+#[cfg(feature = "tiff")]
+mod tiff_pixels;
 mod unfinished;
 mod view;
 
@@ -82,6 +84,8 @@ pub use rgbe::{decode_rgbe, decode_spectrum, encode_rgbe, encode_spectrum, manti
 pub use scanline::write_rgbe_scanline;
 pub use stream::{PictureReader, PictureWriter};
 #[cfg(feature = "tiff")]
-pub use tiff::{Tiff, TiffCompression, TiffPixels, read_tiff, read_tiff_pixels, write_tiff, write_tiff_pixels};
+pub use tiff::{TiffCompression, read_tiff, read_tiff_pixels, write_tiff, write_tiff_pixels};
+#[cfg(feature = "tiff")]
+pub use tiff_pixels::{Tiff, TiffPixels};
 pub use unfinished::Unfinished;
 pub use view::{View, ViewError, ViewKind, ViewLocation, ViewOptions, ViewRay};

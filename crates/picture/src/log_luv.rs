@@ -6,7 +6,7 @@
 //! as four planes of bytes, the most significant first, each run-length encoded (TIFF compression
 //! 34676).
 
-use crate::tiff::{Tiff, TiffPixels};
+use crate::tiff_pixels::{Tiff, TiffPixels};
 use crate::{Header, PictureError, RgbPrimaries, xyz_to_rgb};
 use glam::DVec3;
 

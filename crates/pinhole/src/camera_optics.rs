@@ -1,8 +1,8 @@
 //! Rays of cameras with more than a pinhole in front of an upright sensor: diffraction, lens,
 //! distortion, a shifted or tilted sensor.
 
+use crate::camera_ray::CameraRay;
 use crate::fresnel_pattern::{Draw, FresnelPattern, Wing};
-use crate::rays::CameraRay;
 use crate::surround::{Cell, Surround};
 use crate::wings::Wings;
 use crate::{BandWeights, PinholeCamera, PinholeModel, ThinLens};

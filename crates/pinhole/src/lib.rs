@@ -47,6 +47,7 @@
 mod average;
 mod camera;
 mod camera_optics;
+mod camera_ray;
 mod diffraction;
 mod distortion;
 mod film_plane;
@@ -64,13 +65,14 @@ mod wings;
 
 pub use average::{BandWeights, BandWeightsError, FilterMosaic, PixelAverage};
 pub use camera::{CameraDescription, CameraError, PinholeCamera, PinholeModel};
+pub use camera_ray::CameraRay;
 pub use diffraction::fresnel_number;
 pub use distortion::{CameraMatrix, Distortion};
 pub use film_plane::FilmPlane;
 pub use fresnel_pattern::fresnel_irradiance;
 pub use lens::{FrontStop, ThinLens};
 pub use own_rays::{FilmRay, FilmRays};
-pub use rays::{CameraRay, Hole, Rays};
+pub use rays::{Hole, Rays};
 pub use statistics::PixelStatistics;
 pub use telecentric::TelecentricLens;
 pub use view::View;

@@ -1,6 +1,6 @@
 //! Rays of cameras that have neither a pinhole nor a thin lens.
 
-use crate::rays::CameraRay;
+use crate::camera_ray::CameraRay;
 use glam::DVec3;
 use std::fmt::Debug;
 

@@ -3,11 +3,20 @@
 use std::collections::HashMap;
 
 use crate::Error;
-use crate::rcalc::Passing;
 use crate::record_format::Field;
 use crate::records::{is_blank, number_at_start};
 use crate::supply::Supply;
 use crate::text::Text;
+
+/// The input without records that is copied to the output.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Passing {
+    Nothing,
+    /// `-p`
+    Unmatched,
+    /// `-P`
+    UnmatchedAndRefused,
+}
 
 /// Longest field of the input, bytes.
 const LONGEST_FIELD: usize = 1023;

@@ -17,23 +17,13 @@ use radsight_loader::FileKind;
 
 use crate::arguments::Arguments;
 use crate::functions::Functions;
-use crate::matching::{Blanks, Matcher, Strings};
+use crate::matching::{Blanks, Matcher, Passing, Strings};
 use crate::record_format::{self, Field};
 use crate::record_output::{self, OutputField};
 use crate::records::{Encoding, InputForm, Record, encode};
 use crate::supply::Supply;
 use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
-
-/// The input without records that is copied to the output.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Passing {
-    Nothing,
-    /// `-p`
-    Unmatched,
-    /// `-P`
-    UnmatchedAndRefused,
-}
 
 struct Options {
     input: InputForm,

@@ -33,12 +33,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod error;
 mod estimate;
 mod line;
 mod measure;
 mod report;
 mod spatial;
 
-pub use estimate::{Characterisation, CharacterisationError, SpatialEstimate, evaluate};
+pub use error::CharacterisationError;
+pub use estimate::{Characterisation, SpatialEstimate, evaluate};
 pub use measure::{DarkStep, Device, LightStep, PhotonTransfer, Series, Stack, measure};
 pub use report::{html, table};

@@ -6,7 +6,7 @@
 use super::flow::Flow;
 use super::{Motion, ParameterStep, RANDOMISATIONS};
 use crate::domain::Domain;
-use crate::fixed::radiance;
+use crate::radiance::radiance;
 use crate::{Exposer, Workers};
 use glam::DVec2;
 use radsight_adaptive::ray_number;

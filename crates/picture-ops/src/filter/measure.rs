@@ -1,6 +1,7 @@
 //! The first pass: measures the mean brightness and finds hot pixels.
 
-use super::{FilterOptions, HotPixels, stars};
+use super::stars::{HotPixel, Slopes};
+use super::{FilterOptions, HotPixels};
 use crate::ToolError;
 use crate::brightness::Brightness;
 use radsight_picture::{Encoding, PictureReader, mean_of_spectrum};
@@ -22,16 +23,6 @@ pub struct Measured {
     pub(super) rows: usize,
     /// Declared number of scanlines.
     expected: usize,
-}
-
-/// A pixel above the threshold.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct HotPixel {
-    pub(super) color: [f32; 3],
-    pub(super) column: usize,
-    pub(super) row: usize,
-    /// The slope of its star's line, rows per column.
-    pub(super) slope: f64,
 }
 
 impl Measured {
@@ -63,7 +54,7 @@ pub fn measure<R: Read>(mut reader: PictureReader<R>, options: &FilterOptions) -
     let hot_level = options.hot_level * reader.header().exposure()?;
     let expected = reader.resolution().scanlines();
     let mut measured = Measured { average: 0.0, hot_level, hot: Vec::new(), rows: 0, expected };
-    let mut slopes = stars::Slopes::new(options.star_lines);
+    let mut slopes = Slopes::new(options.star_lines);
     let mut scanline = vec![0.0; reader.resolution().scanline_length() * components];
     let mut count = 0u64;
     while measured.rows < expected && reader.read_values(&mut scanline).is_ok() {

@@ -1,6 +1,5 @@
 //! Star patterns around hot pixels, as from diffraction at a lens's aperture blades.
 
-use super::measure::HotPixel;
 use super::{FilterOptions, Measured, Resampling};
 use crate::brightness::{of_rgb, spread};
 use crate::drand48::Drand48;
@@ -28,6 +27,16 @@ impl Slopes {
         let angle = PI * (0.5 - (line as f64 + 0.5) / self.lines as f64);
         angle.tan()
     }
+}
+
+/// A pixel above the threshold.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct HotPixel {
+    pub(super) color: [f32; 3],
+    pub(super) column: usize,
+    pub(super) row: usize,
+    /// The slope of its star's line, rows per column.
+    pub(super) slope: f64,
 }
 
 /// The stars of a picture.

@@ -2,8 +2,8 @@
 //! pixels that it contributes at most a given fraction to any. This removes single bright pixels
 //! (fireflies).
 
+use super::box_filter::put_box;
 use super::gaussian::{DISK, Gaussian, REACH};
-use super::rows::put_box;
 use super::{Bar, Resampling};
 use crate::brightness::Brightness;
 

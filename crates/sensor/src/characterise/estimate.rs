@@ -1,5 +1,6 @@
 //! The standard's quantities from the statistics of a measurement series.
 
+use super::error::CharacterisationError;
 use super::line::{Line, Point, fit};
 use super::measure::{LightStep, PhotonTransfer};
 use super::spatial::SpatialVariance;
@@ -74,29 +75,6 @@ impl Characterisation {
     pub fn is_cut_in_the_dark(&self) -> bool {
         self.dark_at_zero > DARK_CUT
     }
-}
-
-/// Why a characterisation is impossible.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CharacterisationError {
-    /// There are too few pixels or pictures for statistics.
-    #[error("{columns} x {rows} pixels: expected at least 8 x 8, 8 steps and stacks of 4 pictures")]
-    TooLittle {
-        /// Number of columns.
-        columns: u32,
-        /// Number of rows.
-        rows: u32,
-    },
-    /// The sensor does not saturate: the grey level keeps rising, or does not rise at all.
-    #[error("the sensor does not saturate with {photons:e} photons per pixel")]
-    NoSaturation {
-        /// Largest number of photons that was tried.
-        photons: f64,
-    },
-    /// The grey level does not rise with light, or does not fluctuate.
-    #[error("the temporal variance does not rise with the mean, expected photon noise")]
-    NoPhotonNoise,
 }
 
 /// Estimates the standard's quantities.

@@ -1,6 +1,6 @@
 //! The measurement series, reduced to statistics.
 
-use super::estimate::CharacterisationError;
+use super::error::CharacterisationError;
 
 /// A sensor under uniform illumination.
 pub trait Device {

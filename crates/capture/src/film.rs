@@ -17,10 +17,9 @@
 //! many times fewer rays of its own, and edges need not be resolved by the rays of each pixel.
 
 use crate::Exposer;
-use crate::neighbourhood::slope;
-use crate::pinhole_derivatives::PinholeDerivatives;
-use crate::sparse_estimate::WindowSums;
-use crate::subpixels::{SUBPIXEL_ERROR, SubpixelKernels, Subpixels};
+use crate::cubic::{INTERPOLATED, cubic_weights};
+use crate::subpixel_kernels::SubpixelKernels;
+use crate::window_sums::WindowSums;
 use glam::DVec2;
 use radsight_pinhole::{CameraRay, Hole, Rays};
 use radsight_render::{Ray, RayWorker, SpecularEnd};
@@ -39,15 +38,8 @@ const MAX_DEPTH_EFFECT: f64 = 0.005;
 /// The same for what mirrors show, whose depth is not known.
 const MAX_FOCAL_RATIO: f64 = 0.03;
 
-/// Error of what the derivatives by the point of the pinhole change, relative to it: 0.27 in Figure
-/// 10, where cones end.
-pub(crate) const DERIVATIVE_ERROR: f64 = 0.25;
-
 /// Points of the pinhole for the weights of the convolution.
 const KERNEL_POINTS: u32 = 1 << 14;
-
-/// Points of the film around a place from which it is interpolated, along each axis.
-const INTERPOLATED: usize = 4;
 
 /// The film of a point pinhole at the centre of a finite one.
 #[derive(Debug)]
@@ -93,26 +85,6 @@ impl PixelPassage {
     pub(crate) fn new(pixel: usize, u: [f64; 4]) -> PixelPassage {
         PixelPassage { pixel, on_pixel: DVec2::new(u[0], u[1]), on_pinhole: unit_disk(u[2], u[3]).into() }
     }
-}
-
-/// How a film becomes the picture.
-#[derive(Debug)]
-pub(crate) struct PinholeBlur<'f> {
-    pub(crate) film: &'f UnblurredFilm,
-    pub(crate) derivatives: PinholeDerivatives,
-    /// Those of the values that are blurred; `None` if they are not known.
-    pub(crate) subpixels: Option<Subpixels<'f>>,
-}
-
-/// The picture of a film, in the frame of the film; 0 in the margin.
-#[derive(Debug)]
-pub(crate) struct BlurredPicture {
-    pub(crate) values: Vec<f64>,
-    /// Squared errors that no number of rays lowers. One is due to the finite size of the film's
-    /// pixels: beside sharp edges it is nearly the difference from pixels of constant radiance (in
-    /// Figure 14 0.15 and 0.18 %, rms), and subpixels leave a fraction of it. The other is a fraction
-    /// of what the derivatives change.
-    pub(crate) squared_errors: Vec<f64>,
 }
 
 /// The weights of the film around a pixel of the picture.
@@ -285,7 +257,7 @@ impl UnblurredFilm {
         DVec2::new((pixel % self.columns) as f64, (pixel / self.columns) as f64)
     }
 
-    fn margins(&self) -> DVec2 {
+    pub(crate) fn margins(&self) -> DVec2 {
         DVec2::new(self.margin[0] as f64, self.margin[1] as f64)
     }
 
@@ -312,19 +284,14 @@ impl UnblurredFilm {
         self.convolved(values, &self.kernels.blur)
     }
 
-    /// The picture of radiance that depends on the point of the pinhole.
-    pub(crate) fn picture(&self, values: &[f64], derivatives: &PinholeDerivatives) -> BlurredPicture {
-        let (blurred, constant) = (self.blurred(values), self.convolved(values, &self.kernels.constant));
-        let mut picture = blurred.clone();
-        for (derivative, kernel) in derivatives.0.iter().zip(&self.kernels.derivatives) {
-            let varying: Vec<f64> = values.iter().zip(derivative).map(|(value, by)| value * by).collect();
-            picture.iter_mut().zip(self.convolved(&varying, kernel)).for_each(|(sum, term)| *sum += term);
-        }
-        let squared = |(blurred, (constant, picture)): (f64, (f64, &f64))| {
-            SUBPIXEL_ERROR * (blurred - constant).powi(2) + (DERIVATIVE_ERROR * (picture - blurred)).powi(2)
-        };
-        let squared_errors = blurred.into_iter().zip(constant.into_iter().zip(&picture)).map(squared).collect();
-        BlurredPicture { values: picture, squared_errors }
+    /// The same if each value is that of a whole pixel.
+    pub(crate) fn blurred_by_pixels(&self, values: &[f64]) -> Vec<f64> {
+        self.convolved(values, &self.kernels.constant)
+    }
+
+    /// The same of values times a coordinate of the point of the pinhole, by its axis.
+    pub(crate) fn blurred_moments(&self, values: &[f64], axis: usize) -> Vec<f64> {
+        self.convolved(values, &self.kernels.derivatives[axis])
     }
 
     /// The mean over the picture of values in the frame of the film.
@@ -362,46 +329,6 @@ impl UnblurredFilm {
             }
         }
         shares
-    }
-}
-
-impl PinholeBlur<'_> {
-    /// The light that the film predicts for a ray of a pixel, by its index on the film. Its mean over
-    /// all rays of the pixel is the pixel's value in the picture.
-    pub(crate) fn predicted(&self, values: &[f64], pixel: usize, passage: &PixelPassage) -> f64 {
-        let (p, columns) = (passage.on_pinhole, self.film.columns as isize);
-        let at = self.film.shift * p;
-        let [by_x, by_y] = &self.derivatives.0;
-        let by_point = |near: usize| 1.0 + by_x[near] * p.x + by_y[near] * p.y;
-        if let Some(subpixels) = &self.subpixels {
-            return subpixels.at(pixel, self.film.corner(pixel) + passage.on_pixel + at, by_point);
-        }
-        let [across, down] = [at.x, at.y].map(cubic_weights);
-        let seen = |x: f64, y: f64| pixel as isize + y as isize * columns + x as isize;
-        let first = seen(at.x.floor() - 1.0, at.y.floor() - 1.0);
-        let mut sum = 0.0;
-        for (row, by_row) in down.into_iter().enumerate() {
-            for (column, by_column) in across.into_iter().enumerate() {
-                let near = (first + row as isize * columns + column as isize) as usize;
-                sum += by_row * by_column * values[near] * by_point(near);
-            }
-        }
-        let nearest = seen(at.x.round(), at.y.round()) as usize;
-        sum + slope(values, self.film.columns, nearest).dot(passage.on_pixel - 0.5)
-    }
-
-    /// The picture of some values of the film.
-    pub(crate) fn picture(&self, values: &[f64]) -> BlurredPicture {
-        let mut picture = self.film.picture(values, &self.derivatives);
-        if let Some(subpixels) = &self.subpixels {
-            subpixels.add_blurred(&self.film.blurred(values), &mut picture.values);
-        }
-        picture
-    }
-
-    /// Mean squared error over the picture that no number of rays lowers.
-    pub(crate) fn mean_squared_error(&self, values: &[f64]) -> f64 {
-        self.film.mean_over_picture(&self.picture(values).squared_errors)
     }
 }
 
@@ -457,17 +384,6 @@ pub(crate) fn kernel_points() -> impl ExactSizeIterator<Item = [f64; 2]> {
 /// Its multiples fill the unit interval evenly.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
-/// Weights of the four integers around a place: Lagrange's cubic polynomial.
-pub(crate) fn cubic_weights(at: f64) -> [f64; INTERPOLATED] {
-    let t = at - at.floor();
-    [
-        -t * (t - 1.0) * (t - 2.0) / 6.0,
-        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-        -(t + 1.0) * t * (t - 2.0) / 2.0,
-        (t + 1.0) * t * (t - 1.0) / 6.0,
-    ]
-}
-
 /// The least and the greatest ratio of the focal distance to the depth of what some pixels of the
 /// camera see.
 fn focal_ratios(exposer: &Exposer<'_>, is_seen: impl Fn(usize) -> bool + Sync) -> [f64; 2] {
@@ -511,13 +427,13 @@ pub(crate) mod tests {
     }
 
     /// Values of all pixels by their coordinates in the picture.
-    fn values(film: &UnblurredFilm, of_point: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    pub(crate) fn values(film: &UnblurredFilm, of_point: impl Fn(f64, f64) -> f64) -> Vec<f64> {
         let at = |index: usize, margin: usize| index as f64 - margin as f64;
         let pixels = 0..film.pixel_count();
         pixels.map(|p| of_point(at(p % film.columns, film.margin[0]), at(p / film.columns, film.margin[1]))).collect()
     }
 
-    fn in_picture(film: &UnblurredFilm, picture: &[f64]) -> Vec<f64> {
+    pub(crate) fn in_picture(film: &UnblurredFilm, picture: &[f64]) -> Vec<f64> {
         (0..picture.len()).filter(|pixel| film.in_picture(*pixel).is_some()).map(|pixel| picture[pixel]).collect()
     }
 
@@ -532,49 +448,6 @@ pub(crate) mod tests {
             let correct = 2.0 + x - 0.5 * y + 0.3 * x * x - 0.1 * y * y + 0.2 * x * y + added;
             assert!((value - correct).abs() < 2e-3, "{value} for {correct}");
         }
-    }
-
-    #[test]
-    fn radiance_that_depends_on_the_point_of_the_pinhole_is_blurred_with_it() {
-        let film = film([2.4, 4.1], [6, 6]);
-        let radiance = values(&film, |x, y| 5.0 + x + 2.0 * y);
-        let derivatives = PinholeDerivatives([vec![0.1; radiance.len()], vec![-0.2; radiance.len()]]);
-        // The mean of L(x + S·p)·(1 + g·p) is L(x) + ¼ Σ S·g·∂L; rows are counted downwards.
-        let added = 0.25 * (2.4 * 0.1 * 1.0 + -4.1 * -0.2 * 2.0);
-        let picture = in_picture(&film, &film.picture(&radiance, &derivatives).values);
-        for (pixel, value) in picture.into_iter().enumerate() {
-            let correct = 5.0 + (pixel % 6) as f64 + 2.0 * (pixel / 6) as f64 + added;
-            assert!((value - correct).abs() < 2e-3, "{value} for {correct}");
-        }
-    }
-
-    /// The estimate of what the size of pixels errs beside an edge is right in the mean over its
-    /// positions.
-    #[test]
-    fn the_error_beside_edges_is_estimated() {
-        let radius = 3.6;
-        let film = film([radius; 2], [24, 5]);
-        let none = PinholeDerivatives::zero(&film);
-        let [mut correct, mut estimated] = [0.0; 2];
-        for step in 0..40 {
-            let edge = 12.0 + f64::from(step) * 0.025;
-            // A pixel spans from x − ½ to x + ½.
-            let sharp = values(&film, |x, _| (edge - x + 0.5).clamp(0.0, 1.0));
-            let picture = film.blurred(&sharp);
-            let squared = film.picture(&sharp, &none).squared_errors;
-            for pixel in (0..picture.len()).filter(|pixel| film.in_picture(*pixel).is_some()) {
-                let x = (pixel % film.columns) as f64 - film.margin[0] as f64;
-                let steps = 200;
-                let at = |step: i32| x - 0.5 + (f64::from(step) + 0.5) / f64::from(steps);
-                let blurred = (0..steps).map(|step| left_of(radius, edge - at(step))).sum::<f64>() / f64::from(steps);
-                correct += (picture[pixel] - blurred).powi(2);
-                // That of a film without subpixels.
-                estimated += squared[pixel] / SUBPIXEL_ERROR;
-            }
-        }
-        let ratio = (estimated / correct).sqrt();
-        assert!((0.67..1.5).contains(&ratio), "{ratio}");
-        assert!((correct / (40.0 * 24.0 * 5.0)).sqrt() < 0.01, "{correct}");
     }
 
     /// Fraction of a disk on the left of a vertical line at an offset from its centre.
