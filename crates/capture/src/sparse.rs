@@ -306,8 +306,9 @@ impl<'a> AdaptiveSampler<'a> {
         *state = AdaptiveState::new(state.pixels.len());
     }
 
-    /// The first lattice of a picture, and the pixels that see the outline of a surface; `None`
-    /// where neighbouring pixels have little in common.
+    /// The first lattice of a picture or a film, and the pixels that see the outline of a surface;
+    /// `None` where the picture's neighbouring pixels have little in common. Those of a film share their
+    /// rays in any case.
     pub(crate) fn lattice(&self) -> Option<(Sparse, Vec<bool>)> {
         let exposer = self.exposer;
         if !self.is_plain() {
@@ -328,8 +329,12 @@ impl<'a> AdaptiveSampler<'a> {
         let (edge_widths, outlines) = edges.into_widths_and_outlines();
         let plan = exposer.renderer.plan();
         let pooling = if plan.has_rare_rays() { NoisePooling::WideFirst } else { NoisePooling::Near };
-        let sparse = Sparse { lattice, levels, nodes, is_smooth, ratios, edge_widths, pooling };
-        if sparse.is_dense() { None } else { Some((sparse, outlines)) }
+        let mut sparse = Sparse { lattice, levels, nodes, is_smooth, ratios, edge_widths, pooling };
+        if sparse.is_dense() {
+            self.film.as_ref()?;
+            sparse.refine_all();
+        }
+        Some((sparse, outlines))
     }
 
     /// Traces the first samples of the nodes that have none.
