@@ -34,6 +34,9 @@ const SEQUENCE_PIXELS: u64 = 1 << 32;
 const FIRST_RAYS: usize = 1 << 17;
 const MOST_FIRST: usize = 256;
 
+/// Number of rays with light from which their scatter tells the noise of the region.
+const MIN_LIT: f64 = 64.0;
+
 /// How far parts of the region that have a slope in common are from each other along each axis, pixels.
 const SLOPE_REACH: i32 = 2;
 
@@ -57,6 +60,8 @@ struct PartSums {
     on_pinhole: DVec2,
     /// The points of the pinhole, also of rays that show another image.
     drawn_on_pinhole: DVec2,
+    /// Number of rays that show light.
+    lit: u32,
 }
 
 impl SampleSums for PartSums {
@@ -69,6 +74,7 @@ impl SampleSums for PartSums {
         self.center += other.center;
         self.on_pinhole += other.on_pinhole;
         self.drawn_on_pinhole += other.drawn_on_pinhole;
+        self.lit += other.lit;
     }
 
     fn half_difference(first: &PartSums, second: &PartSums, samples: u32) -> f64 {
@@ -246,7 +252,7 @@ struct PartErrors<'p> {
 impl<'p> PartErrors<'p> {
     /// The noise of single parts is uncertain, so the relative noise of all is pooled: of those of known
     /// images, and of those of the region. Where a part has shown no light yet, it may have what is
-    /// expected.
+    /// expected. So may the region, as long as few of its rays have shown any.
     fn new(images: &'p FilmImages, samples: &[Part]) -> PartErrors<'p> {
         let parts = images.parts();
         let pooled = [false, true].map(|in_region| {
@@ -258,6 +264,8 @@ impl<'p> PartErrors<'p> {
             let last = sum(&|_, samples| samples.last * f64::from(samples.samples));
             let before = sum(&|_, samples| samples.before * f64::from(samples.samples));
             let relative = last / sum(&|part, _| part.expected * part.expected).max(f64::MIN_POSITIVE);
+            let is_known = !in_region || sum(&|_, samples| f64::from(samples.sums.lit)) >= MIN_LIT;
+            let relative = if is_known { relative } else { relative.max(images.region_variance()) };
             (relative, gain(last, before))
         });
         let of_part = |(part, samples): (&ImagePart, &Part)| {
@@ -310,6 +318,7 @@ impl<'a> PixelSource for PartSource<'_, 'a> {
             if let Some(PartRay { ray, center, weight }) = drawn {
                 let light = weight * ray.cos4 * radiance(worker, index, (rays, 0), &ray, weights);
                 sums.light += light;
+                sums.lit += u32::from(light > 0.0);
                 sums.center += light * center;
                 sums.on_pinhole += light * on_pinhole;
             }
