@@ -281,6 +281,8 @@ impl<'a> AdaptiveSampler<'a> {
         match &self.images_apart {
             ImagesApart::OnFilm(images) if images.are_shown_by(self.exposer.rays, ray) => CountedLight::WithoutImages,
             ImagesApart::OnFilm(_) => CountedLight::All,
+            // Beside the picture there are no pixels that see images, but the same light is blurred into it.
+            ImagesApart::ByPixel if ray.passage.is_none() => CountedLight::WithoutImages,
             _ => ray.passage.map_or(CountedLight::All, |passage| self.counted(&passage)),
         }
     }

@@ -89,7 +89,7 @@ mod tests {
 
     /// The cells to refine for a residual of each pixel; all pixels are audited and have a value of 1.
     fn refined(residual: impl Fn(usize) -> f64) -> Vec<(usize, u8)> {
-        let lattice = Lattice::new(64, 64, [0.5; 2]).expect("the picture is large enough");
+        let lattice = Lattice::new([64; 2], 64, [0.5; 2]).expect("the picture is large enough");
         let count = lattice.pixel_count();
         let traced: Vec<f64> = (0..count).map(|pixel| 1.0 + residual(pixel)).collect();
         let levels = vec![1; lattice.cells().iter().product()];

@@ -8,6 +8,11 @@
 /// Distance between the coordinates of level 1, pixels.
 pub(crate) const STRIDE: u32 = 8;
 
+/// Least number of pixels along each side of a picture that is interpolated, and of a film. Pixels of a film
+/// share their rays even if none is interpolated.
+pub(crate) const LEAST_SIDE: u32 = 4 * STRIDE;
+pub(crate) const LEAST_FILM_SIDE: u32 = 2 * STRIDE;
+
 /// Points of the previous level that interpolate a point along one axis: Lagrange's cubic
 /// polynomial.
 const POINTS: usize = 4;
@@ -123,9 +128,9 @@ pub(crate) struct Lattice {
 
 impl Lattice {
     /// `offset`, from 0 to 1 each, places the first inner coordinates of level 1 in their range.
-    /// `None` if the picture is too small.
-    pub(crate) fn new(columns: u32, rows: u32, offset: [f64; 2]) -> Option<Lattice> {
-        if columns.min(rows) < 4 * STRIDE {
+    /// `None` if a side has fewer than `least` pixels.
+    pub(crate) fn new([columns, rows]: [u32; 2], least: u32, offset: [f64; 2]) -> Option<Lattice> {
+        if columns.min(rows) < least {
             return None;
         }
         let [x, y] = offset.map(|share| STRIDE / 2 + (share * f64::from(STRIDE)) as u32);
@@ -251,18 +256,20 @@ mod tests {
 
     #[test]
     fn the_finest_level_has_every_pixel() {
-        for (columns, rows, offset) in [(192, 165, [0.0, 0.99]), (32, 47, [0.5, 0.2]), (33, 64, [0.99, 0.0])] {
-            let lattice = Lattice::new(columns, rows, offset).expect("the picture is large enough");
+        for (columns, rows, offset) in
+            [(192, 165, [0.0, 0.99]), (32, 47, [0.5, 0.2]), (33, 64, [0.99, 0.0]), (16, 17, [0.99, 0.0])]
+        {
+            let lattice = Lattice::new([columns, rows], LEAST_FILM_SIDE, offset).expect("the picture is large enough");
             let cells = lattice.cells()[0] * lattice.cells()[1];
             let nodes = lattice.nodes(&vec![lattice.finest(); cells]);
             assert!(nodes.iter().all(|level| *level == lattice.finest()));
         }
-        assert!(Lattice::new(192, 31, [0.0; 2]).is_none());
+        assert!(Lattice::new([192, 31], LEAST_SIDE, [0.0; 2]).is_none());
     }
 
     #[test]
     fn cubic_polynomials_are_interpolated_exactly() {
-        let lattice = Lattice::new(61, 50, [0.3, 0.7]).expect("the picture is large enough");
+        let lattice = Lattice::new([61, 50], LEAST_SIDE, [0.3, 0.7]).expect("the picture is large enough");
         let [across, down] = lattice.cells();
         let mut levels = vec![1; across * down];
         (levels[across + 1], levels[across + 2], levels[5]) = (lattice.finest(), 2, 3);
