@@ -13,8 +13,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const CHUNK: usize = 64;
 
 impl Exposer<'_> {
-    /// Exposes every pixel with its rays of [`Rays`]. Continues from a checkpoint with the same
-    /// number of rays per pixel.
+    /// Exposes every pixel with its rays of [`Rays`](radsight_pinhole::Rays). Continues from a
+    /// checkpoint with the same number of rays per pixel.
     #[must_use]
     pub fn with_samples(&self, start: Option<Checkpoint>, progress: &dyn Progress) -> Exposure {
         let samples = self.rays.samples();
@@ -56,7 +56,8 @@ impl Exposer<'_> {
         }
     }
 
-    /// Exposes some of [`Rays::cells`], each with its rays; other processes can expose the rest.
+    /// Exposes some of [`Rays::cells`](radsight_pinhole::Rays::cells), each with its rays; other
+    /// processes can expose the rest.
     /// Returns the exposure in J/m², equal to the last bit to that of [`Exposer::with_samples`],
     /// and half the difference of the exposures of the two halves of the rays, which estimates the
     /// standard error (NaN with one ray). `None` if the work was stopped.
