@@ -280,10 +280,9 @@ impl<'a> AdaptiveSampler<'a> {
     pub(crate) fn counted_on_film(&self, ray: &FilmRay) -> CountedLight {
         match &self.images_apart {
             ImagesApart::OnFilm(images) if images.are_shown_by(self.exposer.rays, ray) => CountedLight::WithoutImages,
-            ImagesApart::OnFilm(_) => CountedLight::All,
             // Beside the picture there are no pixels that see images, but the same light is blurred into it.
-            ImagesApart::ByPixel if ray.passage.is_none() => CountedLight::WithoutImages,
-            _ => ray.passage.map_or(CountedLight::All, |passage| self.counted(&passage)),
+            ImagesApart::ByPixel => ray.passage.map_or(CountedLight::WithoutImages, |passage| self.counted(&passage)),
+            ImagesApart::OnFilm(_) | ImagesApart::No => CountedLight::All,
         }
     }
 

@@ -264,9 +264,9 @@ impl<'p> PartErrors<'p> {
             let last = sum(&|_, samples| samples.last * f64::from(samples.samples));
             let before = sum(&|_, samples| samples.before * f64::from(samples.samples));
             let relative = last / sum(&|part, _| part.expected * part.expected).max(f64::MIN_POSITIVE);
-            let is_known = !in_region || sum(&|_, samples| f64::from(samples.sums.lit)) >= MIN_LIT;
-            let relative = if is_known { relative } else { relative.max(images.region_variance()) };
-            (relative, gain(last, before))
+            let is_unknown = in_region && sum(&|_, samples| f64::from(samples.sums.lit)) < MIN_LIT;
+            let least = if is_unknown { images.region_variance() } else { 0.0 };
+            (relative.max(least), gain(last, before))
         });
         let of_part = |(part, samples): (&ImagePart, &Part)| {
             let (relative, gain) = pooled[usize::from(images.is_in_region(part))];

@@ -25,7 +25,7 @@ impl FilmImages {
     ) -> Result<Option<FilmImages>, UnknownImages> {
         let mut found = FilmImages::new(exposer, film, curved);
         match RegionSearch::new(exposer, film, &found).region(allowed) {
-            FoundRegion::Lit(region, variance) => found.add_region(exposer.rays, film, (region, variance)),
+            FoundRegion::Lit(region) => found.add_region(exposer.rays, film, region),
             FoundRegion::Unknown if exposer.renderer.plan().divides_rays => return Err(UnknownImages),
             FoundRegion::Dark | FoundRegion::Unknown => {}
         }

@@ -32,8 +32,6 @@ pub(crate) struct FilmImages {
     near: Vec<Vec<u32>>,
     /// Where others may be seen. Its index is that after the last image's.
     region: Option<ImageRegion>,
-    /// The variance that the region's light may have, relative to the squares of what is expected.
-    region_variance: f64,
     /// How the light of a point of the film is spread.
     film_blur: ImageBlur,
     /// Whether dielectrics show some of the images of the region, others more dimly.
@@ -112,7 +110,7 @@ impl FilmImages {
         let film_blur = ImageBlur::of_film(film);
         let divides_rays = exposer.renderer.plan().divides_rays;
         let (images, parts) = (Vec::new(), Vec::new());
-        let mut found = FilmImages { images, parts, near, region: None, region_variance: 0.0, film_blur, divides_rays };
+        let mut found = FilmImages { images, parts, near, region: None, film_blur, divides_rays };
         for image in curved.iter().filter_map(|curved| FilmImage::new(rays, curved)) {
             found.add(rays, film, image);
         }
@@ -125,7 +123,7 @@ impl FilmImages {
     }
 
     /// Adds the region of other images.
-    pub(crate) fn add_region(&mut self, rays: &Rays, film: &UnblurredFilm, (region, variance): (ImageRegion, f64)) {
+    pub(crate) fn add_region(&mut self, rays: &Rays, film: &UnblurredFilm, region: ImageRegion) {
         let image = self.images.len();
         for (index, (pixel, expected)) in region.pixels().enumerate() {
             let cells = index..index + 1;
@@ -133,13 +131,11 @@ impl FilmImages {
             self.parts.push(ImagePart::new((image, cells), (center, expected), rays, &self.film_blur));
         }
         self.region = Some(region);
-        self.region_variance = variance;
     }
 
-    /// The variance that the light of a ray in the region may have, relative to the square of what is expected
-    /// of its part.
+    /// [`ImageRegion::variance`]; 0 without a region.
     pub(crate) fn region_variance(&self) -> f64 {
-        self.region_variance
+        self.region.as_ref().map_or(0.0, ImageRegion::variance)
     }
 
     /// Whether a part is one of the region where images are not known.

@@ -10,8 +10,7 @@
 
 use crate::adaptive::{AdaptiveSampler, MAX_PASSES};
 use crate::checkpoint::AdaptiveState;
-use crate::pixel_errors::Estimate;
-use crate::pixel_errors::{NoisePooling, pooled_errors};
+use crate::pixel_errors::{Estimate, NoisePooling, pooled_errors};
 use crate::radiance::radiance;
 use crate::sums::{Pixel, Sums};
 use crate::{Exposer, Workers};

@@ -25,6 +25,9 @@ pub(crate) struct ImageRegion {
     by_pixel: FxHashMap<usize, usize>,
     /// Of the film.
     columns: usize,
+    /// The variance that the light of a ray may have, relative to the square of what is expected of its
+    /// pixel.
+    variance: f64,
 }
 
 /// A square of the film.
@@ -67,13 +70,18 @@ impl RegionSquare {
 
 impl ImageRegion {
     /// From its pixels on a film with so many columns, and their squares, those of whole pixels
-    /// first. `None` where nothing is lit.
-    pub(crate) fn new(squares: Vec<RegionSquare>, pixels: Vec<usize>, columns: usize) -> Option<ImageRegion> {
+    /// first. `None` where nothing is lit. `variance` is that of [`ImageRegion::variance`].
+    pub(crate) fn new(
+        squares: Vec<RegionSquare>,
+        pixels: Vec<usize>,
+        columns: usize,
+        variance: f64,
+    ) -> Option<ImageRegion> {
         let leaves = squares.iter().filter(|square| square.quarters.is_none());
         let total: f64 = leaves.map(RegionSquare::rms_light).sum();
         let even = EVEN_FRACTION / pixels.len() as f64;
         let by_pixel = pixels.iter().enumerate().map(|(square, pixel)| (*pixel, square)).collect();
-        let mut region = ImageRegion { squares, pixels, by_pixel, columns };
+        let mut region = ImageRegion { squares, pixels, by_pixel, columns, variance };
         // Quarters follow their squares.
         for index in (0..region.squares.len()).rev() {
             let square = region.squares[index];
@@ -91,6 +99,12 @@ impl ImageRegion {
             region.squares[index] = RegionSquare { expected, probability, ..square };
         }
         (total > 0.0).then_some(region)
+    }
+
+    /// The variance that the light of a ray may have, relative to the square of what is expected of its
+    /// pixel.
+    pub(crate) fn variance(&self) -> f64 {
+        self.variance
     }
 
     /// Its pixels on the film, each with the rms of a light of radiance 1 over the squares in it.
@@ -163,7 +177,7 @@ mod tests {
         squares.extend(quarters(unit, 0, 1, [0.0, 0.2, 0.0, 0.01]));
         squares[3].quarters = Some(6);
         squares.extend(quarters(unit + unit / 2, 0, 2, [0.9, 0.0, 0.3, 0.05]));
-        ImageRegion::new(squares, vec![1, 3], 3).expect("a part is lit")
+        ImageRegion::new(squares, vec![1, 3], 3, 0.0).expect("a part is lit")
     }
 
     /// Evenly distributed points of the unit square.
@@ -205,6 +219,6 @@ mod tests {
 
     #[test]
     fn a_region_without_light_is_none() {
-        assert!(ImageRegion::new(vec![RegionSquare::new(UVec2::ZERO, 0, 0.0)], vec![0], 1).is_none());
+        assert!(ImageRegion::new(vec![RegionSquare::new(UVec2::ZERO, 0, 0.0)], vec![0], 1, 0.0).is_none());
     }
 }

@@ -115,9 +115,8 @@ struct End {
 pub(crate) enum FoundRegion {
     /// Hardly any light is expected.
     Dark,
-    /// Where unknown images may be seen, and the variance that their light may have, relative to the squared
-    /// rms of a light of radiance 1.
-    Lit(ImageRegion, f64),
+    /// Where unknown images may be seen.
+    Lit(ImageRegion),
     /// There is too much to search.
     Unknown,
 }
@@ -173,8 +172,11 @@ impl<'s> RegionSearch<'s> {
             return FoundRegion::Unknown;
         }
         let mut rms_light: f64 = self.squares.iter().map(RegionSquare::rms_light).sum();
+        if rms_light <= 0.0 {
+            return FoundRegion::Dark;
+        }
         let variance = VARIANCE_RATIO * self.radiance().powi(2);
-        let rays_needed = if rms_light > 0.0 { self.rays_needed(variance, allowed) } else { 0.0 };
+        let rays_needed = self.rays_needed(variance, allowed);
         let is_needed = |rms_light: f64| rms_light * rms_light * rays_needed > MIN_RAYS;
         if !is_needed(rms_light) {
             return FoundRegion::Dark;
@@ -187,8 +189,8 @@ impl<'s> RegionSearch<'s> {
             rms_light += self.divide(square, extent);
         }
         let columns = self.film.size()[0];
-        let region = is_needed(rms_light).then(|| ImageRegion::new(self.squares, pixels, columns)).flatten();
-        region.map_or(FoundRegion::Dark, |region| FoundRegion::Lit(region, variance))
+        let region = is_needed(rms_light).then(|| ImageRegion::new(self.squares, pixels, columns, variance)).flatten();
+        region.map_or(FoundRegion::Dark, FoundRegion::Lit)
     }
 
     /// Adds the squares of pixels, divided as often as their number allows. `None` where there are too many,

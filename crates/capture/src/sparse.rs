@@ -19,8 +19,7 @@ use crate::film::UnblurredFilm;
 use crate::image_light::{ExposedImages, IMAGE_FRACTION};
 use crate::lattice::{LEAST_FILM_SIDE, LEAST_SIDE, Lattice};
 use crate::pinhole_blur::PinholeBlur;
-use crate::pixel_errors::NoisePooling;
-use crate::pixel_errors::{Estimate, SELECTION_BIAS};
+use crate::pixel_errors::{Estimate, NoisePooling, SELECTION_BIAS};
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::subpixels::Subpixels;
 use crate::sums::{Pixel, Sums};
@@ -104,10 +103,12 @@ impl Sparse {
         self.nodes = self.lattice.nodes(&self.levels);
     }
 
-    /// Refines all cells to the finest level.
-    fn refine_all(&mut self) {
-        self.levels.fill(self.lattice.finest());
-        self.nodes = self.lattice.nodes(&self.levels);
+    /// Refines all cells to the finest level where interpolation does not pay.
+    fn refine_all_if_dense(&mut self) {
+        if self.is_dense() {
+            self.levels.fill(self.lattice.finest());
+            self.nodes = self.lattice.nodes(&self.levels);
+        }
     }
 
     /// Whether interpolation does not pay.
@@ -267,9 +268,7 @@ impl<'a> AdaptiveSampler<'a> {
     ) {
         let is_refined = !refined.is_empty();
         sparse.refine(refined);
-        if sparse.is_dense() {
-            sparse.refine_all();
-        }
+        sparse.refine_all_if_dense();
         // Refined cells need fewer samples at their old nodes.
         if !is_refined {
             for pending in needed {
@@ -330,10 +329,10 @@ impl<'a> AdaptiveSampler<'a> {
         let plan = exposer.renderer.plan();
         let pooling = if plan.has_rare_rays() { NoisePooling::WideFirst } else { NoisePooling::Near };
         let mut sparse = Sparse { lattice, levels, nodes, is_smooth, ratios, edge_widths, pooling };
-        if sparse.is_dense() {
-            self.film.as_ref()?;
-            sparse.refine_all();
+        if self.film.is_none() && sparse.is_dense() {
+            return None;
         }
+        sparse.refine_all_if_dense();
         Some((sparse, outlines))
     }
 

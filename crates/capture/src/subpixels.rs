@@ -6,7 +6,6 @@
 //! their own. The film that is interpolated from the pixels' means is a control variate: what is blurred
 //! by subpixels is by how much samples exceed it. So where the film is smooth this adds no noise, and
 //! where it is not, the picture is as good as one of a film with [`SIDE`]² times as many pixels.
-//!
 
 use crate::cubic::cubic_weights;
 use crate::film::UnblurredFilm;
