@@ -7,10 +7,8 @@ use radsight_picture::{View, ViewOptions};
 use radsight_render::PathLimit;
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::LazyLock;
-use std::time::Duration;
-use wait_timeout::ChildExt;
 
 /// Rays of each scene, along a side of the view.
 const SIDE: usize = 8;
@@ -22,8 +20,8 @@ const TOLERANCE: f64 = 0.02;
 /// Rays of a scene that may see something else: those that pass along an edge.
 const EDGES: usize = 4;
 
-/// Time for each of Radiance's programs: `oconv` does not end on some scenes.
-const TIME_LIMIT: Duration = Duration::from_secs(20);
+/// Processor time for each of Radiance's programs: `oconv` does not end on some scenes.
+const TIME_LIMIT: &str = "--cpu=2";
 
 /// The folder of real Radiance's programs, where the environment names it.
 static PROGRAMS: LazyLock<Option<PathBuf>> =
@@ -75,9 +73,9 @@ fn theirs(programs: &Path, text: &str, rays: &[Ray]) -> Option<Vec<f64>> {
     };
     std::fs::write(&scene, text).ok()?;
     std::fs::write(&list, rays.iter().map(told).collect::<String>()).ok()?;
-    std::fs::write(&octree, output(Command::new(programs.join("oconv")).arg(&scene).stdin(Stdio::null()))?).ok()?;
+    std::fs::write(&octree, output(limited(&programs.join("oconv")).arg(&scene).stdin(Stdio::null()))?).ok()?;
     let options = "-h -ov -ab 0 -dj 0 -dt 0 -dc 1 -dr 2 -lr 6 -lw 1e-6 -st 0";
-    let mut rtrace = Command::new(programs.join("rtrace"));
+    let mut rtrace = limited(&programs.join("rtrace"));
     let answers = output(rtrace.args(options.split(' ')).arg(&octree).stdin(File::open(&list).ok()?))?;
     let words = String::from_utf8(answers).ok()?;
     let numbers: Vec<f64> = words.split_whitespace().map_while(|word| word.parse().ok()).collect();
@@ -85,14 +83,16 @@ fn theirs(programs: &Path, text: &str, rays: &[Ray]) -> Option<Vec<f64>> {
     (means.len() == rays.len()).then_some(means)
 }
 
-/// What a program prints, if it ends well and in time.
+/// A program that ends after `TIME_LIMIT`, even if this one is killed before.
+fn limited(program: &Path) -> Command {
+    let mut command = Command::new("prlimit");
+    command.arg(TIME_LIMIT).arg(program);
+    command
+}
+
+/// What a program prints, if it ends well.
 fn output(command: &mut Command) -> Option<Vec<u8>> {
     let file = std::env::temp_dir().join(format!("radsight-differential-{}.out", std::process::id()));
-    let mut child = command.stdout(File::create(&file).ok()?).stderr(Stdio::null()).spawn().ok()?;
-    let status = child.wait_timeout(TIME_LIMIT).ok()?;
-    if status.is_none() {
-        child.kill().ok()?;
-        child.wait().ok()?;
-    }
-    status.filter(ExitStatus::success).and_then(|_| std::fs::read(file).ok())
+    let status = command.stdout(File::create(&file).ok()?).stderr(Stdio::null()).status().ok()?;
+    status.success().then(|| std::fs::read(file).ok())?
 }
