@@ -41,7 +41,10 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     }
     let range = Range::read(&mut arguments)?;
     let mut text = invocation.text();
-    let columns = range.count(&mut invocation.supply("-", FileKind::Other)?, &mut text)?;
+    let (columns, not_numbers) = range.count(&mut invocation.supply("-", FileKind::Other)?, &mut text)?;
+    if not_numbers > 0 {
+        arguments.warnings.push(format!("{not_numbers} of the numbers are nan, which no bin counts"));
+    }
     let steps = range.divisions + usize::from(cumulative);
     let mut sums: Vec<u64> = columns.iter().map(|column| column.below).collect();
     for step in 0..steps {
@@ -83,9 +86,10 @@ impl Range {
         Ok(Range { low, high, divisions: divisions as usize })
     }
 
-    fn count(&self, input: &mut Supply<'_>, text: &mut Text) -> Result<Vec<Column>, Error> {
+    /// The bins of all columns, and how many numbers are nan.
+    fn count(&self, input: &mut Supply<'_>, text: &mut Text) -> Result<(Vec<Column>, u64), Error> {
         let empty = Column { below: 0, above: 0, inside: vec![0; self.divisions] };
-        let mut columns: Vec<Column> = Vec::new();
+        let (mut columns, mut not_numbers): (Vec<Column>, u64) = (Vec::new(), 0);
         while let Some(line) = input.line(text)? {
             let words = input.bytes(line).split(|byte| is_blank(*byte)).filter(|word| !word.is_empty());
             for (place, word) in words.take(MOST_COLUMNS).enumerate() {
@@ -93,7 +97,9 @@ impl Range {
                     columns.push(empty.clone());
                 }
                 let (column, number) = (&mut columns[place], number_at_start(word));
-                if number < self.low {
+                if number.is_nan() {
+                    not_numbers += 1;
+                } else if number < self.low {
                     column.below += 1;
                 } else if number >= self.high {
                     column.above += 1;
@@ -103,7 +109,7 @@ impl Range {
                 }
             }
         }
-        Ok(columns)
+        Ok((columns, not_numbers))
     }
 }
 

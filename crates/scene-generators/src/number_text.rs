@@ -22,7 +22,7 @@ const SHORT_DIGITS: usize = 15;
 const POWERS_OF_TEN: [f64; SHORT_DIGITS + 1] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 
-/// The number at the start of `word`, if it has at most 15 digits and no exponent. Faster than
+/// The number at the start of `word`, if it has at most 15 digits, all decimal, and no exponent. Faster than
 /// [`leading_number`] for the most common numbers, with the same bits, since the quotient of two
 /// exact numbers is rounded once.
 pub(crate) fn short_decimal(word: &[u8]) -> Option<f64> {
@@ -38,6 +38,7 @@ pub(crate) fn short_decimal(word: &[u8]) -> Option<f64> {
             }
             b'.' if point.is_none() => point = Some(count),
             b'e' | b'E' => return None,
+            b'x' | b'X' if (mantissa, count, point) == (0, 1, None) => return None,
             _ => break,
         }
     }
@@ -99,7 +100,7 @@ mod tests {
             assert_eq!(short_decimal(word.as_bytes()).map(f64::to_bits), Some(slow.to_bits()), "{word}");
         }
         for (word, value) in
-            [("12.5.7", Some(12.5)), ("-.5x", Some(-0.5)), ("7e3", None), (".", None), ("-", None), ("", None)]
+            [("12.5.7", Some(12.5)), ("-.5x", Some(-0.5)), ("7e3", None), ("0x7", None), (".", None), ("-", None), ("", None)]
         {
             assert_eq!(short_decimal(word.as_bytes()), value, "{word}");
         }

@@ -3,9 +3,10 @@
 
 use crate::Error;
 use crate::arguments::Arguments;
-use crate::number_text::{leading_number, short_decimal};
+use crate::number_text::short_decimal;
 use crate::supply::Supply;
 use crate::text::{Text, is_space};
+use radsight_units::number::number_or_zero;
 
 /// Largest binary record, bytes.
 const LARGEST_BINARY_RECORD: usize = 16_384;
@@ -97,6 +98,17 @@ impl InputForm {
         };
         Ok(range.map(|range| Record { bytes: supply.bytes(range), form: *self }))
     }
+
+    /// What is left of binary input where no whole record is: a record of fewer numbers, `None` if there is none.
+    pub(crate) fn last_record<'a>(&self, supply: &'a mut Supply<'_>) -> Option<Record<'a>> {
+        let size = self.encoding.size();
+        let columns = match self.encoding {
+            Encoding::Ascii => 0,
+            Encoding::Binary(_) => supply.window().len() / size,
+        };
+        let range = supply.take(columns * size);
+        (columns > 0).then(|| Record { bytes: supply.bytes(range), form: InputForm { columns, ..*self } })
+    }
 }
 
 /// One line, or one row of binary numbers.
@@ -180,9 +192,7 @@ pub(crate) fn number_at_start(bytes: &[u8]) -> f64 {
     if let Some(value) = short_decimal(word) {
         return value;
     }
-    let length = word.iter().take_while(|byte| byte.is_ascii_graphic()).count();
-    let text = std::str::from_utf8(&word[..length]).unwrap_or_default();
-    leading_number(text).map_or(0.0, |(value, _)| value)
+    number_or_zero(word)
 }
 
 /// A binary number.

@@ -121,18 +121,26 @@ fn reduce(options: &Options, input: &mut Supply<'_>, text: &mut Text, written: &
         while (options.count == 0 || records < options.count)
             && (options.most_input == 0 || records < options.most_input)
         {
-            let Some(record) = options.input.next_record(input, text)? else { break };
-            read_values(options, &record, &mut values);
+            values.clear();
+            match options.input.next_record(input, text)? {
+                Some(record) => read_values(options, &record, &mut values),
+                None => {
+                    if let Some(record) = options.input.last_record(input) {
+                        read_values(options, &record, &mut values);
+                    }
+                }
+            }
+            // A line without columns ends a group.
             if values.is_empty() {
-                // A line without columns ends the input, as in the real program.
-                input.stop();
                 break;
             }
             columns = columns.max(values.len());
             add(options, &mut tallies, &values);
             records += 1;
         }
+        // A second such line ends the input, as in the real program.
         if records == 0 {
+            input.stop();
             return Ok(());
         }
         total_records += records;
@@ -150,7 +158,6 @@ fn reduce(options: &Options, input: &mut Supply<'_>, text: &mut Text, written: &
 }
 
 fn read_values(options: &Options, record: &Record<'_>, values: &mut Vec<f64>) {
-    values.clear();
     if options.input.encoding != Encoding::Ascii {
         return values.extend((1..=record.columns()).map(|column| record.column(column)));
     }

@@ -103,6 +103,8 @@ fn binary_records_equal_real_ones() {
         (&doubles, &["rcalc", "-id2", "-e", "$1=in(2)+in(0)"]),
         (&doubles, &["total", "-id5", "-p"]),
         (&singles, &["total", "-if1"]),
+        (&singles, &["total", "-if3"]),
+        (&doubles, &["total", "-id4", "-m", "-1"]),
     ] {
         assert!(expect_same(&radiance, &list(argv), input, &TestLoader::default()));
     }
@@ -135,6 +137,34 @@ fn totals_equal_real_ones() {
             assert!(ours(&argv, input.as_bytes(), &TestLoader::default()).is_err(), "{argv:?}");
         }
     }
+}
+
+#[test]
+fn totals_of_groups_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let groups = "1 2\n3 4\n\n5 6\n7 8 9\n \n9 10\n\n\n11 12\n";
+    for options in [&[][..], &["-m"], &["-r"], &["-2"], &["-3", "-m", "-r"], &["-u"], &["-in", "2"], &["-on", "2"]] {
+        let argv = [&["total"], options].concat();
+        assert!(expect_same(&radiance, &list(&argv), groups.as_bytes(), &TestLoader::default()));
+    }
+}
+
+#[test]
+fn numbers_are_those_of_atof() {
+    let Some(radiance) = Radiance::find() else { return };
+    let input = "inf -INF 0x10 -0x1.8p3\n1 Infinity 0x 0xfg\n2e 3e+ information .5.5\n";
+    for argv in [
+        &["total", "-u"][..],
+        &["total", "-m"],
+        &["rcalc", "-e", "$1=$1;$2=$2;$3=$3;$4=$4"],
+        &["total", "-l"],
+        &["histo", "0", "20", "4"],
+    ] {
+        expect_same(&radiance, &list(argv), input.as_bytes(), &TestLoader::default());
+    }
+    let output = ours(&list(&["histo", "0", "2", "2"]), b"1.5 nan\n", &TestLoader::default()).unwrap();
+    assert_eq!(output.standard_output, b"0.5\t0\t0\n1.5\t1\t0\n");
+    assert_eq!(output.warnings, ["1 of the numbers are nan, which no bin counts"]);
 }
 
 #[test]

@@ -8,6 +8,9 @@ use std::fmt::Write;
 pub fn leading_number(text: &[u8]) -> (f64, usize) {
     let start = text.iter().position(|byte| !is_space(*byte)).unwrap_or(text.len());
     let body = &text[start..];
+    if let Some((value, length)) = hexadecimal(body) {
+        return (value, start + length);
+    }
     let length = decimal_length(body).max(word_length(body));
     let number = std::str::from_utf8(&body[..length]).ok().and_then(|number| number.parse().ok());
     match number {
@@ -96,6 +99,50 @@ pub fn decimal_length(text: &[u8]) -> usize {
         }
     }
     at
+}
+
+/// A hexadecimal number such as `0x1.8p3` and its length in bytes; `None` for another one.
+fn hexadecimal(text: &[u8]) -> Option<(f64, usize)> {
+    let sign = usize::from(matches!(text.first(), Some(b'+' | b'-')));
+    let body = text[sign..].strip_prefix(b"0x").or_else(|| text[sign..].strip_prefix(b"0X"))?;
+    let (mut value, mut digits, mut point) = (0.0, 0, None);
+    for &byte in body {
+        match (char::from(byte).to_digit(16), byte) {
+            (Some(digit), _) => {
+                value = value * 16.0 + f64::from(digit);
+                digits += 1;
+            }
+            (None, b'.') if point.is_none() => point = Some(digits),
+            _ => break,
+        }
+    }
+    if digits == 0 {
+        return None;
+    }
+    let places = digits - point.unwrap_or(digits);
+    let mut length = sign + 2 + digits + usize::from(point.is_some());
+    let mut exponent = -4 * places as i64;
+    if let [b'p' | b'P', rest @ ..] = &text[length..] {
+        let of_sign = usize::from(matches!(rest.first(), Some(b'+' | b'-')));
+        let power = rest[of_sign..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+        if power > 0 {
+            exponent = exponent.saturating_add(integer_or_zero(rest));
+            length += 1 + of_sign + power;
+        }
+    }
+    // Beyond these, the result is 0 or infinite.
+    let value: f64 = scaled_by_power_of_two(value, exponent.clamp(-1 << 14, 1 << 14) as i32);
+    Some((if text.first() == Some(&b'-') { -value } else { value }, length))
+}
+
+/// `value` · 2^`exponent`, in steps whose factors do not overflow.
+fn scaled_by_power_of_two(mut value: f64, mut exponent: i32) -> f64 {
+    while exponent != 0 {
+        let step = exponent.clamp(-1000, 1000);
+        value *= 2f64.powi(step);
+        exponent -= step;
+    }
+    value
 }
 
 fn word_length(text: &[u8]) -> usize {
@@ -198,6 +245,11 @@ mod tests {
     #[test]
     fn numbers_read_as_in_c() {
         assert_eq!(leading_number(b"  1.5e3x"), (1500.0, 7));
+        assert_eq!(leading_number(b" -0x1.8p3z"), (-12.0, 9));
+        assert_eq!(leading_number(b"0x10"), (16.0, 4));
+        assert_eq!(leading_number(b"0x.8P-1"), (0.25, 7));
+        assert_eq!(leading_number(b"0xg"), (0.0, 1));
+        assert_eq!(leading_number(b"0x1p-99999"), (0.0, 10));
         assert_eq!(leading_number(b"1e"), (1.0, 1));
         assert_eq!(leading_number(b".5 "), (0.5, 2));
         assert_eq!(leading_number(b"1.e2"), (100.0, 4));
