@@ -244,9 +244,13 @@ fn rad_makes_lights_of_windows() {
         "house.rif",
         "ZONE= I 0 4 0 5 0 3\nmaterials= outside.rad\nscene= room.rad\nillum= pane.rad\nmkillum= -ab 0\nRES= 16\nview= def -vp 2 4 1.5 -vd 0 -1 0\n",
     );
+    // A file of the user, whatever its name, stays.
+    let own = folder.file("house_illum.rad", "# mine\n");
     let mut program = command(&["rad", "-w", "house.rif"]);
     let said = run_with(program.current_dir(folder.path("")), b"").text();
-    assert!(said.contains("mkillum -ab 0 house0.oct \"<\" pane.rad > house_illum.rad"), "{said}");
+    assert!(said.contains("mkillum -ab 0 house0.oct \"<\" pane.rad > .house_illum.rad"), "{said}");
+    assert_eq!(std::fs::read_to_string(own).unwrap(), "# mine\n");
+    assert!(!folder.names().contains(&".house_illum.rad".to_owned()), "{:?}", folder.names());
     assert!(folder.names().contains(&"illum.dat".to_owned()), "{:?}", folder.names());
     assert!(folder.names().contains(&"house_def.hdr".to_owned()), "{:?}", folder.names());
 }

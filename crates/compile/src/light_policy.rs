@@ -20,13 +20,14 @@ const SELECTION: [LightSelectionPolicy; 2] =
 /// selections.
 const SPLIT_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 128, draws: 64 };
 
-/// Policy if pixels have few rays. Shadow rays are then selected by what samples would contribute,
-/// which knows more than the light tree: how lights shine in a direction, and where their images in
-/// mirrors are visible. Of more lights, sampling each one takes longer than the tree.
-const DIVIDED_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 64, draws: 32 };
+/// Policy if pixels have few rays, and so each ray's noise shows. Shadow rays are then selected by what
+/// samples would contribute, which knows more than the light tree: how lights shine in a direction, and
+/// where their images in mirrors are visible. Of more lights, the tree selects some, in inverse
+/// proportion to the threshold of direct light (`-dt`); this is its number for the default threshold.
+const FEW_RAYS_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 2048, draws: 32 };
 
-/// The same where few rays sample all lights, since others share what those found.
-const SHARED_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 192, draws: 32 };
+/// The limits of that number.
+const DRAWS_BY_THRESHOLD: [f64; 2] = [8.0, 1024.0];
 
 /// Number of virtual images that count as one light: most images are invisible from most points.
 const IMAGES_FOR_ONE: usize = 3;
@@ -43,8 +44,11 @@ pub(crate) fn light_draws(lights: &[Light], tree: Option<&LightTree>, options: &
     let samples_all = tree.is_none() || !options.tracked_modifiers.is_empty() || options.ray_tree.is_some();
     let first = match options.light_division {
         _ if splits_first(options) => SPLIT_SELECTION,
-        LightDivision::BySize(_) => DIVIDED_SELECTION,
-        LightDivision::Shared(_) => SHARED_SELECTION,
+        LightDivision::BySize(_) | LightDivision::Shared(_) => {
+            let draws = f64::from(FEW_RAYS_SELECTION.draws) / options.direct_threshold.relative();
+            let [fewest, most] = DRAWS_BY_THRESHOLD;
+            LightSelectionPolicy { draws: draws.clamp(fewest, most) as u32, ..FEW_RAYS_SELECTION }
+        }
         LightDivision::Whole => SELECTION[0],
     };
     let first = if tests_all(options) { LightSelectionPolicy { all: usize::MAX, ..first } } else { first };

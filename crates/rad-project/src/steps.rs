@@ -301,7 +301,7 @@ impl Maker<'_> {
         } else {
             let (program, options) = own_options(project, Variable::Mkillum);
             let mkillum = format!("{}{options}", program.as_deref().unwrap_or("mkillum"));
-            let made = format!("{}_illum.rad", project.root);
+            let made = hidden_illum_scene(&project.root);
             let scene = OutputFile::new(&made, OutputKind::IllumScene, NamedBy::CommandLine);
             self.run(format!("{mkillum} {before} \"<\" {illum}"), scene.clone());
             self.steps.push(Step::Remove(self.octree.file(&before)));
@@ -555,4 +555,10 @@ fn latest(files: &[String], site: &dyn Site) -> Result<Date, ProjectError> {
 fn numbered(name: &str, digit: char) -> String {
     let root = crate::variables::without_suffix(name);
     format!("{root}{digit}{}", &name[root.len()..])
+}
+
+/// The temporary scene that `mkillum` writes: a hidden file, so no scene of the user has this name.
+fn hidden_illum_scene(root: &str) -> String {
+    let (folder, name) = root.rfind('/').map_or(("", root), |slash| root.split_at(slash + 1));
+    format!("{folder}.{name}_illum.rad")
 }

@@ -198,12 +198,19 @@ impl DirectRecorder {
     }
 
     /// The light that the current point probably receives, summed over lights and bands; at least a
-    /// fraction of what it would receive without shadows.
+    /// fraction of what it would receive without shadows, from lights that reach a record if there
+    /// are any: a hidden sun tells nothing of how much the lamps matter.
     pub(crate) fn level(&self) -> f64 {
-        let sum = |of: fn(&RecordedLight) -> f32| -> f64 {
-            self.expected.iter().map(|expected| f64::from(of(&expected.mean))).sum()
-        };
-        sum(RecordedLight::sum).max(LEAST_LEVEL * sum(|light| light.unshadowed))
+        let (mut received, mut reaching, mut all) = (0.0, 0.0, 0.0);
+        for expected in &self.expected {
+            let unshadowed = f64::from(expected.mean.unshadowed);
+            received += f64::from(expected.mean.sum());
+            all += unshadowed;
+            if expected.range[1] > 0.0 {
+                reaching += unshadowed;
+            }
+        }
+        f64::max(received, LEAST_LEVEL * if reaching > 0.0 { reaching } else { all })
     }
 
     /// Whether the points of the ray are recorded.

@@ -2,11 +2,17 @@
 //!
 //! In a picture with few rays per pixel every light is sampled at every point, and most of the time
 //! goes to shadow rays, many of them to lights that hardly matter there. Radiance tests lights in
-//! the order of their contributions, and does not test the rest (`-dt`). Here a sample that contributes
-//! less than a share τ of the unshadowed sum S keeps its shadow ray with the probability p =
-//! c/(τ S), and its weight becomes 1/p: nothing is lost in the mean. Weak samples are selected
+//! the order of their contributions, and does not test the rest (`-dt`) once it is weak against what
+//! arrived. Here a sample is strong if it contributes at least a share τ of the point's light S.
+//! Strong samples keep their shadow rays. S is what arrives from the tested samples, and what the
+//! others would contribute without shadows: where a strong light is hidden, S falls, and further
+//! samples are strong.
+//!
+//! A weak sample keeps its shadow ray with the probability p = c/(τ S), and its weight becomes 1/p:
+//! nothing is lost in the mean, since S is known before the first weak sample. They are selected
 //! systematically along their cumulative contribution, so there are at most 1/τ of them, and
-//! neighbouring lights are not missed together. The relative variance that this adds is at most τ.
+//! neighbouring lights are not missed together. The relative variance that this adds is at most τ
+//! where the weak samples are not hidden.
 
 use crate::direct::{DirectSampler, NumberedLight};
 use crate::trace::PathIntegrator;
@@ -82,27 +88,47 @@ impl DirectSampler<'_> {
         samples: &[UnshadowedSample<'p, BANDS>],
     ) -> [f64; BANDS] {
         let weak_share = WEAK_SHARE * tracer.plan.options.direct_threshold.relative();
-        let step = weak_share * samples.iter().map(|sample| sample.strength).sum::<f64>();
         let set = DimensionSet::render(tracer.next_set);
         tracer.next_set += 1;
-        // Computed when needed.
-        let mut until_next = None;
+        let mut light: f64 = samples.iter().map(|sample| sample.strength).sum();
         let mut sum = [0.0; BANDS];
-        for sample in samples {
-            let mut scale = 1.0;
-            if sample.strength < step && !sample.is_kept() {
-                let left = until_next.get_or_insert_with(|| step * tracer.sampler.take(set)[0]);
-                *left -= sample.strength;
-                if *left >= 0.0 {
+        // Samples that are at least so strong have been tested.
+        let mut limit = f64::INFINITY;
+        loop {
+            let step = weak_share * light;
+            let is_first = limit == f64::INFINITY;
+            let mut tested = 0;
+            for sample in samples {
+                let is_strong = (step..limit).contains(&sample.strength);
+                if !(is_strong && !sample.is_kept() || is_first && sample.is_kept()) {
                     continue;
                 }
-                *left += step;
-                scale = step / sample.strength;
+                let given = self.shadowed(tracer, sample);
+                light -= sample.strength - given.iter().sum::<f64>();
+                add(&mut sum, 1.0, given);
+                tested += 1;
             }
-            for (sum, given) in sum.iter_mut().zip(self.shadowed(tracer, sample)) {
-                *sum += scale * given;
+            limit = limit.min(step);
+            if tested == 0 || weak_share * light >= limit {
+                break;
+            }
+        }
+        // The weak ones. The random number is taken when it is needed.
+        let step = limit;
+        let mut until_next = None;
+        for sample in samples.iter().filter(|sample| sample.strength < limit && !sample.is_kept()) {
+            let left = until_next.get_or_insert_with(|| step * tracer.sampler.take(set)[0]);
+            *left -= sample.strength;
+            if *left < 0.0 {
+                *left += step;
+                add(&mut sum, step / sample.strength, self.shadowed(tracer, sample));
             }
         }
         sum
     }
+}
+
+/// Adds bands that count with a weight.
+fn add<const BANDS: usize>(sum: &mut [f64; BANDS], weight: f64, given: [f64; BANDS]) {
+    sum.iter_mut().zip(given).for_each(|(sum, given)| *sum += weight * given);
 }

@@ -2,7 +2,7 @@
 
 mod build;
 
-use build::{Builder, mean, plan};
+use build::{Builder, mean, plan, values};
 use glam::DVec3;
 use radsight_ir::{Facing, Sphere};
 use radsight_render::{DirectRecord, DirectThreshold, LightDivision, NearRecord, Ray, RenderOptions, Renderer};
@@ -37,6 +37,15 @@ fn lamps_above_floor(count: u32, half_side: f64) -> Builder {
 fn block(scene: &mut Builder, above: DVec3, radius: f64, height: f64) {
     let black = scene.plastic([0.0; 3], 0.0, 0.0);
     scene.sphere(black, Sphere { center: above + DVec3::Z * (height * radius), radius, facing: Facing::Outward });
+}
+
+/// A sun that would give the floor far more light than the lamps, behind a ball that hides it.
+fn hidden_sun(scene: &mut Builder) {
+    let towards = DVec3::new(1.0, 0.0, 1.0).normalize();
+    let sun = scene.light([6e6, 5e6, 4e6]);
+    scene.source(sun, towards, 0.01);
+    let black = scene.plastic([0.0; 3], 0.0, 0.0);
+    scene.sphere(black, Sphere { center: towards * 20.0, radius: 3.0, facing: Facing::Outward });
 }
 
 /// A ray from above to a point of the floor.
@@ -89,7 +98,12 @@ fn all_lamps(scene: &Builder) -> f64 {
 /// The noise is relative to the light of twenty lamps without shadows.
 #[track_caller]
 fn assert_same_mean(scene: &Builder, most_noise: f64) {
-    let ([found, deviation], expected, bright) = (near_records(scene), all_lamps(scene), all_lamps(&lamps(20)));
+    assert_mean(scene, all_lamps(scene), most_noise);
+}
+
+#[track_caller]
+fn assert_mean(scene: &Builder, expected: f64, most_noise: f64) {
+    let ([found, deviation], bright) = (near_records(scene), all_lamps(&lamps(20)));
     let error = 4.0 * deviation / (RAYS as f64).sqrt() + 1e-3 * bright;
     assert!((found - expected).abs() < error, "{found} ± {deviation}, not {expected}");
     assert!(deviation < most_noise * bright, "{deviation} of {bright}");
@@ -109,6 +123,25 @@ fn shadows_that_no_neighbour_sees_are_as_dark_as_with_all_lamps() {
         block(&mut scene, DVec3::ZERO, 0.03, height);
         assert_same_mean(&scene, noise);
     }
+}
+
+#[test]
+fn lamps_beside_a_hidden_sun_have_no_more_noise() {
+    for count in [20, 120] {
+        let mut scene = lamps(count);
+        let lit = all_lamps(&scene);
+        hidden_sun(&mut scene);
+        assert_mean(&scene, lit, 0.04);
+    }
+    // So few lights are not recorded.
+    let mut scene = lamps(2);
+    let lit = all_lamps(&scene);
+    hidden_sun(&mut scene);
+    let options = RenderOptions { light_division: LightDivision::BySize(2.0), ..RenderOptions::default() };
+    let Ray { origin, direction, .. } = ray(DVec3::ZERO);
+    let found = values(&scene, options, origin, direction, RAYS as usize);
+    let [mean, deviation] = mean_and_deviation(&found);
+    assert!((mean / lit - 1.0).abs() < 0.005 && deviation < 0.02 * lit, "{mean} ± {deviation}, not {lit}");
 }
 
 #[test]

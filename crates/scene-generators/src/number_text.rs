@@ -99,9 +99,15 @@ mod tests {
             let (slow, _) = leading_number(&word).unwrap();
             assert_eq!(short_decimal(word.as_bytes()).map(f64::to_bits), Some(slow.to_bits()), "{word}");
         }
-        for (word, value) in
-            [("12.5.7", Some(12.5)), ("-.5x", Some(-0.5)), ("7e3", None), ("0x7", None), (".", None), ("-", None), ("", None)]
-        {
+        for (word, value) in [
+            ("12.5.7", Some(12.5)),
+            ("-.5x", Some(-0.5)),
+            ("7e3", None),
+            ("0x7", None),
+            (".", None),
+            ("-", None),
+            ("", None),
+        ] {
             assert_eq!(short_decimal(word.as_bytes()), value, "{word}");
         }
         assert_eq!(short_decimal(b"1234567890123456"), None);
