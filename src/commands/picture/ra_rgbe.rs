@@ -1,6 +1,7 @@
-//! `ra_rgbe [-r] [-e ±STOPS] [-n FRAME] [input [output]]`: writes pictures without run-length
+//! `ra_rgbe [-r] [-e ±STOPS] [-f] [-n FRAME] [input [output]]`: writes pictures without run-length
 //! encoding, or with it (`-r`). All frames of an animation in one file are written, each to its own
-//! file if the output name has `%d`, or only frame `-n`.
+//! file if the output name has `%d`, or only frame `-n`. Files that exist, also those of earlier
+//! frames, are overwritten only with `-f`.
 
 use super::files::{Source, failed, open_picture, put_file};
 use super::packing::Packing;
@@ -10,16 +11,17 @@ use crate::failure::{Failure, Outcome};
 use crate::file_pattern;
 use radsight_picture::{Encoding, Header, PictureError, PictureReader, PictureWriter};
 use radsight_picture_ops::gamma::shifted;
+use std::path::Path;
 
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
-    let mut options = Options { packing: Packing::Flat, exposure: 0, frame: 0 };
+    let mut options = Options { packing: Packing::Flat, exposure: 0, frame: 0, existing: Existing::Kept };
     while let Some(option) = words.option()? {
         match option {
             "-r" => options.packing = Packing::RunLengths,
             "-e" => options.exposure = stops(&mut words, option)?,
             "-n" => options.frame = words.integer(option)?,
-            "-f" => {}
+            "-f" => options.existing = Existing::Replaced,
             _ => return Err(words.unknown(option)),
         }
     }
@@ -49,8 +51,16 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     Ok(())
 }
 
+/// What happens to files that exist.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Existing {
+    Kept,
+    Replaced,
+}
+
 struct Options {
     packing: Packing,
+    existing: Existing,
     exposure: i32,
     /// The only requested frame; 0 for all.
     frame: i64,
@@ -89,6 +99,11 @@ impl Options {
     }
 
     fn transfer(&self, reader: &mut PictureReader<Source>, header: &Header, path: &str, target: &str) -> Outcome {
+        if self.existing == Existing::Kept && target != "-" && Path::new(target).exists() {
+            return Err(Failure::input(format!(
+                "ra_rgbe: \"{target}\" exists, expected -f to overwrite it, or %d in the name for frames"
+            )));
+        }
         let resolution = reader.resolution();
         let wrong = |error: PictureError| -> Failure { failed(path, error.into()) };
         put_file(target, |out| {

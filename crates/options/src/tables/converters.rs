@@ -84,7 +84,7 @@ pub(super) const RA_TIFF: Program = Program {
 pub(super) const RA_RGBE: Program = Program {
     name: "ra_rgbe",
     summary: "write a picture with or without run-length encoding",
-    synopsis: "ra_rgbe [-r] [-e ±stops] [-n frame] [input [output]]",
+    synopsis: "ra_rgbe [-r] [-e ±stops] [-f] [-n frame] [input [output]]",
     description: "All frames of an animation in one file are written; if the output name has %d, which is replaced by the \
                   frame number, each frame goes to its own file.",
     groups: &[
@@ -94,7 +94,7 @@ pub(super) const RA_RGBE: Program = Program {
                 flag("-r", "Write run-length encoding"),
                 STOPS,
                 value("-n", "FRAME", "Write only this frame"),
-                flag("-f", "Accepted; has no effect"),
+                flag("-f", "Overwrite files that exist"),
             ],
         },
         ONLY_HELP,
