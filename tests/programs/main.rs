@@ -5,6 +5,7 @@
 mod program;
 
 mod commands;
+mod converters;
 mod files_as_they_are;
 mod matrix_programs;
 mod mkillum;

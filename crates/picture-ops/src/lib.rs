@@ -44,6 +44,7 @@ pub mod extrema;
 pub mod falsecolor;
 pub mod filter;
 pub mod gamma;
+pub mod gamut;
 pub mod interpolate;
 pub mod sign;
 pub mod tone_map;

@@ -59,6 +59,8 @@ mod stream;
 mod tiff;
 #[cfg(feature = "tiff")]
 mod tiff_pixels;
+#[cfg(feature = "tiff")]
+mod tiff_tags;
 mod unfinished;
 mod view;
 
@@ -70,8 +72,6 @@ pub use file_format::{FileFormat, ReadImage, read_image, write_image};
 pub use foreign_format::ForeignFormat;
 pub use header::{Assignment, Header};
 pub use image::Image;
-#[cfg(feature = "tiff")]
-pub use log_luv::write_log_luv;
 pub use matrix::{FloatMatrix, MatrixFormat, MatrixValues};
 pub use npy::{read_npy, write_npy, write_npy_f64};
 pub use pfm::{read_pfm, write_pfm};
@@ -86,6 +86,6 @@ pub use stream::{PictureReader, PictureWriter};
 #[cfg(feature = "tiff")]
 pub use tiff::{TiffCompression, read_tiff, read_tiff_pixels, write_tiff, write_tiff_pixels};
 #[cfg(feature = "tiff")]
-pub use tiff_pixels::{Tiff, TiffPixels};
+pub use tiff_pixels::{Tiff, TiffColors, TiffPixels, TiffTags};
 pub use unfinished::Unfinished;
 pub use view::{View, ViewError, ViewKind, ViewLocation, ViewOptions, ViewRay};

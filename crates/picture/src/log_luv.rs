@@ -6,21 +6,21 @@
 //! as four planes of bytes, the most significant first, each run-length encoded (TIFF compression
 //! 34676).
 
-use crate::tiff_pixels::{Tiff, TiffPixels};
-use crate::{Header, PictureError, RgbPrimaries, xyz_to_rgb};
-use glam::DVec3;
+use crate::tiff::bad_shape;
+use crate::tiff_pixels::{Tiff, TiffColors, TiffPixels, TiffTags};
+use crate::tiff_tags::{DESCRIPTION, FoundTag, TagValue, ascii, resolution};
+use crate::{Header, PictureError};
 
 /// TIFF codes of the compression and the photometric interpretation.
 const COMPRESSION: u32 = 34_676;
 const LOG_LUV: u32 = 32_845;
 
-/// Tags in the order in which they are written.
+/// Codes of the tags of pixels.
 const WIDTH: u16 = 256;
 const HEIGHT: u16 = 257;
 const BITS: u16 = 258;
 const COMPRESSION_TAG: u16 = 259;
 const PHOTOMETRIC: u16 = 262;
-const DESCRIPTION: u16 = 270;
 const STRIP_OFFSETS: u16 = 273;
 const SAMPLES: u16 = 277;
 const ROWS_A_STRIP: u16 = 278;
@@ -58,45 +58,29 @@ fn decode(code: u32) -> [f64; 3] {
     [x, y, (9.0 * y / v - x - 15.0 * y) / 3.0]
 }
 
-/// Writes RGB values in Radiance's primaries, row 0 at the top.
+/// Writes tristimulus values in single precision.
 ///
 /// # Errors
 /// [`PictureError::Shape`] unless there are three values per pixel, and less than 4 GB in all.
-pub fn write_log_luv(
-    (width, height): (usize, usize),
-    rgb: &[f32],
-    header: Option<&Header>,
-) -> Result<Vec<u8>, PictureError> {
-    let shape = PictureError::Shape {
-        width,
-        height,
-        components: 3,
-        values: rgb.len(),
-        expected: "three values per pixel and fewer than 2^28 pixels",
-    };
-    let to_xyz = RgbPrimaries::STANDARD.rgb_to_xyz().ok_or(PictureError::Codec {
-        format: "tiff",
-        reason: "the primaries are collinear or the white is impossible".to_owned(),
-    })?;
-    if width == 0 || width.checked_mul(height).is_none_or(|pixels| pixels >= 1 << 28 || 3 * pixels != rgb.len()) {
-        return Err(shape);
+pub(crate) fn write(picture: &Tiff) -> Result<Vec<u8>, PictureError> {
+    const EXPECTED: &str = "three floats per pixel and fewer than 2^28 pixels";
+    let (width, height) = (picture.resolution.scanline_length(), picture.resolution.scanlines());
+    let TiffPixels::Floats(xyz) = &picture.pixels else { return Err(bad_shape(picture, EXPECTED)) };
+    if width == 0 || width.checked_mul(height).is_none_or(|pixels| pixels >= 1 << 28 || 3 * pixels != xyz.len()) {
+        return Err(bad_shape(picture, EXPECTED));
     }
     let mut bytes = b"II\x2a\0\0\0\0\0".to_vec();
     let mut strips = Vec::with_capacity(height);
-    for row in rgb.chunks_exact(3 * width) {
+    for row in xyz.chunks_exact(3 * width) {
         let start = bytes.len();
-        let codes: Vec<u32> = row
-            .chunks_exact(3)
-            .map(|pixel| encode((to_xyz * DVec3::from_array([0, 1, 2].map(|band| f64::from(pixel[band])))).to_array()))
-            .collect();
+        let codes: Vec<u32> = row.as_chunks::<3>().0.iter().map(|pixel| encode(pixel.map(f64::from))).collect();
         for plane in (0..4).rev() {
             let plane: Vec<u8> = codes.iter().map(|code| (code >> (8 * plane)) as u8).collect();
             pack(&plane, &mut bytes);
         }
-        strips.push((start as u32, (bytes.len() - start) as u32));
+        strips.push([start as u32, (bytes.len() - start) as u32]);
     }
-    let directory = Directory { width: width as u32, height: height as u32, strips, header };
-    directory.write(&mut bytes);
+    write_directory(picture, &strips, &mut bytes);
     Ok(bytes)
 }
 
@@ -122,62 +106,80 @@ fn pack(plane: &[u8], out: &mut Vec<u8>) {
     }
 }
 
-/// The data after the pixels.
-struct Directory<'a> {
-    width: u32,
-    height: u32,
-    /// Offset and length of each row.
-    strips: Vec<(u32, u32)>,
-    header: Option<&'a Header>,
+/// Writes the data after the pixels; `strips` are the offset and length of each row.
+fn write_directory(picture: &Tiff, strips: &[[u32; 2]], bytes: &mut Vec<u8>) {
+    let (width, height) = (picture.resolution.scanline_length(), picture.resolution.scanlines());
+    let longs = |numbers: &[u32]| numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>();
+    let column = |column: usize| longs(&strips.iter().map(|strip| strip[column]).collect::<Vec<u32>>());
+    let short = |number: u16| (SHORT, number.to_le_bytes().to_vec());
+    let mut entries = vec![
+        (WIDTH, (LONG, longs(&[width as u32]))),
+        (HEIGHT, (LONG, longs(&[height as u32]))),
+        (BITS, (SHORT, [16, 0].repeat(3))),
+        (COMPRESSION_TAG, short(COMPRESSION as u16)),
+        (PHOTOMETRIC, short(LOG_LUV as u16)),
+        (STRIP_OFFSETS, (LONG, column(0))),
+        (SAMPLES, short(3)),
+        (ROWS_A_STRIP, (LONG, longs(&[1]))),
+        (STRIP_BYTES, (LONG, column(1))),
+        (PLANAR, short(1)),
+    ];
+    let header = picture.header.as_ref().map(|header| TagValue::Text(ascii(&header.to_text())));
+    entries.extend(header.map(|text| (DESCRIPTION, stored(&text))));
+    // Tristimulus values have no primaries.
+    let tags = TiffTags { primaries: None, ..picture.tags.clone() };
+    entries.extend(tags.values(&picture.resolution).iter().map(|(code, value)| (*code, stored(value))));
+    entries.sort_unstable();
+    let mut directory = (entries.len() as u16).to_le_bytes().to_vec();
+    for (tag, (kind, mut value)) in entries {
+        let count = value.len() / size_of_kind(kind).unwrap_or(1);
+        if value.len() > 4 {
+            bytes.resize(bytes.len().next_multiple_of(4), 0);
+            let offset = bytes.len() as u32;
+            bytes.append(&mut value);
+            value.extend(offset.to_le_bytes());
+        }
+        value.resize(4, 0);
+        directory.extend([tag, kind].map(u16::to_le_bytes).concat());
+        directory.extend((count as u32).to_le_bytes());
+        directory.append(&mut value);
+    }
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    let start = bytes.len() as u32;
+    bytes[4..8].copy_from_slice(&start.to_le_bytes());
+    bytes.append(&mut directory);
+    bytes.extend_from_slice(&[0; 4]);
 }
 
-impl Directory<'_> {
-    fn write(&self, bytes: &mut Vec<u8>) {
-        let mut entries: Vec<(u16, u16, Vec<u32>)> = vec![
-            (WIDTH, 4, vec![self.width]),
-            (HEIGHT, 4, vec![self.height]),
-            (COMPRESSION_TAG, 3, vec![COMPRESSION]),
-            (PHOTOMETRIC, 3, vec![LOG_LUV]),
-            (STRIP_OFFSETS, 4, self.strips.iter().map(|strip| strip.0).collect()),
-            (SAMPLES, 3, vec![3]),
-            (ROWS_A_STRIP, 4, vec![1]),
-            (STRIP_BYTES, 4, self.strips.iter().map(|strip| strip.1).collect()),
-            (PLANAR, 3, vec![1]),
-        ];
-        let text = self.header.map(|header| {
-            let text: Vec<u8> = header.to_text().bytes().filter(u8::is_ascii).chain([0]).collect();
-            let offset = bytes.len() as u32;
-            bytes.extend_from_slice(&text);
-            (offset, text.len() as u32)
-        });
-        let bits = bytes.len() as u32;
-        bytes.extend_from_slice(&[16, 0, 16, 0, 16, 0]);
-        bytes.resize(bytes.len().next_multiple_of(4), 0);
-        let mut directory = Vec::new();
-        for (tag, kind, values) in &mut entries {
-            let count = values.len() as u32;
-            let value = if count == 1 {
-                values[0]
-            } else {
-                let offset = bytes.len() as u32;
-                values.iter().for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
-                offset
-            };
-            directory.push((*tag, *kind, count, value));
+/// Codes of the types of values.
+const ASCII: u16 = 2;
+const SHORT: u16 = 3;
+const LONG: u16 = 4;
+const RATIONAL: u16 = 5;
+const FLOAT: u16 = 11;
+const DOUBLE: u16 = 12;
+
+/// Size of a value, bytes; `None` for types that no tag here has.
+fn size_of_kind(kind: u16) -> Option<usize> {
+    match kind {
+        1 | ASCII => Some(1),
+        SHORT => Some(2),
+        LONG | FLOAT => Some(4),
+        RATIONAL | DOUBLE => Some(8),
+        _ => None,
+    }
+}
+
+/// The type and the bytes of a value.
+fn stored(value: &TagValue) -> (u16, Vec<u8>) {
+    match value {
+        TagValue::Text(text) => (ASCII, text.bytes().chain([0]).collect()),
+        TagValue::Short(number) => (SHORT, number.to_le_bytes().to_vec()),
+        TagValue::Floats(numbers) => (FLOAT, numbers.iter().flat_map(|number| number.to_le_bytes()).collect()),
+        TagValue::Double(number) => (DOUBLE, number.to_le_bytes().to_vec()),
+        TagValue::Rationals(numbers) => {
+            (RATIONAL, numbers.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect())
         }
-        directory.push((BITS, 3, 3, bits));
-        directory.extend(text.map(|(offset, length)| (DESCRIPTION, 2, length, offset)));
-        directory.sort_unstable();
-        let start = bytes.len() as u32;
-        bytes[4..8].copy_from_slice(&start.to_le_bytes());
-        bytes.extend_from_slice(&(directory.len() as u16).to_le_bytes());
-        for (tag, kind, count, value) in directory {
-            bytes.extend_from_slice(&tag.to_le_bytes());
-            bytes.extend_from_slice(&kind.to_le_bytes());
-            bytes.extend_from_slice(&count.to_le_bytes());
-            bytes.extend_from_slice(&value.to_le_bytes());
-        }
-        bytes.extend_from_slice(&[0; 4]);
     }
 }
 
@@ -194,33 +196,56 @@ impl File<'_> {
         Some(if self.little { bytes.iter().rev().fold(0, fold) } else { bytes.iter().fold(0, fold) })
     }
 
-    /// The values of a tag, and their offset.
-    fn tag(&self, tag: u16) -> Option<(Vec<u32>, usize)> {
+    /// The type and the bytes of a tag, and their offset.
+    fn value(&self, tag: u16) -> Option<(u16, &[u8], usize)> {
         let directory = self.number(4, 4)? as usize;
         let entries = self.number(directory, 2)? as usize;
         let entry = (0..entries)
             .map(|index| directory + 2 + 12 * index)
             .find(|entry| self.number(*entry, 2) == Some(u32::from(tag)))?;
-        let size = match self.number(entry + 2, 2)? {
-            1 | 2 => 1,
-            3 => 2,
-            4 => 4,
-            _ => return None,
+        let kind = self.number(entry + 2, 2)? as u16;
+        let length = (self.number(entry + 4, 4)? as usize).checked_mul(size_of_kind(kind)?)?;
+        let offset = if length <= 4 { entry + 8 } else { self.number(entry + 8, 4)? as usize };
+        Some((kind, self.bytes.get(offset..offset.checked_add(length)?)?, offset))
+    }
+
+    /// The integers of a tag.
+    fn tag(&self, tag: u16) -> Option<Vec<u32>> {
+        let (kind, value, offset) = self.value(tag)?;
+        let size = size_of_kind(kind).filter(|size| *size <= 4 && kind != FLOAT)?;
+        (offset..offset + value.len()).step_by(size).map(|at| self.number(at, size)).collect()
+    }
+
+    /// The content of a tag.
+    fn found(&self, tag: u16) -> Option<FoundTag> {
+        let (kind, value, offset) = self.value(tag)?;
+        let long = |at: usize| self.number(at, 4).map(f64::from);
+        let eights = (offset..offset + value.len()).step_by(8);
+        let numbers = match kind {
+            ASCII => {
+                let text = value.split(|byte| *byte == 0).next().unwrap_or_default();
+                return Some(FoundTag::Text(String::from_utf8_lossy(text).into_owned()));
+            }
+            RATIONAL => eights.map(|at| Some(long(at)? / long(at + 4)?)).collect::<Option<_>>()?,
+            DOUBLE => {
+                let read = if self.little { f64::from_le_bytes } else { f64::from_be_bytes };
+                value.as_chunks::<8>().0.iter().map(|bytes| read(*bytes)).collect()
+            }
+            FLOAT => {
+                let read = if self.little { f32::from_le_bytes } else { f32::from_be_bytes };
+                value.as_chunks::<4>().0.iter().map(|bytes| f64::from(read(*bytes))).collect()
+            }
+            _ => self.tag(tag)?.into_iter().map(f64::from).collect(),
         };
-        let count = self.number(entry + 4, 4)? as usize;
-        let offset = if count.checked_mul(size)? <= 4 { entry + 8 } else { self.number(entry + 8, 4)? as usize };
-        // Check the length before allocating memory.
-        self.bytes.get(offset..offset.checked_add(count * size)?)?;
-        let numbers = (0..count).filter_map(|index| self.number(offset + index * size, size)).collect();
-        Some((numbers, offset))
+        Some(FoundTag::Numbers(numbers))
     }
 
     fn one(&self, tag: u16) -> Option<u32> {
-        self.tag(tag)?.0.first().copied()
+        self.tag(tag)?.first().copied()
     }
 }
 
-/// Reads a LogLuv picture as RGB in Radiance's primaries; `None` for any other file.
+/// Reads a LogLuv picture as tristimulus values; `None` for any other file.
 pub(crate) fn read(bytes: &[u8]) -> Option<Result<Tiff, PictureError>> {
     let little = match bytes.get(..4)? {
         b"II\x2a\0" => true,
@@ -239,7 +264,7 @@ pub(crate) fn read(bytes: &[u8]) -> Option<Result<Tiff, PictureError>> {
 fn read_pixels(file: &File<'_>) -> Option<Tiff> {
     let (width, height) = (file.one(WIDTH)? as usize, file.one(HEIGHT)? as usize);
     let rows = (file.one(ROWS_A_STRIP).unwrap_or(u32::MAX) as usize).min(height).max(1);
-    let (offsets, lengths) = (file.tag(STRIP_OFFSETS)?.0, file.tag(STRIP_BYTES)?.0);
+    let (offsets, lengths) = (file.tag(STRIP_OFFSETS)?, file.tag(STRIP_BYTES)?);
     // A row of four planes takes at least eight bytes per 127 pixels.
     let least = height.checked_mul(8 * width.div_ceil(129))?;
     if width == 0
@@ -249,7 +274,6 @@ fn read_pixels(file: &File<'_>) -> Option<Tiff> {
     {
         return None;
     }
-    let to_rgb = RgbPrimaries::STANDARD.xyz_to_rgb()?;
     let mut values = Vec::with_capacity(3 * width * height);
     for (strip, (offset, length)) in offsets.iter().zip(&lengths).enumerate() {
         let mut packed = file.bytes.get(*offset as usize..(*offset as usize).checked_add(*length as usize)?)?;
@@ -259,16 +283,18 @@ fn read_pixels(file: &File<'_>) -> Option<Tiff> {
                 packed = unpack(packed, 8 * plane, &mut codes)?;
             }
             for code in codes {
-                values.extend_from_slice(&xyz_to_rgb(&to_rgb, decode(code).map(|value| value as f32)));
+                values.extend_from_slice(&decode(code).map(|value| value as f32));
             }
         }
     }
-    let header = file.tag(DESCRIPTION).map(|(numbers, offset)| {
-        let text = &file.bytes[offset..offset + numbers.len()];
-        text.split(|byte| *byte == 0).next().unwrap_or_default().to_vec()
-    });
-    let header = header.filter(|text| text.starts_with(b"#?")).map(|text| Header::read_text(&text));
-    Some(Tiff { width, height, components: 3, pixels: TiffPixels::Floats(values), header, date: None })
+    let header = match file.found(DESCRIPTION) {
+        Some(FoundTag::Text(text)) if text.starts_with("#?") => Some(Header::read_text(text.as_bytes())),
+        _ => None,
+    };
+    let resolution = resolution(width, height, |code| file.found(code));
+    let tags = TiffTags::find(&resolution, |code| file.found(code));
+    let (pixels, colors) = (TiffPixels::Floats(values), TiffColors::Xyz);
+    Some(Tiff { resolution, components: 3, pixels, colors, tags, header })
 }
 
 /// Unpacks one plane into the bits from `shift` on and returns the rest of the input.
@@ -290,21 +316,39 @@ fn unpack<'a>(mut packed: &'a [u8], shift: u32, codes: &mut [u32]) -> Option<&'a
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read_tiff_pixels;
+    use crate::{Resolution, RgbPrimaries, read_tiff, read_tiff_pixels};
+    use glam::DVec3;
 
     fn values() -> Vec<f32> {
         (0..3 * 200 * 5).map(|index| 10f32.powf((index % 37) as f32 / 6.0 - 3.0) + (index / 600) as f32).collect()
     }
 
+    /// A picture of these red, green and blue values.
+    fn picture(values: &[f32], header: Option<Header>) -> Tiff {
+        let to_xyz = RgbPrimaries::STANDARD.rgb_to_xyz().unwrap();
+        let xyz = values.chunks(3).flat_map(|rgb| {
+            (to_xyz * DVec3::from([0, 1, 2].map(|i| f64::from(rgb[i])))).to_array().map(|value| value as f32)
+        });
+        Tiff {
+            resolution: Resolution::standard(200, 5),
+            components: 3,
+            pixels: TiffPixels::Floats(xyz.collect()),
+            colors: TiffColors::Xyz,
+            tags: TiffTags { nits: Some(71.6), ..TiffTags::default() },
+            header,
+        }
+    }
+
     #[test]
     fn colours_survive_within_the_steps_of_the_code() {
         let values = values();
-        let bytes = write_log_luv((200, 5), &values, Some(&Header::new("RADIANCE"))).unwrap();
-        let picture = read_tiff_pixels(&bytes).unwrap();
-        assert_eq!((picture.width, picture.height, picture.components), (200, 5, 3));
-        assert!(picture.header.is_some());
-        let TiffPixels::Floats(found) = picture.pixels else { panic!("floats") };
-        for (found, value) in found.chunks(3).zip(values.chunks(3)) {
+        let bytes = write(&picture(&values, Some(Header::new("RADIANCE")))).unwrap();
+        let read = read_tiff_pixels(&bytes).unwrap();
+        assert_eq!((read.resolution, read.components, read.colors), (Resolution::standard(200, 5), 3, TiffColors::Xyz));
+        assert_eq!(read.tags.nits, Some(71.6));
+        let (image, header) = read_tiff(&bytes).unwrap();
+        assert!(header.is_some());
+        for (found, value) in image.pixels().zip(values.chunks(3)) {
             let largest = value.iter().copied().fold(0.0, f32::max);
             for band in 0..3 {
                 assert!((found[band] - value[band]).abs() < 0.04 * largest, "{found:?} for {value:?}");
@@ -313,10 +357,21 @@ mod tests {
     }
 
     #[test]
+    fn colours_outside_the_gamut_keep_their_tristimulus_values() {
+        let xyz = [0.1f32, 0.5, 0.05];
+        let mut picture = picture(&values(), None);
+        picture.pixels = TiffPixels::Floats(xyz.repeat(1000));
+        let TiffPixels::Floats(read) = read_tiff_pixels(&write(&picture).unwrap()).unwrap().pixels else {
+            panic!("floats")
+        };
+        assert!(read.iter().zip(xyz.iter().cycle()).all(|(a, b)| (a - b).abs() < 0.01), "{:?}", &read[..3]);
+    }
+
+    #[test]
     fn broken_files_are_refused() {
-        let bytes = write_log_luv((200, 5), &values(), None).unwrap();
+        let bytes = write(&picture(&values(), None)).unwrap();
         // The data at the very end are not needed to read the pixels.
-        for length in (8..bytes.len() - 64).step_by(7) {
+        for length in (8..bytes.len() - 112).step_by(7) {
             assert!(read_tiff_pixels(&bytes[..length]).is_err(), "{length}");
         }
         for at in 0..bytes.len() {

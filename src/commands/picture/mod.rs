@@ -16,6 +16,7 @@ mod pvalue;
 mod ra_rgbe;
 mod ra_xyze;
 mod raster;
+mod three_values;
 
 use super::words::Words;
 use crate::failure::Outcome;

@@ -4,11 +4,11 @@
 
 use super::files::{failed, open_picture, put_file};
 use super::packing::Packing;
-use super::raster::rows_of;
+use super::raster::{rows_of, transformed};
+use super::three_values::ThreeValues;
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Encoding, Header, PictureWriter, RgbPrimaries, WHITE_EFFICACY, encode_rgbe, xyz_to_rgb};
-use radsight_spectrum::xyz_of_whole_bands;
 
 struct Options {
     to_rgb: bool,
@@ -47,19 +47,12 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
 
 fn convert(options: &Options, words: &Words<'_>) -> Outcome {
     let (path, target) = words.input_and_output()?;
-    let mut reader = open_picture(path)?;
+    let mut pixels = ThreeValues::new(open_picture(path)?);
+    let reader = pixels.reader();
     let wrong = |error: radsight_picture::PictureError| failed(path, error.into());
     let from_xyz = reader.encoding() == Encoding::Xyze;
     let primaries = reader.header().primaries().map_err(wrong)?.unwrap_or(RgbPrimaries::STANDARD);
-    let of_bands = match reader.encoding() {
-        Encoding::Spectral { splits } if reader.components() > 3 => {
-            let range = [splits[0], splits[3]].map(f64::from);
-            Some(xyz_of_whole_bands(reader.components(), range).collect::<Vec<_>>())
-        }
-        _ => None,
-    };
-    let is_rgb = !from_xyz && of_bands.is_none();
-    let to_xyz = if is_rgb { Some(primaries.rgb_to_xyz().ok_or_else(|| impossible(path))?) } else { None };
+    let to_xyz = if !pixels.are_xyz() { Some(primaries.rgb_to_xyz().ok_or_else(|| impossible(path))?) } else { None };
     let to_rgb = match options.to_rgb {
         true => Some(options.primaries.xyz_to_rgb().ok_or_else(|| impossible(path))?),
         false => None,
@@ -87,16 +80,7 @@ fn convert(options: &Options, words: &Words<'_>) -> Outcome {
         let mut writer = PictureWriter::new(out, &header, 3, resolution).map_err(wrong)?;
         let mut values = vec![[0.0f32; 3]; resolution.scanline_length()];
         for _ in 0..resolution.scanlines() {
-            match &of_bands {
-                None => reader.read_three(&mut values).map_err(wrong)?,
-                Some(of_bands) => {
-                    let mut spectra = vec![0.0f32; values.len() * of_bands.len()];
-                    reader.read_values(&mut spectra).map_err(wrong)?;
-                    for (value, spectrum) in values.iter_mut().zip(spectra.chunks_exact(of_bands.len())) {
-                        *value = xyz_of_spectrum(spectrum, of_bands);
-                    }
-                }
-            }
+            pixels.read(&mut values).map_err(wrong)?;
             let stored: Vec<u8> = values
                 .iter()
                 .flat_map(|value| {
@@ -111,17 +95,8 @@ fn convert(options: &Options, words: &Words<'_>) -> Outcome {
     })
 }
 
-fn xyz_of_spectrum(spectrum: &[f32], of_bands: &[[f64; 3]]) -> [f32; 3] {
-    let part = |i: usize| spectrum.iter().zip(of_bands).map(|(value, xyz)| f64::from(*value) * xyz[i]).sum::<f64>();
-    [0, 1, 2].map(|i| part(i) as f32)
-}
-
 fn impossible(path: &str) -> Failure {
     Failure::input(format!("{path}: the primaries are collinear or the white is impossible"))
-}
-
-fn transformed(rows: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {
-    rows.map(|row| row[0] * a + row[1] * b + row[2] * c)
 }
 
 fn header(options: &Options, words: &Words<'_>, input: &Header, recorded: f64) -> Header {

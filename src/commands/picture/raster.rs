@@ -11,9 +11,11 @@ use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use glam::DMat3;
 use radsight_picture::{
-    Encoding, Header, PictureError, PictureReader, PictureWriter, Resolution, RgbPrimaries, encode_rgbe,
+    Encoding, Header, PictureError, PictureReader, PictureWriter, Resolution, RgbPrimaries, decode_rgbe, encode_rgbe,
 };
+use radsight_picture_ops::brightness::of_rgb;
 use radsight_picture_ops::gamma::shifted;
+use radsight_picture_ops::gamut::{Gamut, within_gamut};
 use std::io::{Read, Write};
 
 pub(super) use bmp::run as ra_bmp;
@@ -53,35 +55,64 @@ pub(super) fn stops(words: &mut Words<'_>, option: &str) -> Result<i32, Failure>
 /// A picture's pixels in red, green and blue.
 struct Pixels<R> {
     reader: PictureReader<R>,
-    /// From CIE to RGB.
-    transform: Option<[[f32; 3]; 3]>,
+    conversion: Conversion,
     stops: i32,
     row: Vec<[u8; 4]>,
 }
 
+/// The conversion of a pixel's three values.
+enum Conversion {
+    None,
+    /// Three times the second value, the luminance of XYZE.
+    Luminance,
+    /// To other primaries. Negative components become 0.
+    Primaries([[f32; 3]; 3]),
+    /// To red, green and blue that a display can show.
+    IntoGamut([[f32; 3]; 3]),
+}
+
 impl<R: Read> Pixels<R> {
-    fn new(reader: PictureReader<R>, stops: i32) -> Pixels<R> {
-        let transform = match reader.encoding() {
-            Encoding::Xyze => RgbPrimaries::STANDARD.xyz_to_rgb().map(rows_of),
-            _ => None,
+    /// Pixels in the primaries of the picture. Those of XYZE are mapped into the gamut of
+    /// `primaries`.
+    fn new(reader: PictureReader<R>, stops: i32, primaries: &RgbPrimaries) -> Result<Pixels<R>, PictureError> {
+        let conversion = match reader.encoding() {
+            Encoding::Xyze => Conversion::IntoGamut(rows_of(primaries.xyz_to_rgb().ok_or(impossible(primaries))?)),
+            _ => Conversion::None,
         };
+        Ok(Pixels::converted(reader, stops, conversion))
+    }
+
+    /// Pixels whose brightness is used alone, or that are converted for a display.
+    fn for_grey(reader: PictureReader<R>, stops: i32) -> Pixels<R> {
+        let conversion = match reader.encoding() {
+            Encoding::Xyze => Conversion::Luminance,
+            _ => Conversion::None,
+        };
+        Pixels::converted(reader, stops, conversion)
+    }
+
+    fn converted(reader: PictureReader<R>, stops: i32, conversion: Conversion) -> Pixels<R> {
         let row = vec![[0; 4]; reader.resolution().scanline_length()];
-        Pixels { reader, transform, stops, row }
+        Pixels { reader, conversion, stops, row }
+    }
+
+    /// Pixels for colours or grey, in Radiance's primaries.
+    fn standard(reader: PictureReader<R>, stops: i32, colors: Colors) -> Result<Pixels<R>, PictureError> {
+        match colors {
+            Colors::Color => Pixels::new(reader, stops, &RgbPrimaries::STANDARD),
+            Colors::Grey => Ok(Pixels::for_grey(reader, stops)),
+        }
     }
 
     /// Converts pixels to a display's primaries and white.
     fn for_display(mut self, primaries: &RgbPrimaries) -> Result<Pixels<R>, PictureError> {
-        let matrix = match (self.reader.encoding(), self.reader.header().primaries()?) {
-            (Encoding::Xyze, _) => primaries.xyz_to_rgb(),
-            (_, own) => own.unwrap_or(RgbPrimaries::STANDARD).rgb_to_rgb(primaries),
+        let own = self.reader.header().primaries()?.unwrap_or(RgbPrimaries::STANDARD);
+        let matrix = match self.reader.encoding() {
+            Encoding::Xyze => primaries.xyz_to_rgb(),
+            _ if own == *primaries => return Ok(self),
+            _ => own.rgb_to_rgb(primaries),
         };
-        let impossible = PictureError::HeaderValue {
-            line: 0,
-            name: "PRIMARIES",
-            value: primaries.to_header_value(),
-            expected: "three colours that are not collinear, and a white inside their triangle",
-        };
-        self.transform = Some(rows_of(matrix.ok_or(impossible)?));
+        self.conversion = Conversion::Primaries(rows_of(matrix.ok_or(impossible(primaries))?));
         Ok(self)
     }
 
@@ -90,18 +121,42 @@ impl<R: Read> Pixels<R> {
     }
 
     /// The next scanline as four-byte pixels.
-    fn next(&mut self) -> Result<&[[u8; 4]], radsight_picture::PictureError> {
+    fn next(&mut self) -> Result<&[[u8; 4]], PictureError> {
         self.reader.read_pixels(&mut self.row)?;
         for pixel in &mut self.row {
-            if let Some(matrix) = &self.transform {
-                let value = radsight_picture::decode_rgbe(*pixel);
-                let component = |row: &[f32; 3]| row[0] * value[0] + row[1] * value[1] + row[2] * value[2];
-                *pixel = encode_rgbe(std::array::from_fn(|i| component(&matrix[i])));
-            }
-            *pixel = shifted(*pixel, self.stops);
+            *pixel = self.conversion.of_pixel(shifted(*pixel, self.stops));
         }
         Ok(&self.row)
     }
+}
+
+impl Conversion {
+    fn of_pixel(&self, pixel: [u8; 4]) -> [u8; 4] {
+        match self {
+            Conversion::None => pixel,
+            Conversion::Luminance => [pixel[1], pixel[1], pixel[1], pixel[3]],
+            Conversion::Primaries(matrix) => encode_rgbe(transformed(matrix, decode_rgbe(pixel))),
+            Conversion::IntoGamut(matrix) => {
+                let rgb = transformed(matrix, decode_rgbe(pixel));
+                encode_rgbe(within_gamut(rgb, of_rgb(rgb), Gamut::Cube))
+            }
+        }
+    }
+}
+
+/// The error of primaries that make no colour space.
+fn impossible(primaries: &RgbPrimaries) -> PictureError {
+    PictureError::HeaderValue {
+        line: 0,
+        name: "PRIMARIES",
+        value: primaries.to_header_value(),
+        expected: "three colours that are not collinear, and a white inside their triangle",
+    }
+}
+
+/// The product of a matrix and a vector.
+pub(super) fn transformed(rows: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {
+    rows.map(|row| row[0] * a + row[1] * b + row[2] * c)
 }
 
 /// The rows of a matrix in single precision.
@@ -109,34 +164,29 @@ pub(super) fn rows_of(matrix: DMat3) -> [[f32; 3]; 3] {
     std::array::from_fn(|i| matrix.row(i).to_array().map(|value| value as f32))
 }
 
-/// The properties of a picture converted from another format.
-struct Made<'d> {
-    /// Columns and rows.
-    size: (usize, usize),
-    encoding: Encoding,
-    /// The date of the picture, if known.
-    date: Option<&'d str>,
+/// The header of a picture converted from another format, which kept these lines.
+fn converted_header(words: &Words<'_>, kept: &Header) -> Header {
+    let mut header = Header::new("RADIANCE");
+    for line in kept.history().lines().filter(|line| !line.starts_with(b"#?")) {
+        header.push_line(&String::from_utf8_lossy(line));
+    }
+    header.push_command(words.taken());
+    header.push_variable("FORMAT", Encoding::Rgbe.name());
+    header
 }
 
-/// Writes a picture of pixels from `row`, starting at the top.
+/// Writes a picture of pixels from `row`, in the order of the resolution.
 fn write_picture(
-    words: &Words<'_>,
     target: &str,
-    made: &Made<'_>,
+    header: &Header,
+    resolution: Resolution,
     mut row: impl FnMut(usize, &mut Vec<u8>) -> Outcome,
 ) -> Outcome {
-    let Made { size: (columns, rows), encoding, date } = *made;
-    let mut header = Header::new("RADIANCE");
-    header.push_command(words.taken());
-    header.push_variable("FORMAT", encoding.name());
-    if let Some(date) = date {
-        header.push_variable("CAPDATE", &format!(" {date}"));
-    }
-    let wrong = |error: radsight_picture::PictureError| failed(target, error.into());
+    let wrong = |error: PictureError| failed(target, error.into());
     put_file(target, |out: &mut dyn Write| {
-        let mut writer = PictureWriter::new(out, &header, 3, Resolution::standard(columns, rows)).map_err(wrong)?;
+        let mut writer = PictureWriter::new(out, header, 3, resolution).map_err(wrong)?;
         let mut stored = Vec::new();
-        for number in 0..rows {
+        for number in 0..resolution.scanlines() {
             stored.clear();
             row(number, &mut stored)?;
             writer.write_stored(&stored).map_err(wrong)?;

@@ -32,8 +32,8 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
         return Err(Failure::input(format!("{path}: {width} x {height} pixels, expected at most {MOST_PIXELS}")));
     }
     let table = GammaTable::new(gamma);
-    let mut pixels = Pixels::new(reader, brighter);
     let wrong = |error: radsight_picture::PictureError| failed(path, error.into());
+    let mut pixels = Pixels::standard(reader, brighter, colors).map_err(wrong)?;
     let mut bytes = Vec::new();
     for _ in 0..resolution.scanlines() {
         for pixel in pixels.next().map_err(wrong)? {

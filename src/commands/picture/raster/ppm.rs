@@ -1,11 +1,11 @@
 //! `ra_ppm [-r] [-a] [-b] [-s MAX] [-g GAMMA] [-e ±STOPS] [input [output]]`: portable pixmaps,
 //! binary or text (`-a`), grey (`-b`), with 16 bits from `-s 256`; `-r` converts to Radiance.
 
-use super::{Colors, Direction, GAMMA, Made, Pixels, open_picture, put_file, stops, write_picture};
+use super::{Colors, Direction, GAMMA, Pixels, converted_header, open_picture, put_file, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
-use radsight_picture::{Encoding, decode_rgbe, encode_rgbe};
+use radsight_picture::{Header, PictureError, Resolution, decode_rgbe, encode_rgbe};
 use radsight_picture_ops::brightness::of_rgb;
 use radsight_picture_ops::gamma::{GammaTable, shifted, with_grey};
 use std::io::Read;
@@ -48,7 +48,8 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
 
 fn from_radiance(options: &Options, words: &Words<'_>) -> Outcome {
     let (path, target) = words.input_and_output()?;
-    let mut pixels = Pixels::new(open_picture(path)?, options.stops);
+    let wrong = |error: PictureError| failed(path, error.into());
+    let mut pixels = Pixels::standard(open_picture(path)?, options.stops, options.colors).map_err(wrong)?;
     let (columns, rows) = pixels.size();
     let kind = if options.colors == Colors::Grey { 2 } else { 3 } + if options.is_text { 0 } else { 3 };
     let table = GammaTable::new(options.gamma);
@@ -56,7 +57,7 @@ fn from_radiance(options: &Options, words: &Words<'_>) -> Outcome {
         let largest = options.largest;
         let mut bytes = format!("P{kind}\n{columns} {rows}\n{largest}\n").into_bytes();
         for _ in 0..rows {
-            for pixel in pixels.next().map_err(|error| failed(path, error.into()))? {
+            for pixel in pixels.next().map_err(wrong)? {
                 let numbers = if largest > 255 { options.words(*pixel) } else { options.bytes(*pixel, &table) };
                 let numbers = if options.colors == Colors::Grey { &numbers[1..2] } else { &numbers[..] };
                 options.put(numbers, &mut bytes);
@@ -136,7 +137,8 @@ fn to_radiance(options: &Options, words: &Words<'_>) -> Outcome {
         return Err(wrong("as many pixels as declared"));
     }
     let table = GammaTable::new(options.gamma);
-    write_picture(words, target, &Made { size: (columns, rows), encoding: Encoding::Rgbe, date: None }, |_, stored| {
+    let header = converted_header(words, &Header::default());
+    write_picture(target, &header, Resolution::standard(columns, rows), |_, stored| {
         for _ in 0..columns {
             let value = map.pixel().ok_or_else(|| wrong("as many pixels as declared"))?;
             stored.extend_from_slice(&options.pixel(value, map.largest, &table));
