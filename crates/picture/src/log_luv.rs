@@ -6,7 +6,6 @@
 //! as four planes of bytes, the most significant first, each run-length encoded (TIFF compression
 //! 34676).
 
-use crate::tiff::bad_shape;
 use crate::tiff_pixels::{Tiff, TiffColors, TiffPixels, TiffTags};
 use crate::tiff_tags::{DESCRIPTION, FoundTag, TagValue, ascii, resolution};
 use crate::{Header, PictureError};
@@ -65,9 +64,9 @@ fn decode(code: u32) -> [f64; 3] {
 pub(crate) fn write(picture: &Tiff) -> Result<Vec<u8>, PictureError> {
     const EXPECTED: &str = "three floats per pixel and fewer than 2^28 pixels";
     let (width, height) = (picture.resolution.scanline_length(), picture.resolution.scanlines());
-    let TiffPixels::Floats(xyz) = &picture.pixels else { return Err(bad_shape(picture, EXPECTED)) };
+    let TiffPixels::Floats(xyz) = &picture.pixels else { return Err(picture.bad_shape(EXPECTED)) };
     if width == 0 || width.checked_mul(height).is_none_or(|pixels| pixels >= 1 << 28 || 3 * pixels != xyz.len()) {
-        return Err(bad_shape(picture, EXPECTED));
+        return Err(picture.bad_shape(EXPECTED));
     }
     let mut bytes = b"II\x2a\0\0\0\0\0".to_vec();
     let mut strips = Vec::with_capacity(height);

@@ -212,7 +212,7 @@ pub fn write_tiff_pixels(picture: &Tiff, compression: TiffCompression) -> Result
         (TiffPixels::Words(values), 3) => encode::<colortype::RGB16>(picture, values, compression),
         (TiffPixels::Floats(values), 1) => encode::<colortype::Gray32Float>(picture, values, compression),
         (TiffPixels::Floats(values), 3) => encode::<colortype::RGB32Float>(picture, values, compression),
-        _ => Err(bad_shape(picture, "1 or 3 components for tiff")),
+        _ => Err(picture.bad_shape("1 or 3 components for tiff")),
     }
 }
 
@@ -226,10 +226,10 @@ where
 {
     let (length, rows) = (picture.resolution.scanline_length(), picture.resolution.scanlines());
     let (Ok(width), Ok(height)) = (u32::try_from(length), u32::try_from(rows)) else {
-        return Err(bad_shape(picture, "width and height of at most 2^32 - 1 pixels for tiff"));
+        return Err(picture.bad_shape("width and height of at most 2^32 - 1 pixels for tiff"));
     };
     if Some(values.len()) != length.checked_mul(rows).and_then(|n| n.checked_mul(picture.components)) {
-        return Err(bad_shape(picture, "width * height * components values"));
+        return Err(picture.bad_shape("width * height * components values"));
     }
     let mut out = Cursor::new(Vec::new());
     let compression = match compression {
@@ -268,12 +268,6 @@ fn put_tag<W: Write + Seek, K: TiffKind>(
             directory.write_tag(tag, numbers.as_slice())
         }
     }
-}
-
-/// The error of a picture with pixels that the format cannot hold.
-pub(crate) fn bad_shape(picture: &Tiff, expected: &'static str) -> PictureError {
-    let (Resolution { width, height, .. }, components) = (picture.resolution, picture.components);
-    PictureError::Shape { width, height, components, values: picture.pixels.len(), expected }
 }
 
 fn unsupported(what: String, expected: &'static str) -> PictureError {

@@ -1,6 +1,6 @@
 //! The content of a TIFF file.
 
-use crate::{Header, Resolution, RgbPrimaries};
+use crate::{Header, PictureError, Resolution, RgbPrimaries};
 
 /// The pixels as stored.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +54,7 @@ impl TiffTags {
     ///
     /// # Errors
     /// When PIXASPECT or PRIMARIES in the header is invalid.
-    pub fn from_header(header: &Header) -> Result<TiffTags, crate::PictureError> {
+    pub fn from_header(header: &Header) -> Result<TiffTags, PictureError> {
         let text = |name| header.variable(name).map(|value| value.trim().to_owned()).filter(|value| !value.is_empty());
         Ok(TiffTags {
             nits: None,
@@ -81,4 +81,12 @@ pub struct Tiff {
     pub tags: TiffTags,
     /// The Radiance header, if the file has one.
     pub header: Option<Header>,
+}
+
+impl Tiff {
+    /// The error of a picture with pixels that the format cannot hold.
+    pub(crate) fn bad_shape(&self, expected: &'static str) -> PictureError {
+        let (Resolution { width, height, .. }, components) = (self.resolution, self.components);
+        PictureError::Shape { width, height, components, values: self.pixels.len(), expected }
+    }
 }
