@@ -1,6 +1,6 @@
 //! The format of output values: numbers or pixels.
 
-use radsight_picture::{Header, encode_spectrum, push_scientific};
+use radsight_picture::{Header, encode_spectrum, put_scientific};
 use radsight_pinhole::stream::NumberFormat;
 
 /// The format of output values.
@@ -54,12 +54,11 @@ impl OutputFormat {
     pub(crate) fn put(self, values: &[f64], out: &mut Vec<u8>) {
         match self {
             OutputFormat::Numbers(NumberFormat::Ascii) => {
-                let mut text = String::with_capacity(CHARACTERS * values.len());
+                out.reserve(CHARACTERS * values.len());
                 for value in values {
-                    push_scientific(*value, DIGITS, &mut text);
-                    text.push('\t');
+                    put_scientific(*value, DIGITS, out);
+                    out.push(b'\t');
                 }
-                out.extend_from_slice(text.as_bytes());
             }
             OutputFormat::Numbers(format) => format.encode(values, out),
             OutputFormat::Pixels => {

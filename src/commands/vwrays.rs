@@ -8,7 +8,7 @@ use crate::render_args::number;
 use crate::view_args;
 use glam::DVec3;
 use radsight_film::{CameraRay, ViewCamera};
-use radsight_picture::{Header, Resolution, View, ViewOptions, scientific};
+use radsight_picture::{Header, Resolution, View, ViewOptions, put_scientific};
 use radsight_pinhole::stream::NumberFormat;
 use radsight_sampling::RaySampler;
 use std::io::{self, BufRead, BufWriter, Write};
@@ -232,9 +232,10 @@ impl Rays {
             let numbers = [origin.x, origin.y, origin.z, direction.x, direction.y, direction.z];
             self.record.clear();
             if self.options.format == NumberFormat::Ascii {
-                let words = numbers.map(|number| scientific(number, DIGITS));
-                self.record.extend_from_slice(words.join(" ").as_bytes());
-                self.record.push(b'\n');
+                for (number, end) in numbers.iter().zip(b"     \n") {
+                    put_scientific(*number, DIGITS, &mut self.record);
+                    self.record.push(*end);
+                }
             } else {
                 self.options.format.encode(&numbers, &mut self.record);
             }

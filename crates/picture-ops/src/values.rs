@@ -1,7 +1,7 @@
 //! `pvalue`: pixels as numbers, and back.
 
 use crate::brightness::Brightness;
-use radsight_picture::scientific;
+use radsight_picture::put_scientific;
 
 /// The format of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,8 +121,10 @@ impl ValueLayout {
 
     fn put_numbers(&self, numbers: &[f64], out: &mut Vec<u8>) {
         match self.form {
-            NumberForm::Text => put_text(numbers, out, |number| format!("{:>15}", scientific(number, 3))),
-            NumberForm::Integer => put_text(numbers, out, |number| ((number * 256.0) as i32).to_string()),
+            NumberForm::Text => put_text(numbers, out, put_wide),
+            NumberForm::Integer => put_text(numbers, out, |number, out| {
+                out.extend_from_slice(((number * 256.0) as i32).to_string().as_bytes());
+            }),
             NumberForm::Byte => out.extend(numbers.iter().map(|number| (number * 256.0) as u8)),
             NumberForm::Word => {
                 self.put_bytes(numbers.iter().map(|number| ((number * 65536.0) as u16).to_ne_bytes()), out)
@@ -183,14 +185,24 @@ impl ValueLayout {
     }
 }
 
-fn put_text(numbers: &[f64], out: &mut Vec<u8>, text: impl Fn(f64) -> String) {
+fn put_text(numbers: &[f64], out: &mut Vec<u8>, put: impl Fn(f64, &mut Vec<u8>)) {
     for (index, number) in numbers.iter().enumerate() {
         if index > 0 {
             out.push(b' ');
         }
-        out.extend_from_slice(text(*number).as_bytes());
+        put(*number, out);
     }
     out.push(b'\n');
+}
+
+/// Format `%15.3e`.
+fn put_wide(number: f64, out: &mut Vec<u8>) {
+    const WIDTH: usize = 15;
+    let start = out.len();
+    out.extend_from_slice(&[b' '; WIDTH]);
+    put_scientific(number, 3, out);
+    let surplus = (out.len() - start - WIDTH).min(WIDTH);
+    out.drain(start..start + surplus);
 }
 
 #[cfg(test)]

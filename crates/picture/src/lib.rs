@@ -77,7 +77,7 @@ pub use npy::{read_npy, write_npy, write_npy_f64};
 pub use pfm::{read_pfm, write_pfm};
 pub use picture::{Encoding, PartialPicture, Picture, mean_of_spectrum};
 pub use png::{Png, read_png, write_png_grey8, write_png_grey16, write_png_rgb8, write_png_rgb16};
-pub use radsight_units::number::{general, leading_number, push_scientific, scientific};
+pub use radsight_units::number::{general, leading_number, put_scientific, scientific};
 pub use radsight_units::photometry::WHITE_EFFICACY;
 pub use resolution::{Orientation, Resolution};
 pub use rgbe::{decode_rgbe, decode_spectrum, encode_rgbe, encode_spectrum, mantissa_step};

@@ -9,7 +9,7 @@
 use crate::error::shown;
 use crate::pfm::binary_values;
 use crate::{Header, Image, PictureError, Resolution};
-use radsight_units::number::{is_space, leading_number, scientific};
+use radsight_units::number::{is_space, leading_number, put_scientific};
 
 /// How the numbers of a matrix are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -262,7 +262,7 @@ fn write_ascii<'a, T: 'a>(
         for pixel in row.chunks_exact(components) {
             for value in pixel {
                 out.push(b' ');
-                out.extend_from_slice(scientific(number(value), DIGITS).as_bytes());
+                put_scientific(number(value), DIGITS, out);
             }
             out.push(b'\t');
         }

@@ -17,11 +17,12 @@ use std::fmt::Write;
 use crate::arguments::Arguments;
 use crate::sky_patches::{Light, Sky, SkyPatches, towards};
 use crate::sun::{Site, Sun, day_of_year, simple_declination, simple_time_adjustment};
-use crate::text::{Exponential, MAX_OUTPUT_BYTES, Quoted, Text, general};
+use crate::text::{Exponential, MAX_OUTPUT_BYTES, Quoted, Text};
 use crate::weather::{Quantity, Record, Weather};
 use crate::{Error, Invocation, Output, source_name};
 use radsight_loader::FileKind;
 use radsight_units::color::LUMINANCE_WEIGHTS;
+use radsight_units::number::put_general;
 use radsight_units::photometry::WHITE_EFFICACY;
 
 /// The sun's angular diameter, degrees.
@@ -411,8 +412,10 @@ fn command_line(argv: &[String]) -> String {
 fn put(values: [f32; 3], format: Format, bytes: &mut Vec<u8>) {
     match format {
         Format::Ascii => {
-            let [r, g, b] = values.map(|value| general(f64::from(value), 3));
-            bytes.extend_from_slice(format!("{r} {g} {b}\n").as_bytes());
+            for (value, end) in values.into_iter().zip(b"  \n") {
+                put_general(f64::from(value), 3, bytes);
+                bytes.push(*end);
+            }
         }
         Format::Float => bytes.extend(values.iter().flat_map(|value| value.to_ne_bytes())),
         Format::Double => bytes.extend(values.iter().flat_map(|value| f64::from(*value).to_ne_bytes())),

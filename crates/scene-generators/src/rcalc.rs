@@ -283,7 +283,7 @@ impl Calculator {
                         self.text.push_bytes(&[options.input.separator])?;
                         column += 1;
                     }
-                    self.text.push_bytes(general(value, 9).to_string().as_bytes())?;
+                    self.text.number(general(value, 9))?;
                 }
                 Encoding::Binary(number) => {
                     while column < channel {

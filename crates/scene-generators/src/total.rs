@@ -219,7 +219,7 @@ fn put(options: &Options, results: &[f64], text: &mut Text) -> Result<(), Error>
         if index > 0 {
             text.push_bytes(&[options.input.separator])?;
         }
-        text.push_bytes(general(*value, 9).to_string().as_bytes())?;
+        text.number(general(*value, 9))?;
     }
     Ok(text.push_bytes(b"\n")?)
 }

@@ -1,6 +1,8 @@
 //! Numbers as C's `atof` reads them and `printf` writes them.
 
-use std::fmt::Write;
+mod short;
+
+pub use short::{SHORT, short_general, short_scientific};
 
 /// The number at the start of the text, after white space, and the bytes it takes; 0 bytes if there
 /// is none.
@@ -164,36 +166,55 @@ impl LowercasePrefix for [u8] {
 /// Format `%.{digits}e`.
 #[must_use]
 pub fn scientific(value: f64, digits: usize) -> String {
-    let mut text = String::new();
-    push_scientific(value, digits, &mut text);
-    text
+    let mut buffer = [b' '; SHORT];
+    match short_scientific(value, digits, &mut buffer) {
+        Some(start) => String::from_utf8_lossy(&buffer[start..]).into_owned(),
+        None => exact_scientific(value, digits),
+    }
 }
 
-/// Appends a number in the format `%.{digits}e`, without allocating for each.
-pub fn push_scientific(value: f64, digits: usize, text: &mut String) {
-    if !value.is_finite() {
-        text.push_str(&not_finite(value));
-        return;
-    }
-    let start = text.len();
-    let _ = write!(text, "{value:.digits$e}");
-    // The exponent has a sign and at least two digits.
-    let Some(mark) = text[start..].find('e') else { return };
-    let exponent = start + mark + 1;
-    let digits_at = if text[exponent..].starts_with('-') {
-        exponent + 1
-    } else {
-        text.insert(exponent, '+');
-        exponent + 1
-    };
-    if text.len() - digits_at < 2 {
-        text.insert(digits_at, '0');
+/// Appends a number in the format `%.{digits}e`.
+pub fn put_scientific(value: f64, digits: usize, out: &mut Vec<u8>) {
+    let mut buffer = [b' '; SHORT];
+    match short_scientific(value, digits, &mut buffer) {
+        Some(start) => out.extend_from_slice(&buffer[start..]),
+        None => out.extend_from_slice(exact_scientific(value, digits).as_bytes()),
     }
 }
 
 /// Format `%.{precision}g`.
 #[must_use]
 pub fn general(value: f64, precision: usize) -> String {
+    let mut buffer = [b' '; SHORT];
+    match short_general(value, precision, &mut buffer) {
+        Some(start) => String::from_utf8_lossy(&buffer[start..]).into_owned(),
+        None => exact_general(value, precision),
+    }
+}
+
+/// Appends a number in the format `%.{precision}g`.
+pub fn put_general(value: f64, precision: usize, out: &mut Vec<u8>) {
+    let mut buffer = [b' '; SHORT];
+    match short_general(value, precision, &mut buffer) {
+        Some(start) => out.extend_from_slice(&buffer[start..]),
+        None => out.extend_from_slice(exact_general(value, precision).as_bytes()),
+    }
+}
+
+/// `%.{digits}e` of any number.
+fn exact_scientific(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return not_finite(value);
+    }
+    let text = format!("{value:.digits$e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    // The exponent has a sign and at least two digits.
+    let (sign, size) = exponent.strip_prefix('-').map_or(('+', exponent), |size| ('-', size));
+    format!("{mantissa}e{sign}{size:0>2}")
+}
+
+/// `%.{precision}g` of any number.
+fn exact_general(value: f64, precision: usize) -> String {
     if !value.is_finite() {
         return not_finite(value);
     }
@@ -202,7 +223,7 @@ pub fn general(value: f64, precision: usize) -> String {
     let exponent: i32 = rounded.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
     let places = i32::try_from(precision).unwrap_or(i32::MAX) - 1 - exponent;
     if exponent < -4 || places < 0 {
-        let text = scientific(value, precision - 1);
+        let text = exact_scientific(value, precision - 1);
         let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "+00"));
         return format!("{}e{exponent}", without_trailing_zeros(mantissa));
     }

@@ -17,7 +17,7 @@ use crate::input::use_default_threads;
 use crate::output::{write_file, write_standard_output};
 use crate::trust::OutputName;
 use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
-use radsight_picture::{Encoding, Header, Image, Picture, leading_number, scientific};
+use radsight_picture::{Encoding, Header, Image, Picture, leading_number, put_scientific};
 
 /// The command line.
 struct Request {
@@ -209,11 +209,14 @@ impl Request {
         }
         let mut text = if self.header { bytes[..start].to_vec() } else { Vec::new() };
         for row in matrix.values().chunks_exact(3 * matrix.columns()) {
-            let elements = row.chunks_exact(3).map(|value| {
-                let numbers: Vec<String> = value.iter().map(|band| scientific(f64::from(*band), DIGITS)).collect();
-                numbers.join(" ")
-            });
-            text.extend_from_slice(elements.collect::<Vec<_>>().join("\t").as_bytes());
+            for value in row.chunks_exact(3) {
+                for (band, end) in value.iter().zip(b"  \t") {
+                    put_scientific(f64::from(*band), DIGITS, &mut text);
+                    text.push(*end);
+                }
+            }
+            // No tab follows the last element.
+            text.pop();
             text.push(b'\n');
         }
         Ok(text)
