@@ -97,6 +97,7 @@ fn products_and_sums_are_those_of_the_real_program() {
         "a.mtx",
         "-ff a.mtx b.mtx",
         "-fd a.mtx . b.mtx v.mtx",
+        "a.mtx + c.mtx . b.mtx . v.mtx",
         "b.flt v.mtx",
         "a.mtx b.flt",
         "a.mtx + c.dbl",
@@ -248,6 +249,45 @@ fn files_of_moments_and_sums_of_pictures_are_those_of_the_real_program() {
         let ours = found.pop().expect("two runs");
         assert_same([found.pop().expect("two runs"), ours], name, 0.02);
     }
+}
+
+/// The pictures in one output, each with its frame number.
+fn frames(bytes: &[u8]) -> Vec<(String, Matrix)> {
+    let starts = |at: &usize| bytes[*at..].starts_with(b"FRAME=");
+    let read = |at: usize| {
+        let line = bytes[at..].split(|byte| *byte == b'\n').next().expect("a line");
+        (String::from_utf8_lossy(line).into_owned(), Matrix::read(&bytes[at..]).expect("a picture"))
+    };
+    (0..bytes.len()).filter(starts).map(read).collect()
+}
+
+#[test]
+fn pictures_of_several_moments_follow_each_other_in_one_output() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = folder(&radiance);
+    for direction in 0..3 {
+        let picture = format!("-fc -s {} a.mtx", direction + 1);
+        let picture = run_with(radiance.command("rmtxop", &split(&picture)).current_dir(folder.path("")), b"").done();
+        folder.file(&format!("dc{direction}.hdr"), picture);
+    }
+    // The real program needs numbered names unless each sky has light from one direction only.
+    let head = "#?RADIANCE\nNROWS=3\nNCOLS=3\nNCOMP=3\nFORMAT=ascii\n\n";
+    folder.file("sky.mtx", format!("{head}1 .5 .2 0 0 0 0 0 0\n0 0 0 2 1 1 0 0 0\n0 0 0 0 0 0 .1 .2 .3\n"));
+    for words in ["-oc dc%d.hdr sky.mtx", "-oc -o all.hdr dc%d.hdr sky.mtx"] {
+        let ours: Vec<&str> = std::iter::once("dctimestep").chain(words.split(' ')).collect();
+        let outputs = [radiance.command("dctimestep", &ours[1..]), command(&ours)].map(|mut program| {
+            let printed = run_with(program.current_dir(folder.path("")), b"").done();
+            if words.contains("all.hdr") { folder.read("all.hdr") } else { printed }
+        });
+        let [real, ours] = outputs.map(|bytes| frames(&bytes));
+        assert_eq!((real.len(), ours.len()), (3, 3), "{words}");
+        for ((real_name, real), (name, ours)) in real.into_iter().zip(ours) {
+            assert_eq!(name, real_name);
+            assert_same([real, ours], &name, 0.02);
+        }
+    }
+    let many = run_with(command(&["dctimestep", "-oc", "dc%d.hdr", "b.mtx"]).current_dir(folder.path("")), b"").done();
+    assert_eq!(frames(&many).len(), 5, "skies with light from several directions");
 }
 
 #[test]

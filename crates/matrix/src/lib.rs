@@ -19,14 +19,17 @@
 #![forbid(unsafe_code)]
 
 mod bsdf;
+mod chain;
 mod combine;
 mod components;
 mod elements;
 mod error;
 mod matrix;
 mod product;
+mod tile;
 
 pub use bsdf::{Wanted, bsdf_matrix};
+pub use chain::product_of_chain;
 pub use combine::Combination;
 pub use components::Transform;
 pub use error::MatrixError;

@@ -14,9 +14,9 @@ use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, say};
 use crate::file_pattern::{holds_number, named};
 use crate::input::use_default_threads;
-use crate::output::{write_file, write_standard_output};
+use crate::output::{Output, write_file, write_standard_output};
 use crate::trust::OutputName;
-use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
+use radsight_matrix::{Matrix, MatrixError, Stored, Wanted, product_of_chain};
 use radsight_picture::{Encoding, Header, Image, Picture, leading_number, put_scientific};
 
 /// The command line.
@@ -55,22 +55,23 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
         [view, bsdf, daylight, sky, ..] => (view, Some([bsdf, daylight]), sky),
         [] => return Err(Failure::usage("dctimestep: no coefficients are given")),
     };
-    let mut result = request.sky(sky_source)?;
+    let mut chain = vec![(sky_source, request.sky(sky_source)?)];
     for source in factors.into_iter().flatten().rev() {
-        result = times(
-            source,
-            &in_color(source, read_factor(PROGRAM, source, Wanted::Transmission, request.commands)?)?,
-            &result,
-        )?;
+        let factor = read_factor(PROGRAM, source, Wanted::Transmission, request.commands)?;
+        chain.push((source, in_color(source, factor)?));
     }
     if holds_number(view) {
-        return request.sum_pictures(view, &result);
+        return request.sum_pictures(view, &product(chain)?);
     }
-    request.write(times(view, &color_matrix(view, request.commands)?, &result)?)
+    chain.push((view, color_matrix(view, request.commands)?));
+    request.write(product(chain)?)
 }
 
-fn times(source: &str, left: &Matrix, right: &Matrix) -> Result<Matrix, Failure> {
-    left.times(right).map_err(|error| wrong(PROGRAM, source, &error))
+/// The product of matrices that stand from the right to the left.
+fn product(mut chain: Vec<(&str, Matrix)>) -> Result<Matrix, Failure> {
+    chain.reverse();
+    let (sources, matrices): (Vec<&str>, Vec<Matrix>) = chain.into_iter().unzip();
+    product_of_chain(matrices).map_err(|(right, error)| wrong(PROGRAM, sources[right - 1], &error))
 }
 
 fn color_matrix(source: &str, commands: Commands) -> Result<Matrix, Failure> {
@@ -227,41 +228,50 @@ impl Request {
         if self.format != Stored::Rgbe {
             say("dctimestep: warning - pictures are written (-oc)\n");
         }
-        if sky.columns() > 1 && self.file(0).is_none() {
-            return Err(Failure::usage(format!(
-                "{PROGRAM}: pictures of {} time steps need numbered names, expected -o with %04d in the name",
-                sky.columns()
-            )));
-        }
         let first = read_picture(pattern, 0, self.commands)?;
         let picture_bytes = 24 * first.values().width() * first.values().height();
         let at_a_time = (MOST_BYTES / picture_bytes.max(1)).max(1);
+        let single = self.files.clone().unwrap_or_else(OutputName::standard_output);
+        let mut single_output = if self.file(0).is_none() { Some(Output::create(&single)?) } else { None };
         for start in (0..sky.columns()).step_by(at_a_time) {
             let steps = start..(start + at_a_time).min(sky.columns());
             let sums = sums((pattern, self.commands), sky, steps.clone(), &first)?;
             for (step, sum) in steps.zip(sums) {
-                self.write_picture(&first, sum, (step, sky.columns()))?;
+                let header = match single_output {
+                    Some(_) if step > 0 => frame_header(step),
+                    _ => self.begin((sky.columns() > 1).then_some(step)),
+                };
+                let bytes = picture(&first, sum, header)?;
+                match (&mut single_output, self.file(step)) {
+                    (Some(output), _) => output.put(&bytes)?,
+                    (None, Some(file)) => write_file(&file, &bytes)?,
+                    (None, None) => {}
+                }
             }
         }
-        Ok(())
+        single_output.map_or(Ok(()), Output::commit)
     }
+}
 
-    fn write_picture(&self, first: &Picture, sum: Vec<f64>, (step, steps): (usize, usize)) -> Outcome {
-        let failed = |error| wrong(PROGRAM, "the result", &MatrixError::Picture(error));
-        let size = first.values();
-        let values = sum.into_iter().map(|value| value as f32).collect();
-        let image = Image::new(size.width(), size.height(), 3, values).map_err(failed)?;
-        let header = self.begin((steps > 1).then_some(step));
-        let picture = match first.encoding() {
-            Encoding::Xyze => Picture::from_xyz(header, &image),
-            _ => Picture::from_rgb(header, &image),
-        };
-        let bytes = picture.map_err(failed)?.to_bytes();
-        match self.file(step).or_else(|| self.files.clone()) {
-            Some(file) => write_file(&file, &bytes),
-            None => write_standard_output(&bytes),
-        }
-    }
+/// The header of a picture that follows others in the same file: Radiance's programs write its
+/// number alone.
+fn frame_header(frame: usize) -> Header {
+    let mut header = Header::default();
+    header.push_variable("FRAME", &frame.to_string());
+    header
+}
+
+/// The bytes of a picture with the size and the encoding of another one.
+fn picture(like: &Picture, values: Vec<f64>, header: Header) -> Result<Vec<u8>, Failure> {
+    let failed = |error| wrong(PROGRAM, "the result", &MatrixError::Picture(error));
+    let size = like.values();
+    let values = values.into_iter().map(|value| value as f32).collect();
+    let image = Image::new(size.width(), size.height(), 3, values).map_err(failed)?;
+    let picture = match like.encoding() {
+        Encoding::Xyze => Picture::from_xyz(header, &image),
+        _ => Picture::from_rgb(header, &image),
+    };
+    Ok(picture.map_err(failed)?.to_bytes())
 }
 
 /// Offset of the data.

@@ -12,7 +12,7 @@ use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, say};
 use crate::input::use_default_threads;
 use crate::output::write_standard_output;
-use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
+use radsight_matrix::{Matrix, MatrixError, Stored, Wanted, product_of_chain};
 use radsight_measured::Side;
 use radsight_picture::Header;
 
@@ -45,10 +45,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     use_default_threads()?;
     let Request { operands, trailing, format } = Request::read(&mut words)?;
     let (program, commands) = (words.program(), words.commands());
-    let result = match is_chain(&operands) {
-        true => product(program, &operands, commands)?,
-        false => from_the_left(program, &operands, commands)?,
-    };
+    let result = combined(program, &operands, commands)?;
     let result = trailing.apply(program, "the result", result, commands)?;
     let mut header = Header::new("RADIANCE");
     header.push_command(words.all());
@@ -135,35 +132,23 @@ impl Operand {
     }
 }
 
-/// Whether the expression is one product of several matrices.
-fn is_chain(operands: &[Operand]) -> bool {
-    operands.len() > 2 && operands[1..].iter().all(|operand| operand.operation == Operation::Product)
+/// Combines the operands from the left. Products that follow each other are one chain, which may be
+/// multiplied in any order; its first factor may be a sum.
+fn combined(program: &str, operands: &[Operand], commands: Commands) -> Result<Matrix, Failure> {
+    let mut chain: Vec<(&str, Matrix)> = Vec::new();
+    for operand in operands {
+        let (source, matrix) = (operand.source.as_str(), operand.load(program, commands)?);
+        if chain.is_empty() || operand.operation == Operation::Product {
+            chain.push((source, matrix));
+            continue;
+        }
+        let left = product(program, std::mem::take(&mut chain))?;
+        chain.push((source, operand.operation.join(program, source, left, &matrix)?));
+    }
+    product(program, chain)
 }
 
-fn from_the_left(program: &str, operands: &[Operand], commands: Commands) -> Result<Matrix, Failure> {
-    let mut result: Option<Matrix> = None;
-    for operand in operands {
-        let matrix = operand.load(program, commands)?;
-        result = Some(match result {
-            None => matrix,
-            Some(left) => operand.operation.join(program, &operand.source, left, &matrix)?,
-        });
-    }
-    result.ok_or_else(|| Failure::usage("rmtxop: no matrix is given"))
-}
-
-/// A product of several matrices, starting at the end with fewer values: a sky of one time step is
-/// a vector.
-fn product(program: &str, operands: &[Operand], commands: Commands) -> Result<Matrix, Failure> {
-    let mut chain = Vec::new();
-    for operand in operands {
-        chain.push((operand.source.as_str(), operand.load(program, commands)?));
-    }
-    let from_the_right = chain[chain.len() - 1].1.columns() < chain[0].1.rows();
-    while chain.len() > 1 {
-        let at = if from_the_right { chain.len() - 2 } else { 0 };
-        let (source, right) = chain.remove(at + 1);
-        chain[at].1 = chain[at].1.times(&right).map_err(|error| wrong(program, source, &error))?;
-    }
-    Ok(chain.remove(0).1)
+fn product(program: &str, chain: Vec<(&str, Matrix)>) -> Result<Matrix, Failure> {
+    let (sources, matrices): (Vec<&str>, Vec<Matrix>) = chain.into_iter().unzip();
+    product_of_chain(matrices).map_err(|(index, error)| wrong(program, sources[index], &error))
 }
