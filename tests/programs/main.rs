@@ -12,6 +12,7 @@ mod mkillum;
 mod obj2mesh;
 mod oconv;
 mod options;
+mod pcomb;
 mod picture_programs;
 mod pinterp;
 mod rad;

@@ -2,7 +2,7 @@
 
 use crate::bindings::{Bindings, Known};
 use crate::definitions::{Definitions, Dialect};
-use crate::fault::Warning;
+use crate::fault::{Place, Warning};
 use crate::names::{Assignment, Definition, Scope, SymbolId};
 use crate::program::{Host, Program, ReadRoot, Scratch};
 use crate::syntax::Body;
@@ -16,6 +16,10 @@ const FIRST_SLOT: u32 = 0x4000_0000;
 /// A root of an [`Environment`] that can be evaluated repeatedly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Handle(usize);
+
+/// A variable of an [`Environment`] that is set to numbers again and again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Slot(usize);
 
 /// A program, with memory of its own if a variable is defined recursively.
 #[derive(Clone, Debug)]
@@ -69,7 +73,10 @@ pub struct Environment {
     programs: Vec<Option<Compiled>>,
     outputs: BTreeMap<u32, Handle>,
     output_program: Option<Compiled>,
+    /// The channel and the last value of each output.
     output_values: Vec<(u32, f64)>,
+    /// Memory for the values of an evaluation.
+    output_buffer: Vec<f64>,
     host_functions: Vec<(String, usize)>,
     /// Variables that are set to numbers, with their values.
     slots: Vec<(SymbolId, f64)>,
@@ -100,6 +107,7 @@ impl Environment {
             outputs: BTreeMap::new(),
             output_program: None,
             output_values: Vec::new(),
+            output_buffer: Vec::new(),
             host_functions: Vec::new(),
             slots: Vec::new(),
             scratch: Scratch::new(),
@@ -139,19 +147,33 @@ impl Environment {
         Ok(())
     }
 
-    /// Sets a variable to a number. Cheap if the variable was set before and not redefined since.
+    /// Sets a variable to a number, which recompiles nothing if it was set before and not redefined
+    /// since. To set it for every record, take its [`Environment::slot`].
     pub fn set_variable(&mut self, name: &str, value: f64) {
+        let slot = self.slot(name);
+        self.set(slot, value);
+    }
+
+    /// The variable with this name, for [`Environment::set`].
+    pub fn slot(&mut self, name: &str) -> Slot {
         let symbol = self.definitions.symbols.insert(Scope::global().qualify(name));
-        match self.slots.iter().position(|(known, _)| *known == symbol) {
-            Some(slot) if self.serves(symbol, slot) => self.slots[slot].1 = value,
-            Some(slot) => {
-                self.slots[slot].1 = value;
-                self.serve(symbol, slot);
-            }
-            None => {
-                self.slots.push((symbol, value));
-                self.serve(symbol, self.slots.len() - 1);
-            }
+        let known = self.slots.iter().position(|(known, _)| *known == symbol);
+        Slot(known.unwrap_or_else(|| {
+            self.slots.push((symbol, 0.0));
+            self.slots.len() - 1
+        }))
+    }
+
+    /// Sets a variable to a number, as [`Environment::set_variable`] does, without looking for it.
+    ///
+    /// # Panics
+    /// If the slot is that of another environment with more variables.
+    pub fn set(&mut self, slot: Slot, value: f64) {
+        let (symbol, current) = &mut self.slots[slot.0];
+        *current = value;
+        let symbol = *symbol;
+        if !self.serves(symbol, slot.0) {
+            self.serve(symbol, slot.0);
         }
     }
 
@@ -233,29 +255,32 @@ impl Environment {
     /// # Errors
     /// Names without a definition, missing arguments, and evaluations that do not terminate.
     pub fn eval_outputs<H: Host + ?Sized>(&mut self, host: &H) -> Result<&[(u32, f64)], Vec<Diagnostic>> {
-        let mut compiled = match self.output_program.take() {
-            Some(compiled) => compiled,
-            None => self.build(self.outputs.values().map(|handle| self.root(*handle)).collect())?,
-        };
+        if self.output_program.is_none() {
+            let compiled = self.build(self.outputs.values().map(|handle| self.root(*handle)).collect())?;
+            self.output_program = Some(compiled);
+            self.output_values = self.outputs.keys().map(|channel| (*channel, 0.0)).collect();
+            self.output_buffer = vec![0.0; self.outputs.len()];
+        }
+        let Some(compiled) = &mut self.output_program else { return Err(Vec::new()) };
         self.scratch.forget_warnings();
-        let mut values = vec![0.0; self.outputs.len()];
+        let values = &mut self.output_buffer;
         let host = WithSlots { host, slots: &self.slots };
         let result = match &mut compiled.memory {
-            None => compiled.program.eval_all(&[], &host, &mut self.scratch, &mut values),
+            None => compiled.program.eval_all(&[], &host, &mut self.scratch, values),
             Some(memory) => {
-                let result = compiled.program.eval_all(&[], &host, memory, &mut values);
+                let result = compiled.program.eval_all(&[], &host, memory, values);
                 self.scratch.copy_warnings(memory);
                 result
             }
         };
-        self.output_program = Some(compiled);
         if let Err(fault) = result
             && fault.kind.is_fatal()
         {
             return Err(vec![Diagnostic::error(fault.to_string())]);
         }
-        self.output_values.clear();
-        self.output_values.extend(self.outputs.keys().copied().zip(values));
+        for ((_, shown), value) in self.output_values.iter_mut().zip(&self.output_buffer) {
+            *shown = *value;
+        }
         Ok(&self.output_values)
     }
 
@@ -294,6 +319,18 @@ impl Environment {
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         self.scratch.warnings()
+    }
+
+    /// A warning in words, as Radiance prints it: `ri(): domain error`.
+    #[must_use]
+    pub fn in_words(&self, warning: &Warning) -> String {
+        match warning.place {
+            Place::HostFunction(index) => match self.host_functions.get(usize::from(index)) {
+                Some((name, _)) => format!("{name}(): {}", warning.kind),
+                None => warning.to_string(),
+            },
+            _ => warning.to_string(),
+        }
     }
 
     fn root(&self, handle: Handle) -> ReadRoot {

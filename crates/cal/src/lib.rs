@@ -62,7 +62,7 @@ mod syntax;
 pub use bindings::Bindings;
 pub use builtin::random;
 pub use definitions::Definitions;
-pub use environment::{Environment, Handle};
+pub use environment::{Environment, Handle, Slot};
 pub use family::Family;
 pub use fault::{Fault, FaultKind, Warning};
 pub use fault_log::Faults;

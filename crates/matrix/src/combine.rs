@@ -89,16 +89,18 @@ impl Combination {
             Defined::Function => environment.function("co", 1),
             _ => environment.variable("co"),
         };
-        let set = |environment: &Environment, name| environment.is_mentioned(name) && !environment.is_variable(name);
-        let [sets_row, sets_column] = ["r", "c"].map(|name| set(&environment, name));
+        let [row_slot, column_slot] = ["r", "c"].map(|name| {
+            let is_set = environment.is_mentioned(name) && !environment.is_variable(name);
+            is_set.then(|| environment.slot(name))
+        });
         let (columns, components) = (first.columns(), first.components());
         for (element, values) in result.values_mut().chunks_exact_mut(components).enumerate() {
             let (row, column) = (element / columns, element % columns);
-            if sets_row && column == 0 {
-                environment.set_variable("r", row as f64);
+            if let (Some(slot), 0) = (row_slot, column) {
+                environment.set(slot, row as f64);
             }
-            if sets_column {
-                environment.set_variable("c", column as f64);
+            if let Some(slot) = column_slot {
+                environment.set(slot, column as f64);
             }
             for (component, value) in values.iter_mut().enumerate() {
                 let site = Site { inputs: &inputs, row, column, component, functions };

@@ -116,7 +116,8 @@ mod tests {
     #[test]
     fn products_of_any_size_are_the_sums_that_define_them() {
         let matrix = |size: [usize; 2], components: usize, divisor: usize| {
-            let value = |at: usize| if (at / components) % divisor == 0 { (at % 13) as f32 - 5.5 } else { 0.0 };
+            let value =
+                |at: usize| if (at / components).is_multiple_of(divisor) { (at % 13) as f32 - 5.5 } else { 0.0 };
             let values = (0..size[0] * size[1] * components).map(value).collect();
             Matrix::new(size, components, values).unwrap()
         };

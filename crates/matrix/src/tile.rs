@@ -57,7 +57,7 @@ impl Tile {
 
 /// Adds values times the factors of their components.
 fn add_products(sums: &mut [f64], values: &[f64], factors: &[f32]) {
-    if LANES % factors.len() != 0 {
+    if !LANES.is_multiple_of(factors.len()) {
         for (sums, values) in sums.chunks_exact_mut(factors.len()).zip(values.chunks_exact(factors.len())) {
             for ((sum, value), factor) in sums.iter_mut().zip(values).zip(factors) {
                 *sum += f64::from(*factor) * value;

@@ -2,7 +2,7 @@
 
 use crate::ToolError;
 use crate::brightness::of_rgb;
-use radsight_cal::{Environment, Host};
+use radsight_cal::{Environment, Host, Slot};
 use radsight_diag::SourceMap;
 use radsight_picture::{Encoding, PictureError, PictureReader, View, ViewOptions, WHITE_EFFICACY};
 use std::collections::VecDeque;
@@ -13,6 +13,9 @@ use std::io::Read;
 const ROWS_ABOVE: usize = 62;
 /// Rows below the current one that expressions can access.
 const ROWS_BELOW: usize = 64;
+
+/// Largest number of distinct warnings about mathematical errors.
+const MOST_WARNINGS: usize = 10;
 
 /// Functions available to expressions, in the order of their numbers.
 const FUNCTIONS: [&str; 17] =
@@ -115,13 +118,16 @@ pub struct Combination<R> {
     in_size: [usize; 2],
     /// The same for the output.
     size: [usize; 2],
-    sets_x: bool,
-    sets_y: bool,
+    /// The variables of the position, if definitions mention them.
+    x: Option<Slot>,
+    y: Option<Slot>,
     /// Number of input rows read.
     rows_read: usize,
     defined: Defined,
     /// Which components have a definition.
     has_definition: [bool; 3],
+    /// Mathematical errors so far, without duplicates.
+    warnings: Vec<String>,
 }
 
 /// The pixel being computed.
@@ -191,8 +197,10 @@ impl<R: Read> Combination<R> {
         }
         let is_luminance = encoding(&inputs) == Encoding::Xyze;
         let defined = if environment.is_variable("lo") { Defined::Grey } else { Defined::Color };
-        let sets = |environment: &Environment, name| environment.is_mentioned(name) && !environment.is_variable(name);
-        let (sets_x, sets_y) = (sets(&environment, "x"), sets(&environment, "y"));
+        let [x, y] = ["x", "y"].map(|name| {
+            let is_set = environment.is_mentioned(name) && !environment.is_variable(name);
+            is_set.then(|| environment.slot(name))
+        });
         let names: &[&str] = if defined == Defined::Grey { &["lo"] } else { &["ro", "go", "bo"] };
         let mut has_definition = [false; 3];
         for (index, name) in names.iter().enumerate() {
@@ -209,12 +217,23 @@ impl<R: Read> Combination<R> {
             is_luminance,
             in_size: expected,
             size,
-            sets_x,
-            sets_y,
+            x,
+            y,
             rows_read: 0,
             defined,
             has_definition,
+            warnings: Vec::new(),
         })
+    }
+
+    /// The encoding of the output: that of the first picture.
+    pub fn encoding(&self) -> Encoding {
+        encoding(&self.inputs)
+    }
+
+    /// The distinct mathematical errors of the rows so far, such as a picture that is not there.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// The defined output components.
@@ -234,13 +253,13 @@ impl<R: Read> Combination<R> {
         let in_from_bottom = ((from_bottom as f64 + 0.5) * rows as f64 / self.size[1] as f64) as usize;
         let in_row = rows.saturating_sub(1).saturating_sub(in_from_bottom);
         self.read_to(in_row)?;
-        if self.sets_y {
-            self.environment.set_variable("y", from_bottom as f64);
+        if let Some(y) = self.y {
+            self.environment.set(y, from_bottom as f64);
         }
         for (position, value) in values.iter_mut().enumerate() {
             let column = ((position as f64 + 0.5) * columns as f64 / self.size[0] as f64) as usize;
-            if self.sets_x {
-                self.environment.set_variable("x", position as f64);
+            if let Some(x) = self.x {
+                self.environment.set(x, position as f64);
             }
             *value = self.pixel(column, in_row)?;
         }
@@ -274,15 +293,26 @@ impl<R: Read> Combination<R> {
         let mut found = outputs.iter().map(|(_, value)| *value);
         let mut value = [0.0f64; 3];
         if self.defined == Defined::Grey {
-            return Ok([found.next().unwrap_or(0.0) as f32; 3]);
+            value = [found.next().unwrap_or(0.0); 3];
+        } else {
+            for (component, value) in value.iter_mut().enumerate() {
+                *value = match self.has_definition[component] {
+                    true => found.next().unwrap_or(0.0),
+                    false => site.inputs.iter().map(|input| f64::from(site.here(input)[component])).sum(),
+                };
+            }
         }
-        for (component, value) in value.iter_mut().enumerate() {
-            *value = match self.has_definition[component] {
-                true => found.next().unwrap_or(0.0),
-                false => site.inputs.iter().map(|input| f64::from(site.here(input)[component])).sum(),
-            };
-        }
+        self.keep_warnings();
         Ok(value.map(|value| value as f32))
+    }
+
+    fn keep_warnings(&mut self) {
+        for warning in self.environment.warnings() {
+            let warning = self.environment.in_words(warning);
+            if self.warnings.len() < MOST_WARNINGS && !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
     }
 }
 
@@ -344,7 +374,8 @@ impl<R> Host for Site<'_, R> {
         let number = arguments.first().copied().unwrap_or(0.0);
         let count = self.inputs.len() as f64;
         if !(number > -0.5 && number < count + 0.5) {
-            return 0.0;
+            // A domain error: the value becomes 0, with a warning.
+            return f64::NAN;
         }
         if number < 0.5 {
             return count;

@@ -100,7 +100,7 @@ impl Functions {
     pub(crate) fn value<H: Host + ?Sized>(&mut self, handle: Handle, values: &[f64], host: &H) -> Result<f64, Error> {
         let value = self.environment.eval(handle, values, host).map_err(|problems| self.error(&problems, None))?;
         for warning in self.environment.warnings() {
-            let message = warning.to_string();
+            let message = self.environment.in_words(warning);
             if self.warnings.len() < MOST_WARNINGS && !self.warnings.contains(&message) {
                 self.warnings.push(message);
             }

@@ -12,7 +12,7 @@
 
 use std::cell::Cell;
 
-use radsight_cal::{Environment, Handle, Host};
+use radsight_cal::{Environment, Handle, Host, Slot};
 use radsight_loader::FileKind;
 
 use crate::arguments::Arguments;
@@ -55,13 +55,14 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         text: invocation.text(),
         outputs: Vec::new(),
         condition: None,
-        counts: [false; 2],
+        counts: [None; 2],
         program: arguments.program().to_owned(),
     };
     let options = calculator.read_options(&mut arguments, invocation)?;
     calculator.check(&options, &arguments)?;
     calculator.outputs = calculator.functions.environment.outputs();
-    calculator.counts = ["recno", "outno"].map(|name| calculator.functions.environment.is_mentioned(name));
+    let environment = &mut calculator.functions.environment;
+    calculator.counts = ["recno", "outno"].map(|name| environment.is_mentioned(name).then(|| environment.slot(name)));
     if options.no_input {
         calculator.put_record(&options, &Channels::none())?;
     } else {
@@ -79,8 +80,8 @@ struct Calculator {
     text: Text,
     outputs: Vec<(u32, Handle)>,
     condition: Option<Handle>,
-    /// Whether `recno` and `outno` are used.
-    counts: [bool; 2],
+    /// `recno` and `outno`, if they are used.
+    counts: [Option<Slot>; 2],
     program: String,
 }
 
@@ -247,10 +248,9 @@ impl Calculator {
     /// Counts a record and returns whether it passes.
     fn accepts(&mut self, records: &mut usize, written: usize, channels: &Channels<'_>) -> Result<bool, Error> {
         *records += 1;
-        let [counts_records, counts_written] = self.counts;
-        for (name, counts, value) in [("recno", counts_records, *records), ("outno", counts_written, written + 1)] {
-            if counts {
-                self.functions.environment.set_variable(name, value as f64);
+        for (slot, value) in self.counts.into_iter().zip([*records, written + 1]) {
+            if let Some(slot) = slot {
+                self.functions.environment.set(slot, value as f64);
             }
         }
         match self.condition {

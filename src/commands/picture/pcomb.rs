@@ -9,11 +9,12 @@
 use super::files::{History, Source, failed, finish, open_any_image, output, write_failed};
 use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Failure, Outcome, say};
 use radsight_cal::{Environment, NoHost};
 use radsight_diag::SourceMap;
 use radsight_loader::{FileKind, Loader};
-use radsight_picture::{PictureReader, PictureWriter, Resolution};
+use radsight_picture::{Encoding, Header, PictureReader, PictureWriter, Resolution};
+use radsight_picture_ops::ToolError;
 use radsight_picture_ops::combine::{Combination, CombineInput, Defined, Exposures, encoding, prepare};
 use std::io::Write;
 
@@ -21,6 +22,8 @@ use std::io::Write;
 struct Options {
     history: History,
     floats: bool,
+    /// `-w`
+    is_quiet: bool,
     /// Definitions and sizes, in the order of the command line.
     definitions: Vec<Definition>,
 }
@@ -39,24 +42,53 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let (environment, size) = environment(&options, &inputs)?;
     let header = header(&options, &words, &names, &inputs);
     let encoding = encoding(&inputs);
+    for (name, input) in names.iter().zip(&inputs) {
+        let found = input.reader().encoding();
+        if found != encoding {
+            let [found, first] = [found, encoding].map(Encoding::name);
+            options.warn(&format!(
+                "\"{name}\" is {found}, but the first picture {first}; its numbers are combined as they are"
+            ));
+        }
+    }
     let wrong = |error| match error {
-        radsight_picture_ops::ToolError::Input { index, error } => failed(&names[index], error.into()),
+        ToolError::Input { index, error } => failed(&names[index], error.into()),
         error => failed("pcomb", error),
     };
     let mut combination = Combination::new(inputs, environment, size).map_err(wrong)?;
-    let mut header = header;
+    let written = match options.floats {
+        true => write_floats(&mut combination, header, size, &wrong),
+        false => write_picture(&mut combination, header, size, &wrong),
+    };
+    combination.warnings().iter().for_each(|warning| options.warn(warning));
+    written
+}
+
+fn write_picture(
+    combination: &mut Combination<Source>,
+    mut header: Header,
+    size: [usize; 2],
+    wrong: &dyn Fn(ToolError) -> Failure,
+) -> Outcome {
     let mut values = vec![[0.0f32; 3]; size[0]];
-    if !options.floats {
-        header.push_variable("FORMAT", encoding.name());
-        let write_wrong = |error: radsight_picture::PictureError| failed("standard output", error.into());
-        let mut writer =
-            PictureWriter::new(output(), &header, 3, Resolution::standard(size[0], size[1])).map_err(write_wrong)?;
-        for row in 0..size[1] {
-            combination.row(row, &mut values).map_err(wrong)?;
-            writer.write_values(values.as_flattened()).map_err(write_wrong)?;
-        }
-        return writer.finish().map_err(write_wrong);
+    header.push_variable("FORMAT", combination.encoding().name());
+    let write_wrong = |error: radsight_picture::PictureError| failed("standard output", error.into());
+    let mut writer =
+        PictureWriter::new(output(), &header, 3, Resolution::standard(size[0], size[1])).map_err(write_wrong)?;
+    for row in 0..size[1] {
+        combination.row(row, &mut values).map_err(wrong)?;
+        writer.write_values(values.as_flattened()).map_err(write_wrong)?;
     }
+    writer.finish().map_err(write_wrong)
+}
+
+fn write_floats(
+    combination: &mut Combination<Source>,
+    mut header: Header,
+    size: [usize; 2],
+    wrong: &dyn Fn(ToolError) -> Failure,
+) -> Outcome {
+    let mut values = vec![[0.0f32; 3]; size[0]];
     let components = if combination.defined() == Defined::Grey { 1 } else { 3 };
     for (name, value) in [("NROWS", size[1]), ("NCOLS", size[0]), ("NCOMP", components)] {
         header.push_variable(name, &value.to_string());
@@ -74,8 +106,16 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     finish(out)
 }
 
+impl Options {
+    fn warn(&self, message: &str) {
+        if !self.is_quiet {
+            say(&format!("pcomb: warning - {message}\n"));
+        }
+    }
+}
+
 fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
-    let mut options = Options { history: History::Copied, floats: false, definitions: Vec::new() };
+    let mut options = Options { history: History::Copied, floats: false, is_quiet: false, definitions: Vec::new() };
     while let Some(option) =
         words.next_if(|word| matches!(word.as_bytes(), [b'-', b'x' | b'y' | b'w' | b'h' | b'f' | b'e', ..]))
     {
@@ -85,7 +125,7 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
             "-y" => options.definitions.push(Definition::Rows(words.value(option, expected)?.to_owned())),
             "-e" => options.definitions.push(Definition::Text(words.value(option, "definitions")?.to_owned())),
             "-f" => options.definitions.push(Definition::File(words.value(option, "a file")?.to_owned())),
-            "-w" => {}
+            "-w" => options.is_quiet = !options.is_quiet,
             "-h" => options.history = options.history.other(),
             _ if option.starts_with("-f") && option.len() > 2 => options.floats = option.starts_with("-ff"),
             _ => return Err(words.unknown(option)),
@@ -173,12 +213,7 @@ fn environment(options: &Options, inputs: &[CombineInput<Source>]) -> Result<(En
     Ok((environment, size))
 }
 
-fn header(
-    options: &Options,
-    words: &Words<'_>,
-    names: &[String],
-    inputs: &[CombineInput<Source>],
-) -> radsight_picture::Header {
+fn header(options: &Options, words: &Words<'_>, names: &[String], inputs: &[CombineInput<Source>]) -> Header {
     let mut header = super::files::dated_header();
     for (name, input) in names.iter().zip(inputs) {
         let mut nested = input.reader().header().clone();
