@@ -1,7 +1,7 @@
 //! Loads files from disk with Radiance's search rules.
 
-use crate::commands::mksource;
-use crate::failure::reason;
+use crate::commands::{mksource, oconv};
+use crate::failure::{Failure, reason};
 use crate::read_once;
 use crate::trust::{Trust, shell};
 use radsight::FileLoader;
@@ -40,6 +40,14 @@ impl DiskLoader {
         let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         DiskLoader { shuffle_seed: since.as_nanos() as u64, ..self }
     }
+
+    /// The path of a file. Inputs of programs are not looked for: their names are paths.
+    fn find(&self, name: &str, kind: FileKind) -> Result<Option<PathBuf>, LoadError> {
+        match kind {
+            FileKind::Input => FileLoader::default().find(name),
+            _ => self.files.find(name),
+        }
+    }
 }
 
 fn unreadable(path: &Path, error: &io::Error) -> LoadError {
@@ -52,15 +60,18 @@ fn unreadable(path: &Path, error: &io::Error) -> LoadError {
 
 impl Loader for DiskLoader {
     fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
-        if let Some(path) = self.files.find(name)? {
+        if let Some(path) = self.find(name, kind)? {
             let bytes = read_once::owned(&path).map_err(|error| unreadable(&path, &error))?;
             return Ok(Loaded { path: path.display().to_string(), bytes });
         }
-        self.files.built_in(name, kind)
+        match kind {
+            FileKind::Input => Err(LoadError::not_found(name, kind)),
+            _ => self.files.built_in(name, kind),
+        }
     }
 
     fn open(&self, name: &str, kind: FileKind) -> Result<Box<dyn Read>, LoadError> {
-        match self.files.find(name)? {
+        match self.find(name, kind)? {
             Some(path) => match read_once::open(&path) {
                 Ok(file) => Ok(Box::new(file)),
                 Err(error) => Err(unreadable(&path, &error)),
@@ -90,6 +101,15 @@ impl Loader for DiskLoader {
 
     fn run_program(&self, argv: &[String], standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
         let made = match Path::new(argv.first()?).file_name()?.to_str()? {
+            // pkgBSDF -i makes an octree of a sample's geometry.
+            "oconv" if argv[1..] == ["-f", "-"] => {
+                let made = oconv::frozen(standard_input.unwrap_or_default());
+                let failed = |error: Failure| LoadError::CommandFailed {
+                    command: argv.join(" "),
+                    reason: error.message().to_owned(),
+                };
+                return Some(made.map_err(failed));
+            }
             "mksource" => mksource::make(argv, &Trust::default()),
             // Generators such as replmarks -e run it.
             "xform" => radsight_parse::xform(argv, &standard_input.unwrap_or_default(), self),

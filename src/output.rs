@@ -170,7 +170,19 @@ pub(crate) fn write_file(name: &str, bytes: &[u8]) -> Outcome {
     output.commit()
 }
 
-/// The same for a file that was read: only if the user requested it.
+/// Adds bytes to the end of a file, which gets all of them or none.
+pub(crate) fn extend_file(name: &str, bytes: &[u8]) -> Outcome {
+    let old = match file_path(name)? {
+        None => Vec::new(),
+        Some(path) => match fs::read(path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(name, &error)),
+            read => read.unwrap_or_default(),
+        },
+    };
+    write_file(name, &[&old, bytes].concat())
+}
+
+/// Writes a file whole that was read: only if the user requested it.
 pub(crate) fn replace_file(name: &str, bytes: &[u8]) -> Outcome {
     let mut output = Output::open(name, &resolve_any(name)?)?;
     output.put(bytes)?;

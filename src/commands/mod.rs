@@ -13,7 +13,7 @@ mod missing;
 mod mkillum;
 pub(crate) mod mksource;
 mod obj2mesh;
-mod oconv;
+pub(crate) mod oconv;
 mod picture;
 mod pinhole;
 mod plugin;

@@ -56,27 +56,16 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         arguments.warn("the octree of -i is frozen, and so is the new one");
     }
     let is_frozen = is_frozen || was_frozen;
-    let read = arguments.read_scene(inputs, if is_frozen { KeepPrimitives::Yes } else { KeepPrimitives::No })?;
-    let cube = arguments.cube(old.as_ref(), &read.scene)?;
-    use_default_threads()?;
-    let built = radsight_octree::build(&read.scene, &read.numbering.of_surfaces, cube, &arguments.build);
-    if built.left_out > 0 {
-        arguments.warn(&format!("{} surfaces are left out where too many overlap", built.left_out));
-    }
-    let content = if is_frozen {
-        OctreeContent::Objects(read.numbering.primitives)
-    } else {
-        OctreeContent::Files(names.iter().map(String::as_bytes).collect())
-    };
-    let octree = Octree {
-        header: header(words, &read.history),
-        origin: cube.origin.to_array(),
-        size: cube.size,
-        object_count: read.numbering.count,
-        content,
-    };
-    let bytes = octree.write(&built.tree).map_err(|error| Failure::input(format!("oconv: {error}")))?;
+    let bytes = arguments.compile(words, inputs, (!is_frozen).then_some(&names[..]), old.as_ref())?;
     write_file(&arguments.output, &bytes)
+}
+
+/// The frozen octree of scene text, as `oconv -f -` makes it.
+pub(crate) fn frozen(scene: &[u8]) -> Result<Vec<u8>, Failure> {
+    let words = ["oconv", "-f", "-"].map(str::to_owned);
+    let arguments = Arguments::read(&words[1..], &Trust::default())?;
+    let input = Input::Text { name: "standard input".to_owned(), text: scene.to_vec().into() };
+    arguments.compile(&words, vec![input], None, None)
 }
 
 /// The data of the octree of `-i`.
@@ -145,6 +134,34 @@ impl Arguments {
             return Err(Failure::usage("oconv: -i and -b both give the cube, expected one of them"));
         }
         Ok(arguments)
+    }
+
+    /// The bytes of the octree that names its scene files, or without them of a frozen one.
+    fn compile(
+        &self,
+        words: &[String],
+        inputs: Vec<Input>,
+        names: Option<&[String]>,
+        old: Option<&Old>,
+    ) -> Result<Vec<u8>, Failure> {
+        let read = self.read_scene(inputs, if names.is_none() { KeepPrimitives::Yes } else { KeepPrimitives::No })?;
+        let cube = self.cube(old, &read.scene)?;
+        use_default_threads()?;
+        let built = radsight_octree::build(&read.scene, &read.numbering.of_surfaces, cube, &self.build);
+        if built.left_out > 0 {
+            self.warn(&format!("{} surfaces are left out where too many overlap", built.left_out));
+        }
+        let octree = Octree {
+            header: header(words, &read.history),
+            origin: cube.origin.to_array(),
+            size: cube.size,
+            object_count: read.numbering.count,
+            content: match names {
+                Some(names) => OctreeContent::Files(names.iter().map(String::as_bytes).collect()),
+                None => OctreeContent::Objects(read.numbering.primitives),
+            },
+        };
+        octree.write(&built.tree).map_err(|error| Failure::input(format!("oconv: {error}")))
     }
 
     fn read_scene(&self, inputs: Vec<Input>, primitives: KeepPrimitives) -> Result<Read, Failure> {

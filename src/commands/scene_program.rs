@@ -4,7 +4,7 @@ use crate::disk::DiskLoader;
 use crate::failure::{Failure, Outcome, reason, render, say};
 use crate::input::{read, scene_inputs};
 use crate::option_table::{options_of, parse_option, unknown_option};
-use crate::output::{standard_output, write_file, write_standard_output};
+use crate::output::{extend_file, standard_output, write_file, write_standard_output};
 use crate::trust::{Existing, Trust};
 use glam::DVec3;
 use radsight_loader::LoadError;
@@ -136,6 +136,7 @@ pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> 
             true if holds(file, bytes) => continue,
             _ if file == "-" => write_standard_output(bytes)?,
             true => write_file(&trust.output_of_file(file, Existing::Kept)?, bytes)?,
+            false if name == "mgf2rad" => extend_file(&trust.output(file, Existing::Kept)?, bytes)?,
             false => write_file(&trust.output(file, Existing::Kept)?, bytes)?,
         }
     }

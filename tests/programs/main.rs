@@ -4,6 +4,7 @@
 #[path = "../program/mod.rs"]
 mod program;
 
+mod beside;
 mod commands;
 mod converters;
 mod files_as_they_are;

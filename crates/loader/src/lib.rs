@@ -36,6 +36,9 @@ pub enum FileKind {
     Octree,
     /// A BSDF description (`.xml`).
     Bsdf,
+    /// An input of a program that reads text or numbers, such as `total`. Its name is a path:
+    /// Radiance looks for it in no other folder.
+    Input,
     /// Any other file that a command names.
     Other,
 }
@@ -121,7 +124,7 @@ impl FileKind {
             FileKind::Mesh => "mesh",
             FileKind::Octree => "octree",
             FileKind::Bsdf => "BSDF file",
-            FileKind::Other => "file",
+            FileKind::Input | FileKind::Other => "file",
         }
     }
 }
@@ -140,6 +143,11 @@ pub trait Loader: Sync {
     /// When the file does not exist or cannot be opened.
     fn open(&self, name: &str, kind: FileKind) -> Result<Box<dyn Read>, LoadError> {
         Ok(Box::new(Cursor::new(self.load(name, kind)?.bytes)))
+    }
+
+    /// The content of a file that an earlier command of the same scene wrote.
+    fn written(&self, _name: &str) -> Option<Vec<u8>> {
+        None
     }
 
     /// The sorted names of files that match a shell pattern (`*`, `?`, `[…]`). Empty if the loader
@@ -186,6 +194,10 @@ impl<L: Loader + ?Sized> Loader for &L {
 
     fn open(&self, name: &str, kind: FileKind) -> Result<Box<dyn Read>, LoadError> {
         (**self).open(name, kind)
+    }
+
+    fn written(&self, name: &str) -> Option<Vec<u8>> {
+        (**self).written(name)
     }
 
     fn names_like(&self, pattern: &str) -> Vec<String> {

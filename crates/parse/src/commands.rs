@@ -20,6 +20,10 @@ impl Loader for DirectoryLoader<'_> {
         self.loader.load(name, kind)
     }
 
+    fn written(&self, name: &str) -> Option<Vec<u8>> {
+        self.loader.written(name)
+    }
+
     fn names_like(&self, pattern: &str) -> Vec<String> {
         if self.directory.is_empty() || pattern.starts_with('/') {
             return self.loader.names_like(pattern);

@@ -11,7 +11,7 @@ const USAGE: &str = "cat [-u] [file …]";
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut text = Text::default();
     for name in file_names(invocation, USAGE)? {
-        text.push_bytes(&invocation.input(name, FileKind::Other)?)?;
+        text.push_bytes(&invocation.input(name, FileKind::Input)?)?;
     }
     Ok(Output { standard_output: text.into_bytes(), ..Output::default() })
 }

@@ -21,10 +21,10 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     };
     let mut limits = Vec::new();
     loop {
-        let position = arguments.position();
+        let (position, word) = (arguments.position(), arguments.peek().unwrap_or_default());
         let limit = arguments.count("count")?;
         if limit < 2 {
-            return Err(arguments.mistake(position, format!("count is {limit}, expected at least 2")));
+            return Err(arguments.mistake(position, format!("count is {word}, expected a whole number of at least 2")));
         }
         limits.push(limit);
         if arguments.peek().is_none() {

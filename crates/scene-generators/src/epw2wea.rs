@@ -47,7 +47,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     if arguments.word().is_some() {
         return Err(arguments.unknown());
     }
-    let bytes = invocation.input(input, FileKind::Other)?;
+    let bytes = invocation.input(input, FileKind::Input)?;
     let wrong = |(line, mistake): (usize, &str)| Error::Input {
         program: arguments.program().to_owned(),
         source_name: input.to_owned(),

@@ -81,7 +81,7 @@ struct Options<'a> {
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
     let options = Options::read(&mut arguments)?;
-    let bytes = invocation.input(options.weather, FileKind::Other)?;
+    let bytes = invocation.input(options.weather, FileKind::Input)?;
     let weather = Weather::read(&String::from_utf8_lossy(&bytes)).map_err(|mistake| Error::Input {
         program: "gendaymtx".to_owned(),
         source_name: source_name(options.weather).to_owned(),

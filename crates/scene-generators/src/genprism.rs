@@ -84,7 +84,7 @@ fn read_corners(arguments: &mut Arguments<'_>, invocation: &Invocation<'_>) -> R
     match arguments.peek() {
         Some(word) if !word.starts_with(|first: char| first.is_ascii_digit()) => {
             arguments.word();
-            corners_of(arguments, &invocation.input(word, FileKind::Other)?, source_name(word))
+            corners_of(arguments, &invocation.input(word, FileKind::Input)?, source_name(word))
         }
         _ => {
             let count = arguments.count("number of vertices")?;

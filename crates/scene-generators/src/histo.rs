@@ -41,7 +41,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     }
     let range = Range::read(&mut arguments)?;
     let mut text = invocation.text();
-    let (columns, not_numbers) = range.count(&mut invocation.supply("-", FileKind::Other)?, &mut text)?;
+    let (columns, not_numbers) = range.count(&mut invocation.supply("-", FileKind::Input)?, &mut text)?;
     if not_numbers > 0 {
         arguments.warnings.push(format!("{not_numbers} of the numbers are nan, which no bin counts"));
     }

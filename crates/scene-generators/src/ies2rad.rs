@@ -72,7 +72,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     for input in if inputs.is_empty() { &standard_input[..] } else { inputs } {
         let (source_name, bytes) = match input.as_str() {
             "" => ("standard input", invocation.standard_input()?.to_vec()),
-            name => (name, invocation.loader.load(name, FileKind::Other)?.bytes),
+            name => (name, invocation.loader.load(name, FileKind::Input)?.bytes),
         };
         let name = options.output_name.clone().unwrap_or_else(|| stem_of(input).to_owned());
         let mut conversion =

@@ -118,6 +118,8 @@ struct Source {
 pub(crate) struct Converter<'a> {
     loader: &'a dyn Loader,
     pub(crate) text: Text,
+    /// The text of the materials, if it is not `text`.
+    pub(crate) material_text: Option<Text>,
     pub(crate) materials: MaterialWriter,
     pub(crate) warnings: Vec<String>,
     /// Number of unknown statements.
@@ -138,6 +140,7 @@ impl<'a> Converter<'a> {
         Converter {
             loader,
             text,
+            material_text: None,
             materials,
             warnings: Vec::new(),
             unknown: 0,

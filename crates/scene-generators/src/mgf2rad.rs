@@ -1,8 +1,8 @@
-//! `mgf2rad [-s] [-g dist] [-e mult] [file …]`: converts Materials and Geometry Format to Radiance
-//! text.
+//! `mgf2rad [-s] [-m matf] [-g dist] [-e mult] [file …]`: converts Materials and Geometry Format to
+//! Radiance text.
 //!
-//! `-s` writes spectra, `-g` makes emitters `glow` with a radius of influence in metres, `-e`
-//! multiplies their radiance.
+//! `-s` writes spectra, `-m` appends the materials to a file of their own, `-g` makes emitters
+//! `glow` with a radius of influence in metres, `-e` multiplies their radiance.
 
 use std::fmt::Write;
 
@@ -16,9 +16,11 @@ use crate::{Error, Invocation, Output};
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
     let mut materials = MaterialWriter::default();
+    let mut material_file = None;
     while let Some(option) = arguments.option()? {
         match option.name {
             "-s" => materials.spectral = !materials.spectral,
+            "-m" => material_file = Some(arguments.required("a file of materials (-m)")?),
             "-g" => materials.glow_distance = Some(arguments.number("glow distance (-g)")?),
             "-e" => materials.emitter_multiplier = arguments.number("emitter multiplier (-e)")?,
             _ => return Err(arguments.unknown()),
@@ -29,17 +31,24 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let options = invocation.argv[..arguments.position()].join(" ");
     writeln!(text, "## {options}")?;
     let mut converter = Converter::new(invocation.loader, materials, text);
+    converter.material_text = material_file.map(|_| Text::default());
     if arguments.rest().is_empty() {
         converter.convert("standard input", invocation.standard_input()?)?;
     }
     for name in arguments.rest() {
         writeln!(converter.text, "## mgf2rad {name} ##############################")?;
-        converter.convert(name, &invocation.loader.load(name, FileKind::Other)?.bytes)?;
+        converter.convert(name, &invocation.loader.load(name, FileKind::Input)?.bytes)?;
         let unknown = std::mem::take(&mut converter.unknown);
         if unknown > 0 {
             writeln!(converter.text, "## mgf2rad {name}: {unknown} unknown entities")?;
         }
     }
     arguments.warnings.extend(converter.warnings);
-    Ok(Output { standard_output: converter.text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    let materials = material_file.zip(converter.material_text).map(|(file, text)| {
+        let mut bytes = invocation.loader.written(file).unwrap_or_default();
+        bytes.extend(text.into_bytes());
+        (file.to_owned(), bytes)
+    });
+    let files = materials.into_iter().collect();
+    Ok(Output { standard_output: converter.text.into_bytes(), warnings: arguments.warnings, files })
 }

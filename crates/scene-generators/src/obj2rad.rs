@@ -67,7 +67,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
 
 fn read_mapping(arguments: &mut Arguments<'_>, invocation: &Invocation<'_>) -> Result<Mapping, Error> {
     let name = arguments.required("mapping file (-m)")?;
-    let loaded = invocation.loader.load(name, FileKind::Other)?;
+    let loaded = invocation.loader.load(name, FileKind::Input)?;
     Mapping::read(&String::from_utf8_lossy(&loaded.bytes)).map_err(|mistake| Error::Input {
         program: arguments.program().to_owned(),
         source_name: name.to_owned(),

@@ -115,7 +115,7 @@ impl Runner<'_> {
 
     fn file(&self, name: &Word) -> Result<Vec<u8>, PipelineError> {
         let files = WrittenFiles { loader: self.loader, files: &self.output.files };
-        match files.load(&name.text, FileKind::Other) {
+        match files.load(&name.text, FileKind::Input) {
             Ok(loaded) => Ok(loaded.bytes),
             Err(error) => Err(PipelineError { range: name.range.clone(), error: Error::Load(error) }),
         }
@@ -178,8 +178,17 @@ impl Loader for WrittenFiles<'_> {
         }
     }
 
+    fn written(&self, name: &str) -> Option<Vec<u8>> {
+        let of_line = self.files.iter().rev().find(|file| file.0 == name);
+        of_line.map(|(_, bytes)| bytes.clone()).or_else(|| self.loader.written(name))
+    }
+
     fn names_like(&self, pattern: &str) -> Vec<String> {
         self.loader.names_like(pattern)
+    }
+
+    fn run_program(&self, argv: &[String], standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
+        self.loader.run_program(argv, standard_input)
     }
 
     fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {

@@ -1,8 +1,8 @@
-//! `pkgBSDF -s input.xml`: the surfaces that represent a BSDF file in a scene.
+//! `pkgBSDF [-i] [-s] input.xml …`: the surfaces that represent BSDF files in a scene.
 //!
 //! Writes a polygon of the size of the measured sample, with a `BSDF` material of its thickness,
-//! and the sample's geometry if the file has one. `-s` (standard output) is required; the real
-//! program's other modes write files beside the scene.
+//! and the sample's geometry if the file has one. The scene of `NAME.xml` is the file `NAME.rad`, or
+//! standard output with `-s`. `-i` makes the geometry an instance of the octree `NAME.oct`.
 
 use std::fmt::Write;
 
@@ -18,25 +18,47 @@ const TINY: f64 = 1e-6;
 /// Reflection below this, in excess of the part common to all directions, is omitted (1/sr).
 const LEAST_REFLECTION: f64 = 0.001;
 
+/// Where the geometry of a sample stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Geometry {
+    InScene,
+    InOctree,
+}
+
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv);
-    let mut to_standard_output = false;
+    let (mut to_standard_output, mut geometry) = (false, Geometry::InScene);
     while let Some(option) = arguments.option()? {
         match option.name {
             "-s" => to_standard_output = true,
+            "-i" => geometry = Geometry::InOctree,
             _ => return Err(arguments.unknown()),
         }
     }
-    if !to_standard_output {
-        return Err(arguments.mistake(
-            arguments.position(),
-            "-s is missing, expected it since a command in a scene writes to standard output",
-        ));
+    let first = arguments.required("BSDF file")?;
+    if to_standard_output && arguments.word().is_some() {
+        return Err(arguments.impossible("-s writes the scene of one BSDF file"));
     }
-    let name = arguments.required("BSDF file")?;
-    if arguments.word().is_some() {
-        return Err(arguments.unknown());
+    let mut output = Output::default();
+    for name in std::iter::once(first).chain(arguments.rest().iter().map(String::as_str)) {
+        let scene = scene(invocation, name, geometry, &mut output)?;
+        match to_standard_output {
+            true => output.standard_output = scene,
+            false => output.files.push((format!("{}.rad", stem_of(name)), scene)),
+        }
     }
+    output.warnings.splice(..0, arguments.warnings);
+    Ok(output)
+}
+
+/// The name of a BSDF file without its folder and ending.
+fn stem_of(name: &str) -> &str {
+    let file = name.rsplit('/').next().unwrap_or(name);
+    file.strip_suffix(".xml").or_else(|| file.strip_suffix(".XML")).unwrap_or(file)
+}
+
+/// The scene text of a BSDF file. Its octree and warnings go to the output.
+fn scene(invocation: &Invocation<'_>, name: &str, place: Geometry, output: &mut Output) -> Result<Vec<u8>, Error> {
     let loaded = invocation.loader.load(name, FileKind::Bsdf)?;
     let mistake =
         |mistake: String| Error::Input { program: "pkgBSDF".to_owned(), source_name: name.to_owned(), mistake };
@@ -46,28 +68,49 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let document = Document::parse_with_options(xml, options).map_err(|error| mistake(error.to_string()))?;
     let sample = Sample::read(&document).map_err(mistake)?;
 
-    let file = name.rsplit('/').next().unwrap_or(name);
-    let stem = file.strip_suffix(".xml").or_else(|| file.strip_suffix(".XML")).unwrap_or(file);
+    let stem = stem_of(name);
     let mut text = Text::default();
-    writeln!(text, "# Produced by: pkgBSDF {file}")?;
+    writeln!(text, "# Produced by: pkgBSDF {}", name.rsplit('/').next().unwrap_or(name))?;
     if !sample.material.is_empty() && !sample.maker.is_empty() {
         writeln!(text, "# Material '{}' by '{}'\n", sample.material, sample.maker)?;
     }
     let Some(geometry) = &sample.geometry else {
         write_face(&mut text, stem, &sample, 0.0)?;
-        return Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() });
+        return Ok(text.into_bytes());
     };
     write_face(&mut text, stem, &sample, sample.thickness)?;
     if sample.reflects_in_front {
         write_face(&mut text, stem, &sample, -sample.thickness)?;
     }
+    if place == Geometry::InScene {
+        return translated(invocation, name, geometry, text, output);
+    }
+    let geometry = translated(invocation, name, geometry, Text::default(), output)?;
+    let argv = ["oconv", "-f", "-"].map(str::to_owned);
+    let octree = match invocation.loader.run_program(&argv, Some(&geometry)) {
+        Some(made) => made?,
+        None => return Err(mistake("option -i makes an octree, which needs the program oconv".to_owned())),
+    };
+    output.files.push((format!("{stem}.oct"), octree));
+    write!(text, "void instance {stem}_g\n1 {stem}.oct\n0\n0\n\n")?;
+    Ok(text.into_bytes())
+}
+
+/// Text with the translation of the geometry after it.
+fn translated(
+    invocation: &Invocation<'_>,
+    name: &str,
+    geometry: &str,
+    mut text: Text,
+    output: &mut Output,
+) -> Result<Vec<u8>, Error> {
     writeln!(text, "## Translated from MGF Version 2.0\n## mgf2rad -s")?;
     let mut materials = MaterialWriter::default();
     materials.spectral = true;
     let mut converter = Converter::new(invocation.loader, materials, text);
     converter.convert(name, geometry.as_bytes())?;
-    arguments.warnings.extend(converter.warnings);
-    Ok(Output { standard_output: converter.text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    output.warnings.extend(converter.warnings);
+    Ok(converter.text.into_bytes())
 }
 
 /// The measured sample as described in the file; lengths in metres.

@@ -67,7 +67,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         calculator.put_record(&options, &Channels::none())?;
     } else {
         for name in arguments.files() {
-            calculator.execute(&options, invocation.supply(name, FileKind::Other)?)?;
+            calculator.execute(&options, invocation.supply(name, FileKind::Input)?)?;
         }
     }
     let standard_output = calculator.text.finish()?;
@@ -333,7 +333,7 @@ fn read_format(
     let specification = arguments.required("record format")?;
     let from_file = match specification.contains('$') {
         true => None,
-        false => Some(invocation.loader.load(specification, FileKind::Other)?.bytes),
+        false => Some(invocation.loader.load(specification, FileKind::Input)?.bytes),
     };
     let bytes = from_file.as_deref().unwrap_or(specification.as_bytes());
     let fields = if options.across_lines { record_format::read(bytes) } else { record_format::read_line(bytes) };

@@ -95,7 +95,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     if arguments.word().is_some() {
         return Err(arguments.unknown());
     }
-    let mut input = invocation.supply(name, FileKind::Other)?;
+    let mut input = invocation.supply(name, FileKind::Input)?;
     let mut text = invocation.text();
     let mut collation = Collation { options, header: Vec::new(), warnings: arguments.warnings };
     collation.collate(&mut input, command, &mut text).map_err(|mistake| match mistake {

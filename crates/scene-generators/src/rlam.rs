@@ -103,7 +103,7 @@ fn stream<'a>(name: &str, streams: &mut Vec<Stream<'a>>, invocation: &Invocation
     }
     let supply = match name.strip_prefix('!') {
         Some(command) => Supply::new(name, command_output(command, invocation)?),
-        None => invocation.supply(name, FileKind::Other)?,
+        None => invocation.supply(name, FileKind::Input)?,
     };
     streams.push(Stream { name: name.to_owned(), supply });
     Ok(streams.len() - 1)

@@ -64,7 +64,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         if options.most_output > 0 && written >= options.most_output {
             break;
         }
-        reduce(&options, &mut invocation.supply(name, FileKind::Other)?, &mut text, &mut written)?;
+        reduce(&options, &mut invocation.supply(name, FileKind::Input)?, &mut text, &mut written)?;
     }
     Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
 }

@@ -32,7 +32,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
 }
 
 fn load<'a>(invocation: &Invocation<'a>, name: &str) -> Result<Cow<'a, [u8]>, Error> {
-    let attempt = |suffix: &str| invocation.input(&format!("{name}{suffix}"), FileKind::Other);
+    let attempt = |suffix: &str| invocation.input(&format!("{name}{suffix}"), FileKind::Input);
     attempt("").or_else(|error| attempt(".gz").or_else(|_| attempt(".Z")).map_err(|_| error))
 }
 

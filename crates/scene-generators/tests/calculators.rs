@@ -266,7 +266,10 @@ fn counts_and_values_equal_real_ones() {
 #[test]
 fn mistakes_are_named() {
     let message = |argv: &[&str]| ours(&list(argv), b"1 2 3\n", &TestLoader::default()).unwrap_err().to_string();
-    assert_eq!(message(&["cnt", "1"]), "cnt: count is 1, expected at least 2\nusage: cnt [-s] N0 [N1 ..]");
+    assert_eq!(
+        message(&["cnt", "1"]),
+        "cnt: count is 1, expected a whole number of at least 2\nusage: cnt [-s] N0 [N1 ..]"
+    );
     assert_eq!(message(&["cnt", "-s"]), "cnt: missing count\nusage: cnt [-s] N0 [N1 ..]");
     assert_eq!(message(&["cnt", "100000", "100000"]), "the output exceeds 1073741824 bytes");
     assert_eq!(message(&["rcalc", "-e", "cond:1;$1=1"]), "rcalc: cond is defined as a constant");

@@ -205,7 +205,8 @@ fn mistakes_name_the_argument_and_the_usage() {
         ("replmarks -m x mark", "replmarks: nothing to replace the markers \"mark\" with: -x, -i or -I is missing"),
         ("nosuch", "unknown program \"nosuch\""),
         ("ies2rad", "ies2rad: neither an input file nor an output name (-o) is given"),
-        ("pkgBSDF file", "pkgBSDF: -s is missing, expected it since a command in a scene writes to standard output"),
+        ("pkgBSDF -s", "pkgBSDF: missing BSDF file"),
+        ("pkgBSDF -s a.xml b.xml", "pkgBSDF: -s writes the scene of one BSDF file"),
     ] {
         assert!(first_line(line).starts_with(mistake), "{line}: {}", first_line(line));
     }

@@ -215,13 +215,14 @@ pub(super) const IES2RAD: Program = Program {
 pub(super) const MGF2RAD: Program = Program {
     name: "mgf2rad",
     summary: "convert Materials and Geometry Format to a scene",
-    synopsis: "mgf2rad [-s] [-g dist] [-e mult] [file.mgf] ..",
+    synopsis: "mgf2rad [-s] [-m matf] [-g dist] [-e mult] [file.mgf] ..",
     description: "",
     groups: &[
         Group {
             title: "Materials",
             options: &[
                 beginning("-s", "", "Write spectra instead of RGB"),
+                value("-m", "FILE", "Append materials to this file"),
                 value("-g", "DISTANCE", "Radius of influence of emitters, which become glow").unit("m"),
                 value("-e", "FACTOR", "Multiply emitters").default("1"),
             ],
@@ -256,10 +257,16 @@ pub(super) const OBJ2RAD: Program = Program {
 pub(super) const PKGBSDF: Program = Program {
     name: "pkgBSDF",
     summary: "generate the surfaces that represent a BSDF file in a scene",
-    synopsis: "pkgBSDF -s input.xml",
+    synopsis: "pkgBSDF [-i] [-s] input.xml ..",
     description: "",
     groups: &[
-        Group { title: "Output", options: &[flag("-s", "Write to standard output; required")] },
+        Group {
+            title: "Output",
+            options: &[
+                flag("-s", "Write to standard output instead of NAME.rad"),
+                flag("-i", "Write geometry to the octree NAME.oct and instance it"),
+            ],
+        },
         TRUST,
         ONLY_HELP,
     ],

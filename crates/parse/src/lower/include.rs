@@ -50,6 +50,11 @@ impl Loader for SceneLoader<'_> {
         }
     }
 
+    fn written(&self, name: &str) -> Option<Vec<u8>> {
+        let written = self.written.read().unwrap_or_else(PoisonError::into_inner);
+        written.get(name).cloned().or_else(|| self.loader.written(name))
+    }
+
     fn names_like(&self, pattern: &str) -> Vec<String> {
         self.loader.names_like(pattern)
     }

@@ -105,7 +105,8 @@ impl Converter<'_> {
         if current.is_new {
             current.is_new = false;
             let material = current.clone();
-            of_input!(self.materials.write(&mut self.text, &name, &material)?);
+            let text = self.material_text.as_mut().unwrap_or(&mut self.text);
+            of_input!(self.materials.write(text, &name, &material)?);
         }
         Ok(Ok(name))
     }
