@@ -109,6 +109,9 @@ pub(crate) struct AdaptiveSampler<'a> {
     pub(crate) outlines: Vec<bool>,
     /// Whether each pixel of the film sees light that is refracted by dielectrics; empty without any.
     pub(crate) refracted: Vec<bool>,
+    /// Whether each pixel of the lattice may see a highlight that is narrower than a pixel; empty without
+    /// glossy surfaces.
+    pub(crate) highlights: Vec<bool>,
     pub(crate) progress: &'a dyn Progress,
     /// Whether points of a pixel are followed by their mirror images: the exposure is the integral of
     /// a smooth function over the pixel alone.
@@ -140,6 +143,7 @@ impl<'a> AdaptiveSampler<'a> {
             shared,
             outlines: Vec::new(),
             refracted: Vec::new(),
+            highlights: Vec::new(),
             progress,
             mirrors_points: AtomicBool::new(false),
             cubature_error: CubatureError(CUBATURE_FRACTION * error),

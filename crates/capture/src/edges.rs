@@ -61,6 +61,8 @@ pub(crate) struct SearchedFilm<'a> {
     pub(crate) exposer: &'a Exposer<'a>,
     /// The images that are exposed with the picture.
     pub(crate) images: Option<&'a PixelImages>,
+    /// Whether each pixel may see a highlight that is narrower than a pixel; may be empty.
+    pub(crate) highlights: &'a [bool],
     /// Instead of that of the picture.
     pub(crate) unblurred: Option<&'a UnblurredFilm>,
     /// What is known of it.
@@ -192,6 +194,7 @@ impl PixelEdges {
             let differs = |other: usize| views.get(other).is_some_and(|other| !are_alike(&views[pixel], other));
             let is_last = (pixel + 1).is_multiple_of(columns);
             match &views[pixel] {
+                _ if film.highlights.get(pixel) == Some(&true) => 0.0,
                 _ if film.images.is_some_and(|images| images.sees_any(pixel)) => 0.0,
                 Some(view) if !(differs(pixel + columns) || !is_last && differs(pixel + 1)) => {
                     view.edge_width() + by_pinhole

@@ -7,6 +7,7 @@ use crate::checkpoint::AdaptiveState;
 use crate::film::UnblurredFilm;
 use crate::film_image_search::UnknownImages;
 use crate::film_images::FilmImages;
+use crate::highlights::highlights;
 use crate::image_light::IMAGE_FRACTION;
 use crate::pixel_errors::{Estimate, SELECTION_BIAS};
 use crate::subpixels::SubpixelRecord;
@@ -63,6 +64,7 @@ impl AdaptiveSampler<'_> {
     fn on_lattice(&mut self, state: &mut AdaptiveState, target: ErrorTarget) -> Option<(Estimate, Option<Stop>)> {
         self.images_apart = self.images_apart(target).ok()?;
         self.refracted = self.film.as_ref().map_or_else(Vec::new, |film| film.refracted(self.exposer));
+        self.highlights = highlights(self.exposer, self.film.as_deref());
         let mut images = ApartImages::begin(self);
         let found = self.lattice().and_then(|(sparse, outlines)| {
             self.outlines = outlines;

@@ -27,6 +27,7 @@ mod film_image_search;
 mod film_images;
 mod film_sums;
 mod fixed;
+mod highlights;
 mod image_light;
 mod image_region;
 mod interpolated;

@@ -56,9 +56,9 @@ const LOW_NOISE: f64 = 2.0;
 const UNHURRIED_PASSES: u32 = 12;
 const HASTE: f64 = 0.97;
 
-/// First samples of pixels that see refracted light, which has rare and bright rays: pixels whose first
-/// rays met none would stay too dark.
-const FIRST_REFRACTED: u32 = 64;
+/// First samples of pixels that see refracted light, or a highlight that is narrower than a pixel. Both have
+/// rare and bright rays: pixels whose first rays met none would stay too dark.
+const FIRST_OF_RARE: u32 = 64;
 
 /// Number of samples of a point and its mirror image.
 const PAIR: u32 = 2;
@@ -315,7 +315,8 @@ impl<'a> AdaptiveSampler<'a> {
         }
         let [x, y, ..] = RaySampler::new(exposer.rays.seed(), RESERVED_NUMBER).take(DimensionSet::CAMERA);
         let images = matches!(self.images_apart, ImagesApart::No).then_some(&self.images);
-        let film = SearchedFilm { exposer, images, unblurred: self.film.as_deref(), known: self.shared.known() };
+        let (unblurred, known) = (self.film.as_deref(), self.shared.known());
+        let film = SearchedFilm { exposer, images, highlights: &self.highlights, unblurred, known };
         let least = if self.film.is_some() { LEAST_FILM_SIDE } else { LEAST_SIDE };
         let lattice = Lattice::new(film.size().map(|count| count as u32), least, [x, y])?;
         let edges = Edges::find(film, &lattice);
@@ -360,9 +361,9 @@ impl<'a> AdaptiveSampler<'a> {
     /// The first samples of a node. Where points are mirrored, one pair is accurate: a second one is
     /// traced at some of the nodes, for the noise of all.
     fn first_of_node(&self, worker: &mut Workers<'a>, index: usize, level: u8) -> Pixel {
-        if self.refracted.get(index) == Some(&true) {
+        if self.refracted.get(index) == Some(&true) || self.highlights.get(index) == Some(&true) {
             let mut pixel = self.first(worker, index);
-            while pixel.samples < FIRST_REFRACTED {
+            while pixel.samples < FIRST_OF_RARE {
                 let known = pixel.samples;
                 pixel.double(&self.sums(worker, index, known..2 * known));
             }

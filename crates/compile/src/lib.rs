@@ -25,6 +25,7 @@ mod lighting;
 mod medium;
 mod mist_lights;
 mod model_source;
+mod narrow_highlight;
 mod native_model;
 mod options;
 mod outlined_surface;
