@@ -14,6 +14,7 @@ mod flicker;
 mod gripps_files;
 mod job;
 mod library_and_program;
+mod narrow_features;
 mod opencv_calibration;
 mod parts;
 mod series;

@@ -93,6 +93,9 @@ impl AxisLevels {
                     stencils[*at as usize] = Stencil::new(&coordinates[level - 1], *at);
                 }
             }
+            if level == 1 {
+                predict_last_inner(&mut stencils, &coordinates[1]);
+            }
             stencils
         });
         AxisLevels { stencils: stencils.collect(), coordinates, ranks }
@@ -114,6 +117,17 @@ impl AxisLevels {
     /// The first and last pixel of a cell; neighbouring cells share them.
     fn cell(&self, cell: usize) -> std::ops::RangeInclusive<usize> {
         self.coordinates[1][cell] as usize..=self.coordinates[1][cell + 1] as usize
+    }
+}
+
+/// With an even number of coordinates, level 0 has the last two of them. Predicts the last but one from
+/// those of the other parity, so that no cell is without a prediction along an axis.
+fn predict_last_inner(stencils: &mut [Stencil], coordinates: &[u32]) {
+    if let [.., inner, _] = coordinates
+        && coordinates.len().is_multiple_of(2)
+    {
+        let others: Vec<u32> = coordinates.iter().copied().skip(1).step_by(2).collect();
+        stencils[*inner as usize] = Stencil::new(&others, *inner);
     }
 }
 
@@ -228,6 +242,31 @@ impl Lattice {
         }
     }
 
+    /// The sum of squared weights times values of the points of a cell's level outside the cell, from which
+    /// pixels of the next level are interpolated: the mean over these pixels.
+    pub(crate) fn from_outside(&self, (cell, level): (usize, u8), values: &[f64]) -> f64 {
+        let next = usize::from(level) + 1;
+        if next >= self.depth {
+            return 0.0;
+        }
+        let [columns, rows] = self.cell(cell);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (pixel, _) in self.pixels(cell).filter(|(_, rank)| usize::from(*rank) == next) {
+            let (across, down) =
+                (&self.x.stencils[next][pixel % self.columns()], &self.y.stencils[next][pixel / self.columns()]);
+            for (y, by_row) in down.terms() {
+                let is_counted = |x: &usize| {
+                    !(columns.contains(x) && rows.contains(&y)) && self.x.ranks[*x].max(self.y.ranks[y]) == level
+                };
+                for (x, by_column) in across.terms().filter(|(x, _)| is_counted(x)) {
+                    sum += (by_row * by_column).powi(2) * values[y * self.columns() + x];
+                }
+            }
+            count += 1.0;
+        }
+        sum / f64::max(count, 1.0)
+    }
+
     /// The interpolation of a pixel from the level before its own. Pixels of level 1 use level 0;
     /// `None` for pixels of level 0.
     pub(crate) fn predicted(&self, pixel: usize, values: &[f64], of_weight: impl Fn(f64) -> f64) -> Option<f64> {
@@ -265,6 +304,38 @@ mod tests {
             assert!(nodes.iter().all(|level| *level == lattice.finest()));
         }
         assert!(Lattice::new([192, 31], LEAST_SIDE, [0.0; 2]).is_none());
+    }
+
+    #[test]
+    fn every_cell_has_points_that_are_predicted_along_each_axis() {
+        for count in 61..61 + 2 * STRIDE {
+            let lattice = Lattice::new([count, 64], LEAST_SIDE, [0.3, 0.7]).expect("the picture is large enough");
+            for cell in 0..lattice.x.cells() {
+                let ends = lattice.x.cell(cell);
+                let is_predicted = |at: &usize| lattice.x.stencils[1][*at].count > 1;
+                assert!([ends.start(), ends.end()].into_iter().any(is_predicted), "cell {cell} of {count} pixels");
+            }
+        }
+    }
+
+    /// Beside the border a point two cells away has a third of a weight.
+    #[test]
+    fn points_outside_a_cell_count_by_their_squared_weights() {
+        let lattice = Lattice::new([64; 2], LEAST_SIDE, [0.5; 2]).expect("the picture is large enough");
+        let across = lattice.cells()[0];
+        let of = |point: [usize; 2], cell: usize| {
+            let mut values = vec![0.0; lattice.pixel_count()];
+            let [x, y] = point.map(|index| lattice.x.coordinates[1][index] as usize);
+            values[y * 64 + x] = 1.0;
+            lattice.from_outside((cell, 1), &values)
+        };
+        assert!(of([2, 0], 0) > 0.02, "{}", of([2, 0], 0));
+        assert!(of([3, 0], 0) > 0.0);
+        assert_eq!([of([1, 0], 0), of([4, 0], 0)], [0.0; 2]);
+        // Within the picture a cell reaches one cell farther.
+        let inner = 2 * across + 2;
+        assert!(of([4, 2], inner) > 0.0 && of([4, 2], inner) < of([2, 0], 0));
+        assert_eq!(of([5, 2], inner), 0.0);
     }
 
     #[test]

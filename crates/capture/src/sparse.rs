@@ -20,6 +20,7 @@ use crate::image_light::{ExposedImages, IMAGE_FRACTION};
 use crate::lattice::{LEAST_FILM_SIDE, LEAST_SIDE, Lattice};
 use crate::pinhole_blur::PinholeBlur;
 use crate::pixel_errors::{Estimate, NoisePooling, SELECTION_BIAS};
+use crate::shared_film::FilmRecord;
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::subpixels::Subpixels;
 use crate::sums::{Pixel, Sums};
@@ -49,6 +50,10 @@ const FILM_ERROR_STEP: f64 = 0.02;
 
 /// Cells are refined only when the noise is below this multiple of what is allowed.
 const LOW_NOISE: f64 = 2.0;
+
+/// The squared error relative to what is allowed from which a picture is not finished: then a user would be
+/// told.
+const MOST_EXCEEDED: f64 = 1.05 * 1.05;
 
 /// Number of passes from which more samples are traced than seem to be needed, and the factor of the
 /// allowed noise for each further pass. What is known of rare bright rays grows with the samples, and
@@ -117,9 +122,11 @@ impl Sparse {
         nodes as f64 > MAX_NODE_FRACTION * self.nodes.len() as f64
     }
 
-    fn estimate(&self, state: &AdaptiveState, film: Option<&UnblurredFilm>) -> SparseEstimate {
+    /// `error` is the requested one, relative to the mean.
+    fn estimate(&self, state: &AdaptiveState, film: Option<&UnblurredFilm>, error: f64) -> SparseEstimate {
         let (cells, samples) = ((&*self.levels, &*self.ratios), (&*state.pixels, self.pooling));
-        SparseEstimate::new(&self.lattice, cells, &self.nodes, samples, film)
+        let requested = (error / SELECTION_BIAS).powi(2);
+        SparseEstimate::new(&self.lattice, cells, &self.nodes, samples, (film, requested))
     }
 }
 
@@ -178,7 +185,7 @@ impl<'a> AdaptiveSampler<'a> {
             if self.progress.stops() {
                 return None;
             }
-            let estimate = sparse.estimate(state, self.film.as_deref());
+            let estimate = sparse.estimate(state, self.film.as_deref(), target.error);
             let of_images = images.as_ref().map_or(0.0, |images| images.sum()) / estimate.pixel_count as f64;
             let mean = estimate.mean() + of_images;
             if mean <= 0.0 {
@@ -235,12 +242,20 @@ impl<'a> AdaptiveSampler<'a> {
                 let images = images.map(|images| images.expose(self, squared, most));
                 let stop = images.as_ref().and_then(|images| images.stop);
                 let is_exhausted = !has_passes || estimate.nodes.iter().any(|(_, error)| error.samples >= most);
-                let limit = if is_exhausted || self.film.is_none() { Stop::Rays } else { Stop::Shared };
-                return Some((self.finish(state, &sparse, (&estimate, picture), images), stop.or(Some(limit))));
+                let traced = state.samples();
+                let found = self.finish(state, &sparse, (&estimate, picture), images);
+                let is_short = found.relative_error().powi(2) > MOST_EXCEEDED * target.error.powi(2);
+                if is_short && stop.is_none() && !is_exhausted && self.film.is_none() {
+                    self.abandon(state, traced);
+                    return None;
+                }
+                let limit = if is_exhausted { Stop::Rays } else { Stop::Shared };
+                return Some((found, stop.or(Some(limit))));
             }
             sparse.refine(refined);
         }
-        self.abandon(state);
+        let traced = state.samples();
+        self.abandon(state, traced);
         None
     }
 
@@ -297,11 +312,14 @@ impl<'a> AdaptiveSampler<'a> {
         rest
     }
 
-    /// Forgets the samples of a lattice.
-    fn abandon(&self, state: &mut AdaptiveState) {
+    /// Forgets the samples of a lattice, and what was recorded of it.
+    fn abandon(&self, state: &mut AdaptiveState, traced: u64) {
+        if let Some(mut record) = self.shared.record() {
+            *record = FilmRecord::default();
+        }
         self.is_on_lattice.store(false, Ordering::Relaxed);
         self.mirrors_points.store(false, Ordering::Relaxed);
-        self.discarded.fetch_add(state.samples(), Ordering::Relaxed);
+        self.discarded.fetch_add(traced, Ordering::Relaxed);
         *state = AdaptiveState::new(state.pixels.len());
     }
 
@@ -429,11 +447,22 @@ fn allowed_noise(bias: f64, allowed: f64) -> f64 {
 
 /// The nodes whose samples are to be doubled. A node that needs several doublings is in several
 /// lists.
-fn samples_to_double(estimate: &SparseEstimate, (allowed, passes): (f64, u32), most: u32) -> Vec<Vec<usize>> {
+fn samples_to_double(estimate: &SparseEstimate, (all, passes): (f64, u32), most: u32) -> Vec<Vec<usize>> {
     let [noise, bias] = estimate.squared_errors();
-    let allowed = allowed_noise(bias, allowed);
+    let allowed = allowed_noise(bias, all);
     let haste = if noise > allowed { HASTE.powi(passes.saturating_sub(UNHURRIED_PASSES) as i32) } else { 1.0 };
     let target = haste * allowed * estimate.pixel_count as f64;
+    let needed = doubled_to(estimate, target, most);
+    if !needed.is_empty() || noise + bias <= MOST_EXCEEDED * all {
+        return needed;
+    }
+    // Beside the border of a picture nodes have more influence than their areas.
+    let of_areas = estimate.nodes.iter().map(|(_, error)| error.squared).sum::<f64>();
+    doubled_to(estimate, target * of_areas / (noise * estimate.pixel_count as f64), most)
+}
+
+/// The same for a target of the sum of the nodes' squared errors.
+fn doubled_to(estimate: &SparseEstimate, target: f64, most: u32) -> Vec<Vec<usize>> {
     let errors: Vec<PixelError> = estimate.nodes.iter().map(|(_, error)| *error).collect();
     let needed = doublings(&errors, target / errors.len() as f64, most);
     // More than one doubling is an extrapolation, so one doubling less is done at a time.

@@ -32,6 +32,13 @@ pub(crate) fn residual_ratio(blurs: EdgeBlurs) -> f64 {
 /// pixel.
 const MEAN_SQUARED_WEIGHT: f64 = 0.6;
 
+/// Squared error due to points outside a cell from which it counts, relative to the requested mean squared
+/// error. Less is left to corrections.
+const LEAST_OUTSIDE: f64 = 16.0;
+
+/// Squared difference from a prediction, relative to its expected noise, from which it is no noise.
+const SIGNIFICANT: f64 = 9.0;
+
 /// How well the previous level predicts the nodes of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct InterpolationResidual {
@@ -41,6 +48,8 @@ pub(crate) struct InterpolationResidual {
     noise: f64,
     /// Squared error of interpolation relative to the squared difference.
     ratio: f64,
+    /// Squared error due to points outside the cell that the previous level does not predict.
+    outside: f64,
 }
 
 impl InterpolationResidual {
@@ -51,7 +60,8 @@ impl InterpolationResidual {
 
     /// The same, with an error of its own that vanishes in the mean over many cells.
     fn without_noise(&self) -> f64 {
-        self.ratio * (self.squared - self.noise)
+        let own = self.ratio * (self.squared - self.noise);
+        if self.outside > 0.0 { own.max(self.outside) } else { own }
     }
 }
 
@@ -83,13 +93,14 @@ pub(crate) struct SparseEstimate {
 
 impl SparseEstimate {
     /// From the nodes of a lattice, whose levels are those of [`Lattice::nodes`].
-    /// The cells have levels and ratios of residuals.
+    /// The cells have levels and ratios of residuals. The requested squared error is relative to the squared
+    /// mean.
     pub(crate) fn new(
         lattice: &Lattice,
         (levels, ratios): (&[u8], &[f64]),
         nodes: &[u8],
         (pixels, pooling): (&[Pixel], NoisePooling),
-        film: Option<&UnblurredFilm>,
+        (film, requested): (Option<&UnblurredFilm>, f64),
     ) -> SparseEstimate {
         let mut values: Vec<f64> = pixels.iter().map(Pixel::mean).collect();
         lattice.fill(&mut values, nodes, |weight| weight);
@@ -97,9 +108,16 @@ impl SparseEstimate {
         let mut noise = vec![0.0; values.len()];
         errors.iter().for_each(|(pixel, error)| noise[*pixel] = error.squared);
         lattice.fill(&mut noise, nodes, |weight| weight * weight);
+        let unpredicted = unpredicted(lattice, &values, &noise);
+        let least = LEAST_OUTSIDE * requested * (values.iter().sum::<f64>() / values.len() as f64).powi(2);
+        let outside = |cell: usize| {
+            let squared = lattice.from_outside((cell, levels[cell]), &unpredicted);
+            if squared > least { squared } else { 0.0 }
+        };
         let residuals: Vec<InterpolationResidual> = (0..levels.len())
             .map(|cell| InterpolationResidual {
                 ratio: ratios[cell],
+                outside: outside(cell),
                 ..residual(lattice, (cell, levels[cell]), &values, &noise)
             })
             .collect();
@@ -197,6 +215,18 @@ fn area_of(level: u8) -> f64 {
 /// The noise of each node, pooled with neighbouring nodes as the adaptive sampler pools pixels.
 fn node_errors(lattice: &Lattice, nodes: &[u8], samples: (&[Pixel], NoisePooling)) -> Vec<(usize, PixelError)> {
     pooled_errors(samples, lattice.columns(), |pixel| if nodes[pixel] > 0 { Lattice::stride(nodes[pixel]) } else { 0 })
+}
+
+/// By pixel: the squared difference of a node from what the previous level predicts for it, beyond its
+/// noise; 0 where it may be noise.
+fn unpredicted(lattice: &Lattice, values: &[f64], noise: &[f64]) -> Vec<f64> {
+    let of_pixel = |pixel: usize| {
+        let Some(predicted) = lattice.predicted(pixel, values, |weight| weight) else { return 0.0 };
+        let expected = noise[pixel] + lattice.predicted(pixel, noise, |weight| weight * weight).unwrap_or(0.0);
+        let squared = (values[pixel] - predicted).powi(2);
+        if squared > SIGNIFICANT * expected { squared - expected } else { 0.0 }
+    };
+    (0..values.len()).map(of_pixel).collect()
 }
 
 fn residual(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise: &[f64]) -> InterpolationResidual {
