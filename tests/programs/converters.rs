@@ -9,8 +9,15 @@ use radsight_picture::{
 };
 use radsight_test_support::Radiance;
 
-const REAL: bool = true;
-const OURS: bool = false;
+/// Whose programs run.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Whose {
+    Real,
+    Ours,
+}
+
+const REAL: Whose = Whose::Real;
+const OURS: Whose = Whose::Ours;
 
 /// Both programs in a folder with pictures.
 struct Programs {
@@ -23,9 +30,12 @@ impl Programs {
         Some(Programs { radiance: Radiance::find()?, folder: Folder::new() })
     }
 
-    fn run(&self, words: &str, is_real: bool) -> Run {
+    fn run(&self, words: &str, whose: Whose) -> Run {
         let words: Vec<&str> = words.split(' ').collect();
-        let mut program = if is_real { self.radiance.command(words[0], &words[1..]) } else { command(&words) };
+        let mut program = match whose {
+            REAL => self.radiance.command(words[0], &words[1..]),
+            OURS => command(&words),
+        };
         run_with(program.current_dir(self.folder.path("")), b"")
     }
 
@@ -105,8 +115,8 @@ fn a_tiff_without_a_scale_gives_a_picture_without_exposure() {
     let (colors, tags) = (TiffColors::Rgb, TiffTags::default());
     let tiff = Tiff { resolution, components: 3, pixels, colors, tags, header: None };
     programs.folder.file("a.tif", write_tiff_pixels(&tiff, TiffCompression::None).expect("a TIFF"));
-    let read = |is_real| {
-        programs.run("ra_tiff -r -e +1 a.tif back.hdr", is_real).done();
+    let read = |whose| {
+        programs.run("ra_tiff -r -e +1 a.tif back.hdr", whose).done();
         Picture::read(&programs.folder.read("back.hdr")).expect("a picture")
     };
     let (real, ours) = (read(REAL), read(OURS));
@@ -175,8 +185,8 @@ fn values(tiff: &[u8]) -> Vec<f32> {
 /// Each value of the first TIFF must be this close to that of the second.
 #[track_caller]
 fn same_values(programs: &Programs, words: &str, bound: f32) {
-    let tiffs = [REAL, OURS].map(|is_real| {
-        programs.run(words, is_real).done();
+    let tiffs = [REAL, OURS].map(|whose| {
+        programs.run(words, whose).done();
         values(&programs.folder.read("a.tif"))
     });
     assert_eq!(tiffs[0].len(), tiffs[1].len(), "{words}");
@@ -330,18 +340,18 @@ fn ra_rgbe_keeps_existing_files_as_the_real_one() {
         picture.to_bytes()
     };
     programs.folder.file("two.hdr", [frame(1.0), frame(3.0)].concat());
-    for is_real in [REAL, OURS] {
-        let name = if is_real { "real%d.hdr" } else { "ours%d.hdr" };
-        let run = programs.run(&format!("ra_rgbe two.hdr {name}"), is_real);
+    for whose in [REAL, OURS] {
+        let name = if whose == REAL { "real%d.hdr" } else { "ours%d.hdr" };
+        let run = programs.run(&format!("ra_rgbe two.hdr {name}"), whose);
         assert_eq!(run.code, 1, "{}", run.messages);
         assert!(run.messages.contains("exists"), "{}", run.messages);
         let first = programs.folder.read(&name.replace("%d", "0"));
         assert_eq!(Picture::read(&first).expect("a picture").header().exposure(), Ok(2.5));
 
         programs.folder.file("old.hdr", "old");
-        assert_eq!(programs.run("ra_rgbe two.hdr old.hdr", is_real).code, 1);
+        assert_eq!(programs.run("ra_rgbe two.hdr old.hdr", whose).code, 1);
         assert_eq!(programs.folder.read("old.hdr"), b"old");
-        programs.run("ra_rgbe -f two.hdr old.hdr", is_real).done();
+        programs.run("ra_rgbe -f two.hdr old.hdr", whose).done();
         assert!(Picture::read(&programs.folder.read("old.hdr")).is_ok());
     }
 }

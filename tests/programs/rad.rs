@@ -66,7 +66,7 @@ fn the_commands_are_those_of_real_rad() {
         let theirs = run_with(radiance.command("rad", &words).current_dir(folder.path("")), b"").text();
         // The name of a temporary file is random.
         let passing = theirs.split_whitespace().find(|word| word.starts_with("il") && word.len() == 8);
-        let theirs = passing.map_or(theirs.clone(), |name| theirs.replace(name, "room_illum.rad"));
+        let theirs = passing.map_or(theirs.clone(), |name| theirs.replace(name, ".room_illum.rad"));
         assert_eq!(ours, theirs, "{words:?}");
     }
 }
