@@ -293,7 +293,7 @@ fn bitmaps_keep_the_header_gamma_and_primaries() {
         for ours in &pictures[1..] {
             assert_eq!(properties(ours), lines, "{forth}");
             for (real, ours) in pictures[0].pixels().pixels().zip(ours.pixels().pixels()) {
-                let values = [real, ours].map(|pixel| Vec::from(pixel));
+                let values = [real, ours].map(Vec::from);
                 assert!(near(&values), "{forth}: {ours:?}, expected {real:?}");
             }
         }

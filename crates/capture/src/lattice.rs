@@ -244,7 +244,7 @@ impl Lattice {
 
     /// The sum of squared weights times values of the points of a cell's level outside the cell, from which
     /// pixels of the next level are interpolated: the mean over these pixels.
-    pub(crate) fn from_outside(&self, (cell, level): (usize, u8), values: &[f64]) -> f64 {
+    pub(crate) fn weighted_outside(&self, (cell, level): (usize, u8), values: &[f64]) -> f64 {
         let next = usize::from(level) + 1;
         if next >= self.depth {
             return 0.0;
@@ -327,7 +327,7 @@ mod tests {
             let mut values = vec![0.0; lattice.pixel_count()];
             let [x, y] = point.map(|index| lattice.x.coordinates[1][index] as usize);
             values[y * 64 + x] = 1.0;
-            lattice.from_outside((cell, 1), &values)
+            lattice.weighted_outside((cell, 1), &values)
         };
         assert!(of([2, 0], 0) > 0.02, "{}", of([2, 0], 0));
         assert!(of([3, 0], 0) > 0.0);

@@ -111,7 +111,7 @@ impl SparseEstimate {
         let unpredicted = unpredicted(lattice, &values, &noise);
         let least = LEAST_OUTSIDE * requested * (values.iter().sum::<f64>() / values.len() as f64).powi(2);
         let outside = |cell: usize| {
-            let squared = lattice.from_outside((cell, levels[cell]), &unpredicted);
+            let squared = lattice.weighted_outside((cell, levels[cell]), &unpredicted);
             if squared > least { squared } else { 0.0 }
         };
         let residuals: Vec<InterpolationResidual> = (0..levels.len())
