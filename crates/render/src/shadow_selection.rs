@@ -99,8 +99,9 @@ impl DirectSampler<'_> {
             let is_first = limit == f64::INFINITY;
             let mut tested = 0;
             for sample in samples {
-                let is_strong = (step..limit).contains(&sample.strength);
-                if !(is_strong && !sample.is_kept() || is_first && sample.is_kept()) {
+                let is_weak = sample.strength < step && !sample.is_kept();
+                let is_left = is_first || sample.strength < limit && !sample.is_kept();
+                if is_weak || !is_left {
                     continue;
                 }
                 let given = self.shadowed(tracer, sample);
