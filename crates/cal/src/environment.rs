@@ -164,6 +164,12 @@ impl Environment {
         }))
     }
 
+    /// The variable with this name if definitions mention it and do not define it.
+    pub fn slot_if_needed(&mut self, name: &str) -> Option<Slot> {
+        let is_needed = self.is_mentioned(name) && !self.is_variable(name);
+        is_needed.then(|| self.slot(name))
+    }
+
     /// Sets a variable to a number, as [`Environment::set_variable`] does, without looking for it.
     ///
     /// # Panics
@@ -255,13 +261,15 @@ impl Environment {
     /// # Errors
     /// Names without a definition, missing arguments, and evaluations that do not terminate.
     pub fn eval_outputs<H: Host + ?Sized>(&mut self, host: &H) -> Result<&[(u32, f64)], Vec<Diagnostic>> {
-        if self.output_program.is_none() {
-            let compiled = self.build(self.outputs.values().map(|handle| self.root(*handle)).collect())?;
-            self.output_program = Some(compiled);
-            self.output_values = self.outputs.keys().map(|channel| (*channel, 0.0)).collect();
-            self.output_buffer = vec![0.0; self.outputs.len()];
-        }
-        let Some(compiled) = &mut self.output_program else { return Err(Vec::new()) };
+        let compiled = match &mut self.output_program {
+            Some(compiled) => compiled,
+            None => {
+                let compiled = self.build(self.outputs.values().map(|handle| self.root(*handle)).collect())?;
+                self.output_values = self.outputs.keys().map(|channel| (*channel, 0.0)).collect();
+                self.output_buffer = vec![0.0; self.outputs.len()];
+                self.output_program.insert(compiled)
+            }
+        };
         self.scratch.forget_warnings();
         let values = &mut self.output_buffer;
         let host = WithSlots { host, slots: &self.slots };

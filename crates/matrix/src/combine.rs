@@ -89,10 +89,7 @@ impl Combination {
             Defined::Function => environment.function("co", 1),
             _ => environment.variable("co"),
         };
-        let [row_slot, column_slot] = ["r", "c"].map(|name| {
-            let is_set = environment.is_mentioned(name) && !environment.is_variable(name);
-            is_set.then(|| environment.slot(name))
-        });
+        let [row_slot, column_slot] = ["r", "c"].map(|name| environment.slot_if_needed(name));
         let (columns, components) = (first.columns(), first.components());
         for (element, values) in result.values_mut().chunks_exact_mut(components).enumerate() {
             let (row, column) = (element / columns, element % columns);

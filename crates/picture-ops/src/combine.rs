@@ -197,10 +197,7 @@ impl<R: Read> Combination<R> {
         }
         let is_luminance = encoding(&inputs) == Encoding::Xyze;
         let defined = if environment.is_variable("lo") { Defined::Grey } else { Defined::Color };
-        let [x, y] = ["x", "y"].map(|name| {
-            let is_set = environment.is_mentioned(name) && !environment.is_variable(name);
-            is_set.then(|| environment.slot(name))
-        });
+        let [x, y] = ["x", "y"].map(|name| environment.slot_if_needed(name));
         let names: &[&str] = if defined == Defined::Grey { &["lo"] } else { &["ro", "go", "bo"] };
         let mut has_definition = [false; 3];
         for (index, name) in names.iter().enumerate() {
