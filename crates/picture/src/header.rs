@@ -94,6 +94,11 @@ impl Header {
         self.lines.iter().map(Vec::as_slice)
     }
 
+    /// The lines after the identifier (`#?RADIANCE`).
+    pub fn body(&self) -> impl Iterator<Item = &[u8]> {
+        self.lines().filter(|line| !line.starts_with(b"#?"))
+    }
+
     /// Whether there are no lines.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -268,11 +273,16 @@ impl Header {
         self.push_line(&quoted.join(" "));
     }
 
+    /// Adds the lines of another header after its identifier.
+    pub fn push_body(&mut self, other: &Header) {
+        other.body().for_each(|line| self.push_line(&String::from_utf8_lossy(line)));
+    }
+
     /// Adds all lines of another header, indented by a tab, below the name of its file. Programs
     /// that combine files record their inputs this way.
     pub fn push_nested(&mut self, name: &str, nested: &Header) {
         self.push_line(&format!("{name}:"));
-        for line in nested.lines().filter(|line| !line.starts_with(b"#?")) {
+        for line in nested.body() {
             self.lines.push([b"\t", line].concat());
         }
     }

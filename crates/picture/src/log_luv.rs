@@ -6,9 +6,9 @@
 //! as four planes of bytes, the most significant first, each run-length encoded (TIFF compression
 //! 34676).
 
+use crate::PictureError;
 use crate::tiff_pixels::{Tiff, TiffColors, TiffPixels, TiffTags};
-use crate::tiff_tags::{DESCRIPTION, FoundTag, TagValue, ascii, resolution};
-use crate::{Header, PictureError};
+use crate::tiff_tags::{DESCRIPTION, FoundTag, TagValue, ascii, header, resolution};
 
 /// TIFF codes of the compression and the photometric interpretation.
 const COMPRESSION: u32 = 34_676;
@@ -286,10 +286,7 @@ fn read_pixels(file: &File<'_>) -> Option<Tiff> {
             }
         }
     }
-    let header = match file.found(DESCRIPTION) {
-        Some(FoundTag::Text(text)) if text.starts_with("#?") => Some(Header::read_text(text.as_bytes())),
-        _ => None,
-    };
+    let header = header(|code| file.found(code));
     let resolution = resolution(width, height, |code| file.found(code));
     let tags = TiffTags::find(&resolution, |code| file.found(code));
     let (pixels, colors) = (TiffPixels::Floats(values), TiffColors::Xyz);
@@ -315,7 +312,7 @@ fn unpack<'a>(mut packed: &'a [u8], shift: u32, codes: &mut [u32]) -> Option<&'a
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Resolution, RgbPrimaries, read_tiff, read_tiff_pixels};
+    use crate::{Header, Resolution, RgbPrimaries, read_tiff, read_tiff_pixels};
     use glam::DVec3;
 
     fn values() -> Vec<f32> {

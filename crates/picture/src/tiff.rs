@@ -4,7 +4,7 @@
 //! date and owner have tags, as in Radiance.
 
 use crate::tiff_pixels::{Tiff, TiffColors, TiffPixels, TiffTags};
-use crate::tiff_tags::{DESCRIPTION, FoundTag, TagValue, ascii, resolution};
+use crate::tiff_tags::{FoundTag, TagValue, ascii, header, resolution};
 use crate::{Header, Image, PictureError, Resolution, RgbPrimaries, log_luv, xyz_to_rgb};
 use std::io::{Cursor, Seek, Write};
 use tiff::ColorType;
@@ -65,10 +65,7 @@ pub fn read_tiff_pixels(bytes: &[u8]) -> Result<Tiff, PictureError> {
     let components = components_of(&mut decoder)?;
     let pixels = read_pixels(&mut decoder, length.saturating_mul(rows), components)?;
     let mut tag = |code| found(&mut decoder, code);
-    let header = match tag(DESCRIPTION) {
-        Some(FoundTag::Text(text)) if text.starts_with("#?") => Some(Header::read_text(text.as_bytes())),
-        _ => None,
-    };
+    let header = header(&mut tag);
     let resolution = resolution(length, rows, &mut tag);
     let tags = TiffTags::find(&resolution, tag);
     Ok(Tiff { resolution, components, pixels, colors: TiffColors::Rgb, tags, header })

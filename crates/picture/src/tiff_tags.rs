@@ -1,7 +1,7 @@
 //! The tags of a TIFF file that describe the picture, and the order of its pixels.
 
 use crate::tiff_pixels::TiffTags;
-use crate::{Orientation, Resolution, RgbPrimaries};
+use crate::{Header, Orientation, Resolution, RgbPrimaries};
 
 /// Codes of tags, the same in each kind of TIFF.
 pub(crate) const DESCRIPTION: u16 = 270;
@@ -111,6 +111,14 @@ impl TiffTags {
             date: text(DATE).map(|date| date.chars().take(LONGEST_DATE).collect()),
             owner: text(ARTIST),
         }
+    }
+}
+
+/// The Radiance header in the description of a file.
+pub(crate) fn header(mut tag: impl FnMut(u16) -> Option<FoundTag>) -> Option<Header> {
+    match tag(DESCRIPTION) {
+        Some(FoundTag::Text(text)) if text.starts_with("#?") => Some(Header::read_text(text.as_bytes())),
+        _ => None,
     }
 }
 

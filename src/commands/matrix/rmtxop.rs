@@ -27,7 +27,13 @@ struct Operand {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Operation {
+    /// Of matrices.
     Product,
+    ByElement(ElementOperation),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ElementOperation {
     Sum,
     Multiplication,
     Division,
@@ -49,9 +55,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let result = trailing.apply(program, "the result", result, commands)?;
     let mut header = Header::new("RADIANCE");
     header.push_command(words.all());
-    for line in result.header.lines().filter(|line| !line.starts_with(b"#?")) {
-        header.push_line(&String::from_utf8_lossy(line));
-    }
+    header.push_body(&result.header);
     let written = result.write(&header, result_format(format, &result));
     write_standard_output(&written.map_err(|error| wrong(program, "the result", &error))?)
 }
@@ -102,19 +106,20 @@ impl Operation {
     fn from_word(word: &str) -> Option<Operation> {
         Some(match word {
             "." => Operation::Product,
-            "+" => Operation::Sum,
-            "*" => Operation::Multiplication,
-            "/" => Operation::Division,
+            "+" => Operation::ByElement(ElementOperation::Sum),
+            "*" => Operation::ByElement(ElementOperation::Multiplication),
+            "/" => Operation::ByElement(ElementOperation::Division),
             _ => return None,
         })
     }
+}
 
+impl ElementOperation {
     fn join(self, program: &str, source: &str, mut left: Matrix, right: &Matrix) -> Result<Matrix, Failure> {
         let done = match self {
-            Operation::Product => return left.times(right).map_err(|error| wrong(program, source, &error)),
-            Operation::Sum => left.add(right),
-            Operation::Multiplication => left.multiply(right),
-            Operation::Division => left.divide(right).map(|zeros| {
+            ElementOperation::Sum => left.add(right),
+            ElementOperation::Multiplication => left.multiply(right),
+            ElementOperation::Division => left.divide(right).map(|zeros| {
                 if zeros > 0 {
                     say(&format!("{program}: warning - {zeros} divisions by zero in \"{source}\" give zero\n"));
                 }
@@ -138,12 +143,13 @@ fn combined(program: &str, operands: &[Operand], commands: Commands) -> Result<M
     let mut chain: Vec<(&str, Matrix)> = Vec::new();
     for operand in operands {
         let (source, matrix) = (operand.source.as_str(), operand.load(program, commands)?);
-        if chain.is_empty() || operand.operation == Operation::Product {
-            chain.push((source, matrix));
-            continue;
+        match operand.operation {
+            Operation::ByElement(operation) if !chain.is_empty() => {
+                let left = product(program, std::mem::take(&mut chain))?;
+                chain.push((source, operation.join(program, source, left, &matrix)?));
+            }
+            _ => chain.push((source, matrix)),
         }
-        let left = product(program, std::mem::take(&mut chain))?;
-        chain.push((source, operand.operation.join(program, source, left, &matrix)?));
     }
     product(program, chain)
 }

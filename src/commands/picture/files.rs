@@ -151,7 +151,7 @@ impl History {
             return;
         }
         header.push_line(&format!("{}:", shown(name)));
-        for line in nested.lines().filter(|line| !line.starts_with(b"#?")) {
+        for line in nested.body() {
             header.push_line(&format!("\t{}", String::from_utf8_lossy(line)));
         }
     }

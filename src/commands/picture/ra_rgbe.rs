@@ -9,6 +9,7 @@ use super::raster::stops;
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use crate::file_pattern;
+use crate::trust::Existing;
 use radsight_picture::{Encoding, Header, PictureError, PictureReader, PictureWriter};
 use radsight_picture_ops::gamma::shifted;
 use std::path::Path;
@@ -51,16 +52,10 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     Ok(())
 }
 
-/// What happens to files that exist.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Existing {
-    Kept,
-    Replaced,
-}
-
 struct Options {
     packing: Packing,
-    existing: Existing,
+    /// The output files that may be replaced.
+    existing: Existing<'static>,
     exposure: i32,
     /// The only requested frame; 0 for all.
     frame: i64,
@@ -74,9 +69,7 @@ impl Options {
         for input in inputs.into_iter().flatten() {
             let mut history = input.history();
             history.remove(FRAME);
-            for line in history.lines().filter(|line| !line.starts_with(b"#?")) {
-                header.push_line(&String::from_utf8_lossy(line));
-            }
+            header.push_body(&history);
         }
         let mut command = words.program().to_owned();
         if self.exposure != 0 {

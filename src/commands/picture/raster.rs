@@ -167,9 +167,7 @@ pub(super) fn rows_of(matrix: DMat3) -> [[f32; 3]; 3] {
 /// The header of a picture converted from another format, which kept these lines.
 fn converted_header(words: &Words<'_>, kept: &Header) -> Header {
     let mut header = Header::new("RADIANCE");
-    for line in kept.history().lines().filter(|line| !line.starts_with(b"#?")) {
-        header.push_line(&String::from_utf8_lossy(line));
-    }
+    header.push_body(&kept.history());
     header.push_command(words.taken());
     header.push_variable("FORMAT", Encoding::Rgbe.name());
     header

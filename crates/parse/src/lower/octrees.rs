@@ -53,9 +53,7 @@ impl Reader<'_> {
     pub(super) fn read_octree(&mut self, path: &str, bytes: &[u8]) {
         match Octree::read_packed(bytes) {
             Ok(octree) => {
-                let history = octree.header.history();
-                let lines = history.lines().filter(|line| !line.starts_with(b"#?"));
-                lines.for_each(|line| self.history.push_line(&String::from_utf8_lossy(line)));
+                self.history.push_body(&octree.header.history());
                 self.read_content(path, &octree, None);
             }
             Err(error) => self.log.push(Diagnostic::error(format!("\"{path}\": {error}"))),

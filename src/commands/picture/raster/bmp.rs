@@ -83,8 +83,7 @@ impl Output {
         if self.colors == Colors::Color {
             notes.push_variable("PRIMARIES", &self.primaries.to_header_value());
         }
-        let lines = notes.lines().filter(|line| !line.starts_with(b"#?"));
-        let mut bytes: Vec<u8> = lines.flat_map(|line| [line, b"\n"].concat()).collect();
+        let mut bytes: Vec<u8> = notes.body().flat_map(|line| [line, b"\n"].concat()).collect();
         bytes.push(0);
         bytes
     }
