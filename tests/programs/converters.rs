@@ -16,8 +16,7 @@ enum Whose {
     Ours,
 }
 
-const REAL: Whose = Whose::Real;
-const OURS: Whose = Whose::Ours;
+use Whose::{Ours, Real};
 
 /// Both programs in a folder with pictures.
 struct Programs {
@@ -33,8 +32,8 @@ impl Programs {
     fn run(&self, words: &str, whose: Whose) -> Run {
         let words: Vec<&str> = words.split(' ').collect();
         let mut program = match whose {
-            REAL => self.radiance.command(words[0], &words[1..]),
-            OURS => command(&words),
+            Real => self.radiance.command(words[0], &words[1..]),
+            Ours => command(&words),
         };
         run_with(program.current_dir(self.folder.path("")), b"")
     }
@@ -42,7 +41,7 @@ impl Programs {
     /// Converts a file forth and back by each pair of programs.
     #[track_caller]
     fn round_trips(&self, forth: &str, back: &str) -> Vec<Picture> {
-        let pairs = [(REAL, REAL), (REAL, OURS), (OURS, REAL), (OURS, OURS)];
+        let pairs = [(Real, Real), (Real, Ours), (Ours, Real), (Ours, Ours)];
         let round_trip = |(writer, reader)| {
             self.run(forth, writer).done();
             self.run(back, reader).done();
@@ -119,7 +118,7 @@ fn a_tiff_without_a_scale_gives_a_picture_without_exposure() {
         programs.run("ra_tiff -r -e +1 a.tif back.hdr", whose).done();
         Picture::read(&programs.folder.read("back.hdr")).expect("a picture")
     };
-    let (real, ours) = (read(REAL), read(OURS));
+    let (real, ours) = (read(Real), read(Ours));
     assert_eq!((properties(&ours), ours.pixels()), (properties(&real), real.pixels()));
     assert_eq!(ours.header().variable("EXPOSURE"), None);
 }
@@ -185,7 +184,7 @@ fn values(tiff: &[u8]) -> Vec<f32> {
 /// Each value of the first TIFF must be this close to that of the second.
 #[track_caller]
 fn same_values(programs: &Programs, words: &str, bound: f32) {
-    let tiffs = [REAL, OURS].map(|whose| {
+    let tiffs = [Real, Ours].map(|whose| {
         programs.run(words, whose).done();
         values(&programs.folder.read("a.tif"))
     });
@@ -298,8 +297,8 @@ fn bitmaps_keep_the_header_gamma_and_primaries() {
             }
         }
     }
-    programs.run("ra_bmp -e auto a.hdr a.bmp", OURS).done();
-    programs.run("ra_bmp -r a.bmp back.hdr", REAL).done();
+    programs.run("ra_bmp -e auto a.hdr a.bmp", Ours).done();
+    programs.run("ra_bmp -r a.bmp back.hdr", Real).done();
     let toned = Picture::read(&programs.folder.read("back.hdr")).expect("a picture");
     let noted = toned.header().primaries().expect("primaries").expect("a line of primaries");
     assert_eq!(noted.to_header_value(), RgbPrimaries::STANDARD.to_header_value());
@@ -340,8 +339,8 @@ fn ra_rgbe_keeps_existing_files_as_the_real_one() {
         picture.to_bytes()
     };
     programs.folder.file("two.hdr", [frame(1.0), frame(3.0)].concat());
-    for whose in [REAL, OURS] {
-        let name = if whose == REAL { "real%d.hdr" } else { "ours%d.hdr" };
+    for whose in [Real, Ours] {
+        let name = if whose == Real { "real%d.hdr" } else { "ours%d.hdr" };
         let run = programs.run(&format!("ra_rgbe two.hdr {name}"), whose);
         assert_eq!(run.code, 1, "{}", run.messages);
         assert!(run.messages.contains("exists"), "{}", run.messages);

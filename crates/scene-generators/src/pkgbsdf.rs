@@ -51,9 +51,14 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     Ok(output)
 }
 
+/// The name of a file without its folder.
+fn file_of(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
+
 /// The name of a BSDF file without its folder and ending.
 fn stem_of(name: &str) -> &str {
-    let file = name.rsplit('/').next().unwrap_or(name);
+    let file = file_of(name);
     file.strip_suffix(".xml").or_else(|| file.strip_suffix(".XML")).unwrap_or(file)
 }
 
@@ -70,7 +75,7 @@ fn scene(invocation: &Invocation<'_>, name: &str, place: Geometry, output: &mut 
 
     let stem = stem_of(name);
     let mut text = Text::default();
-    writeln!(text, "# Produced by: pkgBSDF {}", name.rsplit('/').next().unwrap_or(name))?;
+    writeln!(text, "# Produced by: pkgBSDF {}", file_of(name))?;
     if !sample.material.is_empty() && !sample.maker.is_empty() {
         writeln!(text, "# Material '{}' by '{}'\n", sample.material, sample.maker)?;
     }
