@@ -90,6 +90,26 @@ fn no_picture_has_values_that_are_none() {
     }
 }
 
+/// A lamp of infinite radiance behind a roof: the other lamp lights the ball as before.
+#[test]
+fn a_hidden_lamp_of_infinite_radiance_takes_no_light() {
+    let folder = ball("shade=1;\n");
+    folder.file("endless.cal", "endless=if(Pz,1e300,1)*1e300;\n");
+    let roof = "void plastic black\n0\n0\n5 0 0 0 0 0\nblack ring roof\n0\n0\n8 0 -3 6 0 0 -1 0 9\n";
+    let lamp = "void brightfunc pattern\n2 endless endless.cal\n0\n0\npattern light sun\n0\n0\n3 1 1 1\n\
+                sun sphere hidden\n0\n0\n4 0 -3 9 .5\n";
+    let scene = [roof, lamp].map(|part| {
+        let before = std::fs::read_to_string(folder.path("scene.rad")).expect("the scene can be read");
+        folder.file("scene.rad", &format!("{before}{part}"));
+        let run = picture(&folder, &["-ff", "-pa", "1"]);
+        assert_eq!(run.code, 0, "{}", run.messages);
+        let start = run.output.windows(2).position(|pair| pair == b"\n\n").expect("a header ends");
+        run.output[start..].to_vec()
+    });
+    let [without, with] = scene;
+    assert_eq!(with, without);
+}
+
 #[test]
 fn only_a_variable_defined_by_itself_is_reported() {
     let run = picture(&ball("a=b;b=a;shade=a;\n"), &[]);

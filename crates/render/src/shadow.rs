@@ -74,7 +74,10 @@ impl DirectSampler<'_> {
             && tracer.tree.is_none()
             && (!tracer.plan.shadow_rays_interact || self.is_clear(tracer, between));
         if straight {
-            return product(radiance, self.visibility(tracer, light, sample, between));
+            let visibility = self.visibility(tracer, light, sample, between);
+            // Infinite radiance times zero is not a number.
+            let is_hidden = visibility == [0.0; BANDS];
+            return if is_hidden { visibility } else { product(radiance, visibility) };
         }
         self.walk(tracer, light, sample, radiance)
     }

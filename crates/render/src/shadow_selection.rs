@@ -90,13 +90,18 @@ impl DirectSampler<'_> {
         let weak_share = WEAK_SHARE * tracer.plan.options.direct_threshold.relative();
         let set = DimensionSet::render(tracer.next_set);
         tracer.next_set += 1;
+        // What the tested samples gave, and the strengths of those that are not tested.
         let mut light: f64 = samples.iter().map(|sample| sample.strength).sum();
         let mut sum = [0.0; BANDS];
-        // Samples that are at least so strong have been tested.
+        // Samples that are at least so strong have been tested, once there was a pass.
         let mut limit = f64::INFINITY;
+        let mut is_first = true;
         loop {
-            let step = weak_share * light;
-            let is_first = limit == f64::INFINITY;
+            // Where the light is not a number, each sample is strong.
+            let step = (weak_share * light).max(0.0);
+            if !is_first && step >= limit {
+                break;
+            }
             let mut tested = 0;
             for sample in samples {
                 let is_weak = sample.strength < step && !sample.is_kept();
@@ -110,8 +115,14 @@ impl DirectSampler<'_> {
                 tested += 1;
             }
             limit = limit.min(step);
-            if tested == 0 || weak_share * light >= limit {
+            is_first = false;
+            if tested == 0 {
                 break;
+            }
+            if !light.is_finite() {
+                // Infinite strengths cannot be subtracted from a sum.
+                let untested = samples.iter().filter(|sample| sample.strength < limit && !sample.is_kept());
+                light = sum.iter().sum::<f64>() + untested.map(|sample| sample.strength).sum::<f64>();
             }
         }
         // The weak ones. The random number is taken when it is needed.
