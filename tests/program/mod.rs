@@ -7,7 +7,12 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{self, Receiver};
 use std::thread;
+use std::time::Duration;
+
+/// Far more than any run of a test takes.
+const LONGEST_RUN: Duration = Duration::from_secs(600);
 
 /// A room with a lamp, two walls and a ball.
 pub(crate) const ROOM: &str = "
@@ -106,13 +111,35 @@ pub(crate) fn finish_command(command: &mut Command) -> Run {
     finish(command.spawn().expect("the program starts"))
 }
 
-fn finish(child: Child) -> Run {
-    let output = child.wait_with_output().expect("the program ends");
-    Run {
-        code: output.status.code().unwrap_or(-1),
-        output: output.stdout,
-        messages: String::from_utf8_lossy(&output.stderr).into_owned(),
-    }
+/// Waits for the end of a program. One that does not end is killed, so that the test fails instead of lasting forever.
+fn finish(mut child: Child) -> Run {
+    drop(child.stdin.take());
+    let output = read_all(child.stdout.take());
+    let messages = read_all(child.stderr.take());
+    let [output, messages] = [output, messages].map(|bytes| match bytes.recv_timeout(LONGEST_RUN) {
+        Ok(bytes) => bytes,
+        Err(_) => {
+            child.kill().expect("a program that does not end is killed");
+            panic!("the program does not end within {LONGEST_RUN:?}")
+        }
+    });
+    let status = child.wait().expect("the program ends");
+    let messages = String::from_utf8_lossy(&messages).into_owned();
+    Run { code: status.code().unwrap_or(-1), output, messages }
+}
+
+/// Reads a stream to its end in a thread of its own.
+fn read_all(stream: Option<impl Read + Send + 'static>) -> Receiver<Vec<u8>> {
+    let (sender, receiver) = mpsc::channel();
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        if let Some(mut stream) = stream {
+            stream.read_to_end(&mut bytes).expect("a stream is read");
+        }
+        // Nobody receives it where the program was killed.
+        let _ = sender.send(bytes);
+    });
+    receiver
 }
 
 /// A temporary folder with text files.
