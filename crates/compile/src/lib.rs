@@ -56,6 +56,7 @@ pub use first_hit::{DISTANT, FirstHit};
 pub use medium::{Medium, MistKind};
 pub use mist_lights::MistLights;
 pub use model_source::{ModelRequest, ModelSource, NoModels};
+pub use narrow_highlight::SeenSurface;
 pub use native_model::is_native_library;
 pub use options::{
     AmbientSurfaces, BackFaces, BareSurfaces, Caustics, Gathering, GlobalMedium, LightDivision, Lights, PathLimit,

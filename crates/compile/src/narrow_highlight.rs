@@ -12,6 +12,13 @@ use radsight_light::Light;
 /// Width of a lobe, in roots of the mean square slope. Beyond, it has a ten-thousandth of its peak.
 const LOBE_WIDTH: f64 = 3.0;
 
+/// A ray with the surface that it meets first.
+#[derive(Clone, Debug)]
+pub struct SeenSurface {
+    ray: Ray,
+    hit: Intersection,
+}
+
 impl RenderPlan {
     /// Whether some surface has a glossy lobe: neither a perfect mirror nor sheeting.
     #[must_use]
@@ -19,19 +26,23 @@ impl RenderPlan {
         self.shaders.iter().any(|shader| lobe(&shader.kind).is_some())
     }
 
-    /// Whether a highlight that is narrower than a pixel may lie among the rays of the pixel: its corners and
-    /// its middle. Bumps of the surface and what hides a light are not regarded.
+    /// The surface that a ray meets first.
     #[must_use]
-    pub fn sees_narrow_highlight(&self, rays: &[Ray]) -> bool {
-        let hits: Vec<(Ray, Intersection)> =
-            rays.iter().filter_map(|ray| Some((*ray, self.first_hit(ray, None)?))).collect();
-        let of_hit = |(_, hit): &(Ray, Intersection)| lobe(&self.shader_at(hit.shader).kind);
-        let Some((roughness, first)) = hits.iter().find_map(|hit| Some((of_hit(hit)?, hit.1.shader))) else {
+    pub fn seen_surface(&self, ray: Ray) -> Option<SeenSurface> {
+        self.first_hit(&ray, None).map(|hit| SeenSurface { ray, hit })
+    }
+
+    /// Whether a highlight that is narrower than a pixel may lie among what its corners and its middle see.
+    /// Bumps of the surface and what hides a light are not regarded.
+    #[must_use]
+    pub fn sees_narrow_highlight(&self, seen: &[&SeenSurface]) -> bool {
+        let of_surface = |seen: &&SeenSurface| lobe(&self.shader_at(seen.hit.shader).kind);
+        let Some((roughness, first)) = seen.iter().find_map(|seen| Some((of_surface(seen)?, seen.hit.shader))) else {
             return false;
         };
-        let on_surface = || hits.iter().filter(|(_, hit)| hit.shader == first);
+        let on_surface = || seen.iter().filter(|seen| seen.hit.shader == first);
         let is_shown = |light: &Light| {
-            let slopes: Vec<DVec3> = on_surface().filter_map(|(ray, hit)| slope(ray, hit, light)).collect();
+            let slopes: Vec<DVec3> = on_surface().filter_map(|seen| slope(seen, light)).collect();
             let extent = slopes.iter().map(|slope| slope.distance(slopes[0])).fold(0.0, f64::max);
             extent > roughness && slopes.iter().any(|slope| slope.length() < extent + LOBE_WIDTH * roughness)
         };
@@ -49,7 +60,7 @@ fn lobe(kind: &Kind) -> Option<f64> {
 
 /// The slope of a facet that reflects a light along a ray, relative to the surface; `None` if the light is
 /// behind the surface.
-fn slope(ray: &Ray, hit: &Intersection, light: &Light) -> Option<DVec3> {
+fn slope(SeenSurface { ray, hit }: &SeenSurface, light: &Light) -> Option<DVec3> {
     let to_light = if light.primitive.is_none() { light.center } else { light.center - hit.point }.normalize_or_zero();
     let normal = -hit.front * hit.front.dot(ray.direction).signum();
     let facet = to_light - ray.direction;
