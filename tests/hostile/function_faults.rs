@@ -100,7 +100,7 @@ fn a_hidden_lamp_of_infinite_radiance_takes_no_light() {
                 sun sphere hidden\n0\n0\n4 0 -3 9 .5\n";
     let scene = [roof, lamp].map(|part| {
         let before = std::fs::read_to_string(folder.path("scene.rad")).expect("the scene can be read");
-        folder.file("scene.rad", &format!("{before}{part}"));
+        folder.file("scene.rad", format!("{before}{part}"));
         let run = picture(&folder, &["-ff", "-pa", "1"]);
         assert_eq!(run.code, 0, "{}", run.messages);
         let start = run.output.windows(2).position(|pair| pair == b"\n\n").expect("a header ends");

@@ -217,3 +217,31 @@ fn weak_lights_keep_their_light_with_fewer_shadow_rays() {
     let error = mean(&quick) / expected - 1.0;
     assert!(error.abs() < 0.005, "{quick:?} instead of {expected}");
 }
+
+/// Two spheres of chrome under the sun and a sky.
+const CHROME: &str = "
+void metal chrome 0 0 5 .8 .8 .82 .95 0
+void plastic grey 0 0 5 .2 .2 .2 0 0
+void light bright 0 0 3 2e4 2e4 2e4
+bright source sun 0 0 4 -.5 -.6 .7 3
+void brightfunc gradient 2 .5+.5*Dz . 0 0
+gradient glow dim 0 0 4 1 1 1 0
+dim source sky 0 0 4 0 0 1 360
+grey ring floor 0 0 8 0 0 0 0 0 1 0 60
+chrome sphere left 0 0 4 -.5 0 1 1
+chrome sphere right 0 0 4 1.5 .4 .8 .8
+";
+
+#[test]
+fn the_sun_in_a_mirror_stays_in_its_pixel() {
+    // The sun is seen near a pixel of the grid, which has several rays.
+    let view = "-vp 0 -7 3 -vd 0 1 -.25 -vh 51.8 -vv 52.15 -vs .0078125 -vl .0078125 -x 128 -y 128 -pa 0 -ff -ab 0";
+    let mut suns = 0;
+    for seed in 1..=8 {
+        let pixels = red(CHROME, &format!("{view} --seed {seed}"));
+        let bright = pixels.iter().filter(|value| **value > 4.0).count();
+        assert!(bright <= 4, "seed {seed}: {bright} pixels are brighter than all but the sun");
+        suns += bright;
+    }
+    assert!(suns > 0, "no picture shows the sun");
+}

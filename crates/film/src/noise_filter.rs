@@ -3,6 +3,9 @@
 //! The noise is known from pixels with several rays, and pooled over the samples around a pixel that
 //! see the same surface (non-local means: Buades, Coll and Morel 2005; Rousselle, Knaus and Zwicker
 //! 2012).
+//!
+//! An outlier, such as the sun in a mirror that one ray of a pixel met, stays in its pixel: the
+//! variance of its rays would otherwise let all samples around it agree with it.
 
 use crate::interpolated::Block;
 use crate::pixel_sample::{SEVERAL, Sample, mean};
@@ -10,6 +13,9 @@ use rayon::prelude::*;
 
 /// Radius of the filter, in steps of the grid.
 const FILTER_RADIUS: usize = 2;
+
+/// The minimum distance of an outlier from the samples around it, relative to their range.
+const OUTLIER_DISTANCE: f64 = 10.0;
 
 /// The minimum weight of samples one step away.
 const ADJACENT_WEIGHT: f64 = 4.0;
@@ -55,8 +61,14 @@ impl Block<'_> {
         let all = || (0..self.samples.count()).into_par_iter().with_min_len(256);
         let noise = KnownNoise::of(self);
         let later: Vec<Later> = all().map(|index| self.later(&noise, index)).collect();
-        let results: Vec<PixelResult> = self.samples.iter().map(PixelResult::of).collect();
-        let patches: Vec<Patch> = all().map(|index| self.patch((&noise, &later), &results, index)).collect();
+        let mut results: Vec<PixelResult> = self.samples.iter().map(PixelResult::of).collect();
+        let neighbors = |index: usize| self.neighbors((&noise, &later), index);
+        let mut patches: Vec<Patch> = all().map(|index| self.patch(neighbors(index), &results, index)).collect();
+        let outliers: Vec<usize> = all().filter(|index| self.is_outlier((&results, &patches), *index)).collect();
+        if !outliers.is_empty() {
+            outliers.iter().for_each(|index| results[*index].rays = 0.0);
+            patches = all().map(|index| self.patch(patches[index].neighbors, &results, index)).collect();
+        }
         all().map(|index| self.averaged((&results, &patches), index)).collect()
     }
 
@@ -182,9 +194,8 @@ impl Block<'_> {
     }
 
     /// The combined statistics of the samples around a sample.
-    fn patch(&self, known: (&KnownNoise, &[Later]), results: &[PixelResult], index: usize) -> Patch {
-        let neighbors = self.neighbors(known, index);
-        if neighbors.places == 0 {
+    fn patch(&self, neighbors: Neighbors, results: &[PixelResult], index: usize) -> Patch {
+        if neighbors.places == 0 || results[index].rays == 0.0 {
             return Patch::default();
         }
         let (mut variance, mut weights) = (0.0, 0.0);
@@ -211,6 +222,24 @@ impl Block<'_> {
             variance_of_mean: variance / near,
             neighbors,
         }
+    }
+
+    /// Whether a sample is far brighter than those around it, and noisier.
+    fn is_outlier(&self, (results, patches): (&[PixelResult], &[Patch]), index: usize) -> bool {
+        let (sample, patch) = (&results[index], &patches[index]);
+        if patch.variance <= 0.0 || sample.variance < patch.variance || sample.mean <= patch.mean {
+            return false;
+        }
+        // The darkest, and the brightest two: an outlier may have a twin.
+        let (mut dark, mut bright) = (f64::INFINITY, [f64::NEG_INFINITY; 2]);
+        self.for_each_neighbor(index, patch.neighbors, |place, _| {
+            if place != index {
+                let mean = results[place].mean;
+                dark = dark.min(mean);
+                bright = [bright[0].max(mean), bright[1].max(mean.min(bright[0]))];
+            }
+        });
+        bright[1].is_finite() && sample.mean - bright[1] > OUTLIER_DISTANCE * (bright[1] - dark)
     }
 
     /// The mean of a sample and of those around it that see the same surface and differ by no more
@@ -243,6 +272,7 @@ struct PixelResult {
     value: [f64; 3],
     /// Over the bands.
     mean: f64,
+    /// 0 for an outlier.
     rays: f64,
     /// As [`Sample::variance`].
     variance: f64,
