@@ -135,7 +135,8 @@ impl SparseEstimate {
         let weigh = |(pixel, error): (usize, PixelError)| {
             let area = area_of(nodes[pixel]);
             let spread = match film {
-                Some(film) => film.share(pixel) * film.squared_weights(area, MEAN_SQUARED_WEIGHT),
+                // The kernel's weights are negative here and there, and so are some shares in the margin.
+                Some(film) => film.share(pixel).max(0.0) * film.squared_weights(area, MEAN_SQUARED_WEIGHT),
                 None if area > 1.0 => MEAN_SQUARED_WEIGHT * area,
                 None => 1.0,
             };
@@ -179,8 +180,8 @@ impl SparseEstimate {
     pub(crate) fn blurred(&self, blur: &PinholeBlur<'_>, (lattice, nodes): (&Lattice, &[u8])) -> Picture {
         let film = blur.film;
         let mut spread = vec![0.0; self.values.len()];
-        for ((pixel, error), area) in self.nodes.iter().zip(&self.areas) {
-            spread[*pixel] = error.squared / (area * film.share(*pixel)).max(f64::MIN_POSITIVE);
+        for ((pixel, _), area) in self.nodes.iter().zip(&self.areas) {
+            spread[*pixel] = film.squared_weights(*area, MEAN_SQUARED_WEIGHT) * self.noise[*pixel] / area;
         }
         lattice.fill(&mut spread, nodes, |weight| weight);
         // Single cells know their errors less well than all together.
@@ -243,4 +244,32 @@ fn residual(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise
     }
     let count = f64::max(count, 1.0);
     InterpolationResidual { squared: residual.squared / count, noise: residual.noise / count, ..residual }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::tests::{film, in_picture};
+    use crate::lattice::LEAST_FILM_SIDE;
+    use crate::pinhole_derivatives::PinholeDerivatives;
+    use crate::sums::Sums;
+
+    /// Where the nodes of a film have the same noise, all pixels of its picture have, those at the border too.
+    #[test]
+    fn noise_without_a_place_is_that_of_all_pixels() {
+        let film = film([1.8, 1.6], [24, 20]);
+        let lattice = Lattice::new(film.size().map(|count| count as u32), LEAST_FILM_SIDE, [0.5; 2]);
+        let lattice = lattice.expect("the film is large enough");
+        let levels = vec![lattice.finest(); lattice.cells().iter().product()];
+        let nodes = lattice.nodes(&levels);
+        let sums = Sums { whole: 4.0, ..Sums::default() };
+        let pixels = vec![Pixel { samples: 4, sums, last: 0.01, before: 0.02 }; film.pixel_count()];
+        let cells = (&*levels, &*vec![SMOOTH_RATIO; levels.len()]);
+        let estimate = SparseEstimate::new(&lattice, cells, &nodes, (&pixels, NoisePooling::Near), (Some(&film), 1e-4));
+        let blur = PinholeBlur { film: &film, derivatives: PinholeDerivatives::zero(&film), subpixels: None };
+        let noise = in_picture(&film, &estimate.blurred(&blur, (&lattice, &nodes)).noise);
+        let mean = noise.iter().sum::<f64>() / noise.len() as f64;
+        assert!((mean / estimate.squared_errors()[0] - 1.0).abs() < 1e-9, "{mean}");
+        assert!(noise.iter().all(|own| (own / mean - 1.0).abs() < 0.2), "{mean}: {noise:?}");
+    }
 }
