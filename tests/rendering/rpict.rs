@@ -76,6 +76,32 @@ fn vwrays_finds_the_depth_of_a_pixel() {
     assert!(ray[5] > 0.0, "and goes back to the eye: {ray:?}");
 }
 
+/// A pane 2 units from the eye, a bright wall at 6, and one behind the eye, which a mirror shows.
+#[test]
+fn the_aft_plane_hides_what_is_behind_transparent_surfaces() {
+    let walls = "void glow g 0 0 4 1 1 1 0\ng polygon wall 0 0 12 -9 6 -9 9 6 -9 9 6 9 -9 6 9\n\
+                 g polygon behind 0 0 12 -9 -4 -9 -9 -4 9 9 -4 9 9 -4 -9\n";
+    let pane = "pane polygon p 0 0 12 -5 2 -5 5 2 -5 5 2 5 -5 2 5\n";
+    let mean_of = |material: &str, aft: &str| {
+        let folder = Folder::new();
+        folder.file("s.rad", format!("void {material}\n{pane}{walls}"));
+        let view = ["-vp", "0", "0", "0", "-vd", "0", "1", "0", "-vh", "20", "-vv", "20", "-va", aft];
+        mean(&rpict(&folder, &[&view[..], &["-x", "8", "-y", "8", "-ab", "0", "s.rad"]].concat()).done())
+    };
+    let transparent =
+        ["glass pane 0 0 3 .9 .9 .9", "trans pane 0 0 7 .8 .8 .8 0 0 .9 1", "trans pane 0 0 7 .8 .8 .8 0 .1 .9 .9"];
+    for material in transparent {
+        let [seen, hidden, far] = ["0", "4", "9"].map(|aft| mean_of(material, aft));
+        // What the surface reflects is left.
+        let reflected = if material.starts_with("glass") { 0.1 } else { 0.0 };
+        assert!(
+            seen > 0.5 && hidden <= reflected && (far / seen - 1.0).abs() < 0.1,
+            "{material}: {seen} {hidden} {far}"
+        );
+    }
+    assert!(mean_of("mirror pane 0 0 3 .9 .9 .9", "4") > 0.8);
+}
+
 #[test]
 fn the_header_says_what_real_rpict_says() {
     let Some(radiance) = Radiance::find() else { return };

@@ -199,7 +199,7 @@ impl RayValue {
         ray: &CameraRay,
         (near, record): (&[NearRecord], &mut Option<DirectRecord>),
     ) -> RayValue {
-        let traced = traced_by(ray, |ray| worker.trace_near(index, ray, near, record));
+        let traced = traced_by(worker, ray, |worker, ray| worker.trace_near(index, ray, near, record));
         traced.map_or(RayValue::OUTSIDE, |traced| RayValue::of(&traced, ray))
     }
 

@@ -228,12 +228,18 @@ fn between(to: &CameraRay, from: &CameraRay, share: f64) -> Option<CameraRay> {
 
 /// The radiance of a ray; `None` if it hits nothing, as beyond the aft clipping plane.
 pub(crate) fn traced(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> Option<Traced> {
-    traced_by(ray, |ray| worker.trace(index, ray))
+    traced_by(worker, ray, |worker, ray| worker.trace(index, ray))
 }
 
-/// What `trace` finds along a ray; `None` if it hits nothing, as beyond the aft clipping plane.
-pub(crate) fn traced_by(ray: &CameraRay, trace: impl FnOnce(&Ray) -> Traced) -> Option<Traced> {
-    let traced = Ray::new(ray.origin, ray.direction).map(|ray| trace(&ray))?;
+/// What `trace` finds along a ray; `None` if it hits nothing, as beyond the aft clipping plane, which hides what
+/// is behind transparent surfaces too.
+pub(crate) fn traced_by<'p>(
+    worker: &mut RayWorker<'p>,
+    ray: &CameraRay,
+    trace: impl FnOnce(&mut RayWorker<'p>, &Ray) -> Traced,
+) -> Option<Traced> {
+    worker.limit_distance(ray.length.unwrap_or(f64::INFINITY));
+    let traced = Ray::new(ray.origin, ray.direction).map(|ray| trace(worker, &ray))?;
     let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
     (!is_clipped).then_some(traced)
 }

@@ -178,6 +178,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             mis: Some(mis),
             chain: SpecularChain::default(),
             depth: 0,
+            is_limited: false,
             reflections: 1,
             ambient_bounces: cache_point.bounces,
             medium,

@@ -312,6 +312,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             mis,
             chain: if lobe.seeks_caustics() { SpecularChain::default() } else { path.chain.lost() },
             depth: path.depth + 1,
+            is_limited: path.is_limited && from.normal.dot(drawn.direction) < 0.0,
             reflections,
             ambient_bounces,
             medium: path.medium,

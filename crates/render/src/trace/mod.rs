@@ -198,6 +198,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             mis: None,
             chain: SpecularChain::default(),
             depth: 0,
+            is_limited: true,
             reflections: 0,
             ambient_bounces: self.plan.options.ambient_bounces,
             medium,
@@ -368,7 +369,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         loop {
             let mut first = self.plan.first_hit(&path.ray, path.from);
             let distance = first.as_ref().map_or(f64::INFINITY, |hit| hit.distance);
-            if path.reflections == 0 && path.travelled + distance > self.limit {
+            if path.is_limited && path.travelled + distance > self.limit {
                 return;
             }
             let Some(hit) = &mut first else {

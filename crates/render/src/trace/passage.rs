@@ -109,6 +109,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             mis,
             chain,
             depth: path.depth + 1,
+            is_limited: path.is_limited && !reflected,
             reflections,
             ambient_bounces: path.ambient_bounces,
             medium,

@@ -23,6 +23,8 @@ pub(crate) struct PathState<const BANDS: usize> {
     /// The specular interactions before the first scattering event.
     pub(crate) chain: SpecularChain,
     pub(crate) depth: u32,
+    /// Whether it was not reflected yet, so that the distance of the first ray is limited with it.
+    pub(crate) is_limited: bool,
     /// Number of reflections of any kind, which is limited.
     pub(crate) reflections: u32,
     pub(crate) ambient_bounces: u32,
