@@ -392,3 +392,34 @@ fn a_control_file_says_again_what_was_asked() {
     }
     assert_eq!(folder.read("real.per"), b"somewhere 4711 /tmp/in /tmp/out /tmp/err\n", "it is left as it was");
 }
+
+/// A wall beside a large light. Its noise is that of the parts into which `-ds` divides the light.
+#[test]
+fn a_large_light_is_sampled_in_parts() {
+    let light = "void light l 0 0 3 40 40 40\nl polygon l1 0 0 12 -1 -1 2.5 -1 0 2.5 0 0 2.5 0 -1 2.5\n\
+                 w polygon p 0 0 12 -1 0 0 1 0 0 1 0 2 -1 0 2\n";
+    let count = 200;
+    let spread = |material: &str, options: &[&str]| {
+        let folder = Folder::new();
+        folder.file("scene.rad", format!("void {material}\n{light}"));
+        let words = [&["rtrace", "-h", "-ab", "0"], options, &["scene.rad"]].concat();
+        let rays = "0 -3 1 0 3 -.45\n".repeat(count);
+        let text = run_with(command(&words).current_dir(folder.path("")), rays.as_bytes()).text();
+        let values: Vec<f64> =
+            text.lines().map(|line| line.split('\t').next().expect("a value").parse().expect("a number")).collect();
+        let mean = values.iter().sum::<f64>() / count as f64;
+        (values.iter().map(|value| (value / mean - 1.0).powi(2)).sum::<f64>() / count as f64).sqrt()
+    };
+    // The light is on the other side of a lobe that is transmitted, and of one that is reflected.
+    let materials = [
+        "plastic w 0 0 5 .5 .5 .5 0 0",
+        "trans w 0 0 7 .7 .7 .7 .04 .1 .5 1",
+        "trans w 0 0 7 .7 .7 .7 0 .05 .28 .99",
+        "WGMDfunc w 13 void 0 0 0 void .2 .05 .05 void 0 0 1 . 0 9 .5 .5 .5 0 0 0 0 0 0",
+    ];
+    for material in materials {
+        let [default, fine, whole] = [&[][..], &["-ds", ".1"], &["-ds", "0"]].map(|options| spread(material, options));
+        assert!(default < 0.05 && fine < 0.3 * default, "{material}: {default} {fine}");
+        assert!((0.2..0.8).contains(&whole), "{material}: {whole}");
+    }
+}

@@ -228,7 +228,12 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
 
     /// Shape of the highlight, for sampling points on lights.
     pub fn peak(&self) -> LobePeak {
-        let floor = strongest(&self.diffuse) * FRAC_1_PI;
+        let diffuse_through = self.transmission.map_or(0.0, |transmission| strongest(&transmission.diffuse));
+        let lobe_through = self.transmission.and_then(|transmission| transmission.lobe);
+        // Lights that the other side sees are not in the lobe, and must not be sampled by its slope.
+        let diffuse = strongest(&self.diffuse).max(diffuse_through);
+        let through = lobe_through.map_or(0.0, |lobe| strongest(&lobe.shape.transmittance));
+        let floor = diffuse.max(through) * FRAC_1_PI;
         let about_mirror = |width: f64, specularity: &[f64; BANDS]| {
             let height = strongest(specularity) * width * FRAC_1_PI;
             LobePeak { axis: self.mirror_direction(), width, height, floor }
@@ -251,13 +256,9 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
             }
             Highlight::None | Highlight::Function(_) | Highlight::Measured(_) | Highlight::Model(_) => LobePeak::NONE,
         };
-        match self.transmission.and_then(|transmission| Some((transmission.diffuse, transmission.lobe?))) {
-            Some((diffuse, lobe)) => {
-                let transmitted = lobe.peak(strongest(&diffuse) * FRAC_1_PI);
-                if transmitted.height > reflected.height { transmitted } else { reflected }
-            }
-            None => reflected,
-        }
+        let Some(lobe) = lobe_through else { return reflected };
+        let transmitted = lobe.peak(diffuse.max(self.highlight.strength()) * FRAC_1_PI);
+        if transmitted.height > reflected.height { transmitted } else { reflected }
     }
 
     /// Shape of the whole BSDF, for choosing `draws` lights.

@@ -146,8 +146,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// requested fraction of the distance (`-ds`), fewer for a ray of less weight. Each branch
     /// samples all lights again, so some more here cost little.
     ///
-    /// Unsplit rays of radiance get one sample: the caller averages many, and they use the sample
-    /// points of pictures.
+    /// Rays whose mean is wanted get one sample, as scattered rays do that split no further.
     pub(super) fn light_samples(
         &self,
         path: &PathState<BANDS>,
@@ -169,7 +168,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 most_per_sr: SAMPLES_PER_SQUARE * squares,
             };
         }
-        if !self.splits || !(is_sensor || branches.diffuse > 1) {
+        if !self.splits || path.is_scattered() && branches.diffuse <= 1 {
             return LightSampleCount::ONE;
         }
         let side = options.source_sampling;
