@@ -75,7 +75,9 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
     let Planned { plan, registry, sources, .. } = planned;
     say_what_matters(&plan, &camera.camera);
-    let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
+    // One of the plans may be grey, with equal values in all bands.
+    let bands = by_row.iter().map(|(plan, _)| plan.bands()).fold(plan.bands(), usize::max);
+    let weights = camera.band_weights_for(bands).map_err(|error| Failure::input(error.to_string()))?;
     let start = checkpoint.read(arguments, &rays, &weights)?;
     let renderer = Renderer::new(plan);
     let by_row: Vec<LightByRow> =

@@ -74,6 +74,19 @@ fn a_rolling_shutter_shows_the_bands_of_the_waveform_integral() {
     }
 }
 
+/// A coloured lamp among grey ones: its bands count as they do without flicker.
+#[test]
+fn a_coloured_lamp_flickers_in_all_its_bands() {
+    let coloured = SCENE.replace("900 900 900", "2000 500 200");
+    let [scene, grey] = [&*coloured, SCENE].map(|scene| format!("{scene}{TUBE}"));
+    let effort = ["--samples", "8"];
+    let of = |scene: &str| exposures(&camera("finite", ROLLING, FLICKER), scene, &effort);
+    // The mean of the bands is that of the grey lamp.
+    for (pixel, (own, grey)) in of(&scene).iter().zip(of(&grey)).enumerate() {
+        assert!((own / grey - 1.0).abs() < 1e-5, "{pixel}: {own} against {grey}");
+    }
+}
+
 #[test]
 fn the_asked_error_is_reached_with_bands_too() {
     let lit = format!("{SCENE}{TUBE}");
