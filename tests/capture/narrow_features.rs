@@ -79,3 +79,30 @@ fn highlights_on_a_glossy_sphere_are_found() {
         assert!((found - 0.0609).abs() < 0.008, "seed {seed}: {found}");
     }
 }
+
+/// A sheet that is painted half dark, up to a line through the middles of pixels.
+const PAINTED: &str = "void brightfunc half 2 if(Py,.1,1) . 0 0\nhalf plastic white 0 0 5 .8 .8 .8 0 0\n\
+                       white polygon sheet 0 0 12 -.3 -.3 0 .3 -.3 0 .3 .3 0 -.3 .3 0\n";
+
+/// On the two sides of the line a ray through each point of the pinhole met one or the other, and the difference
+/// was taken for the slope of pixels that see no line.
+#[test]
+fn a_line_through_the_middle_of_pixels_is_no_slope() {
+    let folder = Folder::new();
+    let sheet = folder.file("sheet.rad", PAINTED);
+    let camera = folder.file(
+        "camera.toml",
+        "[camera]\nposition_m = [0.0, 0.0, 0.48]\ndirection = [0.0, 0.0, -1.0]\nup = [0.0, 1.0, 0.0]\n\
+         pixels = [48, 41]\npixel_pitch_um = [40.0, 40.0]\nfocal_distance_mm = 6.75\n\
+         pinhole_diameter_mm = 0.15\npinhole_model = \"finite\"\nexposure_ms = 10.0\nwavelength_nm = 650.0\n\
+         [rig]\nleds = 1\nring_diameter_mm = 40.0\nled_diameter_mm = 5.0\nled_intensity_w_per_sr = 0.055\n\
+         led_cone_deg = 50.0\n",
+    );
+    let truth = captured(&folder, [&camera, &sheet], ["--samples", "256"], 99);
+    for seed in [0, 1, 7] {
+        let difference = Difference::new(&captured(&folder, [&camera, &sheet], ["--error", "0.02"], seed), &truth);
+        println!("seed {seed}: {difference:?}");
+        // The truth has half of it.
+        assert!(difference.rms < 0.008, "seed {seed}: {difference:?}");
+    }
+}

@@ -31,7 +31,7 @@ impl<'a> AdaptiveSampler<'a> {
                 PinholeProbe::new(|on_pinhole| self.light_of_film(worker, film, (pixel, sample), on_pinhole))
             };
             let first = probe(0);
-            (pixel, if has_rare_rays { first.smooth_with(|| probe(1)) } else { first })
+            (pixel, if has_rare_rays { first.smooth_with(|| probe(1)) } else { first.smooth() })
         };
         let probes: Vec<_> =
             probed.into_par_iter().with_min_len(8).map_init(|| self.exposer.workers(), probe).collect();

@@ -56,10 +56,15 @@ impl PinholeProbe {
         probe
     }
 
-    /// The mean with another probe of the same pixel, whose rays have other random numbers. Nothing, if
-    /// the values are not those of a smooth function, but those of scattered rays that went to
-    /// different surfaces: their differences would be taken for derivatives of much brighter pixels
-    /// beside this one. As far as the probes differ, their derivatives are noise.
+    /// Nothing, if the values are not those of a smooth function, but those of different surfaces, to which
+    /// scattered rays went or between which an edge passes through the middle of the pixel: their differences
+    /// would be taken for derivatives of all pixels around this one.
+    pub(crate) fn smooth(self) -> PinholeProbe {
+        if self.is_smooth() { self } else { PinholeProbe::default() }
+    }
+
+    /// The mean with another probe of the same pixel, whose rays have other random numbers. As far as the
+    /// probes differ, their derivatives are noise.
     pub(crate) fn smooth_with(self, other: impl FnOnce() -> PinholeProbe) -> PinholeProbe {
         if !self.is_smooth() {
             return PinholeProbe::default();
