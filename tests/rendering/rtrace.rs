@@ -423,3 +423,35 @@ fn a_large_light_is_sampled_in_parts() {
         assert!((0.2..0.8).contains(&whole), "{material}: {whole}");
     }
 }
+
+/// As Radiance says: transparent surfaces are ignored, whatever they absorb.
+#[test]
+fn irradiance_is_that_behind_transparent_bodies() {
+    let wall = "void plastic grey 0 0 5 .5 .5 .5 0 0\nvoid light lamp 0 0 3 100 100 100\n\
+                grey polygon wall 0 0 12 -5 4 -5 -5 4 5 5 4 5 5 4 -5\nlamp sphere l 0 0 4 6 0 6 .3\n";
+    let of = |body: &str| {
+        let folder = Folder::new();
+        folder.file("scene.rad", format!("{wall}{body}"));
+        let words = ["rtrace", "-h", "-i", "-ab", "0", "--samples", "64", "scene.rad"];
+        let text = run_with(command(&words).current_dir(folder.path("")), b"0 0 0 0 1 0\n").text();
+        text.split_whitespace().map(|word| word.parse().expect("a number")).collect::<Vec<f64>>()
+    };
+    let pane = "m polygon p 0 0 12 -1 2 -1 1 2 -1 1 2 1 -1 2 1\n";
+    let ball = "m sphere b 0 0 4 0 2 0 .5\n";
+    let bodies = [
+        format!("void glass m 0 0 3 .5 .6 .7\n{pane}"),
+        format!("void dielectric m 0 0 5 .3 .6 .7 1.5 0\n{ball}"),
+        format!("void interface m 0 0 8 .3 .6 .7 1.5 .9 .9 .9 1.3\n{ball}"),
+        format!("void trans m 0 0 7 .8 .8 .8 .06 .1 .5 .5\n{pane}"),
+        format!("void trans2 m 4 1 0 0 . 0 8 .8 .8 .8 .06 .1 .1 .5 .5\n{pane}"),
+        format!("void BRTDfunc m 10 .1 .1 .1 .2 .2 .2 0 0 0 . 0 9 .2 .2 .2 .3 .3 .3 .2 .2 .2\n{pane}"),
+    ];
+    let behind = of("");
+    assert!(behind[0] > 0.1, "{behind:?}");
+    for body in bodies {
+        let found = of(&body);
+        assert!(found.iter().zip(&behind).all(|(a, b)| (a / b - 1.0).abs() < 1e-3), "{body}: {found:?} {behind:?}");
+    }
+    // An opaque one has an irradiance of its own.
+    assert!((of(&format!("void plastic m 0 0 5 .5 .5 .5 0 0\n{pane}"))[0] / behind[0] - 1.0).abs() > 0.1);
+}

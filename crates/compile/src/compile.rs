@@ -11,7 +11,8 @@ use crate::prism::PrismKind;
 use crate::refraction::DielectricInterface;
 use crate::shader::{Emitter, EmitterType, Kind, MixtureKind, Shader, Substitution};
 use crate::specialise::turns_the_normal_to_the_viewer;
-use radsight_accel::{ShaderId, ShaderTable};
+use crate::substance::substance;
+use radsight_accel::{ShaderId, ShaderTable, Substance};
 use radsight_bsdf::{Appearances, GlossyKind, MeasuredKind, Scatterer};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
@@ -150,11 +151,14 @@ impl Compiler<'_> {
             (Vec::new(), Kind::Transparent)
         });
         chains.nesting = nesting;
+        let home = chains.home.clone();
+        let substance = substance(chains.scene, modifier);
         self.shaders.push(specialised(Shader {
-            textures: TextureChain { steps, home: chains.home.clone() },
+            textures: TextureChain { steps, home },
             kind,
             modifier,
             tracked: None,
+            passes_irradiance: substance == Substance::Transparent,
         }));
         ShaderId((self.shaders.len() - 1) as u32)
     }

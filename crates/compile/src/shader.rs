@@ -25,6 +25,8 @@ pub struct Shader {
     pub modifier: Option<ModifierHandle>,
     /// Index of its tracked modifier, if its contributions are reported.
     pub tracked: Option<u32>,
+    /// Whether an irradiance measurement (`-i`) passes through it: Radiance counts the material as transparent.
+    pub passes_irradiance: bool,
 }
 
 /// Kind of material.
@@ -147,8 +149,7 @@ impl Kind {
         }
     }
 
-    /// Whether Radiance counts the material as transparent: an irradiance measurement (`-i`) passes
-    /// through it.
+    /// Whether light passes through it alone, as glass, a dielectric or mist.
     pub fn is_transparent(&self) -> bool {
         matches!(self, Kind::Transparent | Kind::Glass { .. } | Kind::Dielectric(_) | Kind::Mist(_))
     }

@@ -31,7 +31,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             match &shader.kind {
                 Kind::Mixture(_) => {}
                 kind if kind.emitter().is_some() => {}
-                kind if kind.is_transparent() => return self.push(self.passed_through(*path, hit)),
+                // The bodies that it passes absorb nothing.
+                _ if shader.passes_irradiance => return self.push(self.passed_through(*unseen, hit)),
                 _ => return self.shade_white(path, hit, &interaction),
             }
         }
