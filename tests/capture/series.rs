@@ -49,6 +49,19 @@ impl Series {
     }
 }
 
+/// A lamp of the scene keeps its light when that of the ring changes.
+#[test]
+fn the_intensity_of_the_ring_changes_no_other_lamp() {
+    let folder = Folder::new();
+    let lamp = folder.file("lamp.rad", "void light l 0 0 3 20 20 20\nl sphere lamp 0 0 4 .02 .01 .1 .01\n");
+    let series = Series::new("name,rig.led_intensity_w_per_sr\na,\nb,.11\n", &lamp);
+    let [a, b]: [Image<f32>; 2] = series.pictures(&["a", "b"], ".05").try_into().expect("two");
+    let single = series.alone(["led_intensity_w_per_sr = 0.055", "led_intensity_w_per_sr = 0.11"], "", ".05");
+    assert!(b.data() == single.data());
+    let [a, b] = [a, b].map(|image| image.data().iter().map(|value| f64::from(*value)).sum::<f64>());
+    assert!(b < 1.99 * a && b > a, "{a} {b}");
+}
+
 #[test]
 fn sensor_and_exposure_time_change_no_bit_of_a_picture() {
     let table = "name,sensor.gamma,camera.exposure_ms,rig.led_intensity_w_per_sr\na,,,\nb,.5,,\nc,,3.0,\nd,,,.11\n";

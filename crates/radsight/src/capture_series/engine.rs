@@ -8,9 +8,9 @@ use radsight_capture::{
     Background, Checkpoint, ErrorTarget, Exposer, Exposure, LitRegion, PlacedParts, Progress, Region,
 };
 use radsight_diag::Diagnostic;
-use radsight_ir::{Scene, SurfaceHandle, ValidScene};
+use radsight_ir::{Rgb, Scene, SurfaceHandle, ValidScene};
 use radsight_pinhole::{BandWeights, PinholeModel, Rays};
-use radsight_render::{RayTreeOutput, RenderOptions, RenderPlan, Renderer};
+use radsight_render::{NoModels, RayTreeOutput, RenderOptions, RenderPlan, Renderer};
 
 /// Smallest number of poses for which a shared background pays off.
 const FEWEST_POSES: usize = 3;
@@ -93,7 +93,12 @@ pub fn expose_series<S: SeriesScenes>(
     first.capture.check()?;
     first.capture.check_camera()?;
     let all: Vec<usize> = (0..pictures.len()).collect();
-    for group in grouped(&all, |a, b| have_one_light(&pictures[a].capture, &pictures[b].capture)) {
+    let scales = only_the_ring_gives_light(scenes, pictures)?;
+    let share_rays = |a: usize, b: usize| {
+        let [a, b] = [a, b].map(|picture| &pictures[picture].capture);
+        have_one_light(a, b) && (scales || brightness(a.camera_file(), b.camera_file()) == 1.0)
+    };
+    for group in grouped(&all, share_rays) {
         let lead = &pictures[group[0]].capture;
         let scene = scenes.read(lead.camera_file())?;
         let poses = grouped(&group, |a, b| pictures[a].moves == pictures[b].moves);
@@ -116,6 +121,21 @@ fn grouped(items: &[usize], equal: impl Fn(usize, usize) -> bool) -> Vec<Vec<usi
         }
     }
     groups
+}
+
+/// Whether the exposure is proportional to the intensity of the LEDs: nothing else gives light. False for pictures of
+/// one intensity, for which it does not matter.
+fn only_the_ring_gives_light<S: SeriesScenes>(scenes: &S, pictures: &[SeriesPicture]) -> Result<bool, S::Failure> {
+    let [first, others @ ..] = pictures else { return Ok(false) };
+    let first = &first.capture;
+    let is_even = |other: &SeriesPicture| brightness(first.camera_file(), other.capture.camera_file()) == 1.0;
+    if others.iter().all(is_even) || first.options().ambient_value != Rgb::BLACK {
+        return Ok(false);
+    }
+    let without_ring = CameraFile { rig: None, ..first.camera_file().clone() };
+    let plan = RenderPlan::new(scenes.read(&without_ring)?, first.options().clone(), &NoModels);
+    // What cannot be compiled without plugins may emit.
+    Ok(plan.is_ok_and(|plan| !plan.has_emitters()))
 }
 
 /// Whether two captures of one scene differ at most in exposure time, intensity of the LEDs and
