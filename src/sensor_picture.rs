@@ -22,6 +22,8 @@ impl SensorPicture {
     /// Reads out an exposure in J/m²; `seed` selects the noise.
     pub(crate) fn new(sensor: &Sensor, exposure: &Image<f32>, seed: u64) -> SensorPicture {
         let exposures: Vec<f64> = exposure.data().iter().map(|value| f64::from(*value)).collect();
+        // The non-uniformity of rows and columns is that of this picture's.
+        let sensor = sensor.clone().with_columns(exposure.width() as u32);
         let greys = sensor.greys(&exposures, seed);
         SensorPicture { width: exposure.width(), height: exposure.height(), bits: sensor.bits(), greys }
     }

@@ -1,6 +1,7 @@
 //! Camera models beyond the pinhole, and sensors, through the program.
 
-use crate::program::{Folder, Run, command, run_with};
+use crate::pictures::greys;
+use crate::program::{Folder, Run, command, radsight_with, run_with};
 
 const CAMERA: &str = "[camera]\nposition_m = [0.0, 0.0, 0.48]\ndirection = [0.0, 0.0, -1.0]\nup = [0.0, 1.0, 0.0]\npixels = [24, 20]\n\
     pixel_pitch_um = [100, 110]\nexposure_ms = 10.0\nwavelength_nm = 650.0\n";
@@ -232,4 +233,32 @@ fn an_orthographic_fisheye_exposes_a_uniform_sky_uniformly() {
     // τ·A/f² for a radiance of 1.
     let expected = 0.01 * std::f64::consts::PI * 0.005f64.powi(2) / 0.25f64.powi(2);
     assert!(numbers.into_iter().all(|value| (value / expected - 1.0).abs() < 1e-5));
+}
+
+/// An exposure of another width than the camera's has the rows of its own.
+#[test]
+fn rows_of_any_exposure_have_offsets_of_their_own() {
+    let folder = Folder::new();
+    let camera = folder.file(
+        "camera.toml",
+        "[camera]\nposition_m = [0, 0, 1]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\npixels = [64, 64]\n\
+         pixel_pitch_um = [5, 5]\nfocal_distance_mm = 8\npinhole_diameter_mm = 0.1\npinhole_model = \"finite\"\n\
+         exposure_ms = 10\nwavelength_nm = 550\n[sensor]\nresponse = \"emva1288\"\nquantum_efficiency = 0.5\n\
+         gain_dn_per_e = 0.1\ndark_offset_dn = 100\nbits = 12\nfull_well_e = 20000\nread_noise_e = 1\n\
+         dark_current_e_per_s = 0\ndsnu_row_e = 100\nspecimen = 1\n",
+    );
+    let row_means = |columns: usize, rows: usize| -> Vec<f64> {
+        let header = format!("#?RADIANCE\nNROWS={rows}\nNCOLS={columns}\nNCOMP=1\nFORMAT=ascii\n\n");
+        let dark = "0 ".repeat(columns) + "\n";
+        let picture = radsight_with(&["sensor", &camera], (header + &dark.repeat(rows)).as_bytes()).done();
+        let values = greys(&picture).into_data();
+        values
+            .chunks(columns)
+            .map(|row| row.iter().map(|grey| f64::from(*grey)).sum::<f64>() / columns as f64)
+            .collect()
+    };
+    let (whole, part) = (row_means(64, 64), row_means(16, 32));
+    let apart = whole.iter().zip(&part).map(|(whole, part)| (whole - part).abs()).fold(0.0, f64::max);
+    assert!(apart < 1.0, "{apart}: {whole:?} {part:?}");
+    assert!(part.windows(2).filter(|pair| (pair[0] - pair[1]).abs() > 1.0).count() > 20, "{part:?}");
 }

@@ -82,6 +82,28 @@ impl Sensor {
         (0..).zip(exposures).map(|(pixel, &exposure)| self.grey(exposure, seed, pixel)).collect()
     }
 
+    /// The same sensor with another number of pixels per row, which determines each pixel's row and column
+    /// and so its non-uniformity.
+    #[must_use]
+    pub fn with_columns(self, columns: u32) -> Sensor {
+        match self {
+            Sensor::PowerLaw(_) => self,
+            Sensor::Emva1288(sensor) => Sensor::Emva1288(sensor.with_columns(columns)),
+        }
+    }
+
+    /// The exposure whose electrons are those of the dark current in one second, J/m² per second.
+    #[must_use]
+    pub fn dark_exposure_per_s(&self) -> f64 {
+        match self {
+            Sensor::PowerLaw(_) => 0.0,
+            Sensor::Emva1288(sensor) => {
+                let description = sensor.description();
+                description.dark_current_e_per_s * description.gain_dn_per_e / sensor.grey_per_exposure()
+            }
+        }
+    }
+
     /// Bit depth of the grey values.
     #[must_use]
     pub fn bits(&self) -> BitDepth {
