@@ -296,6 +296,26 @@ fn the_picture_bounds_the_precision_of_a_position() {
     assert!(information.to_json().contains("\"card.x\""));
 }
 
+/// The mean grey value grows with time by the light and by the dark current.
+#[test]
+fn the_dark_current_tells_the_exposure_time() {
+    let capture = Setup { ring: format!("{SENSOR}dark_current_e_per_s = 1e5\n"), ..Setup::new([6, 4], 27.0) }
+        .capture()
+        .error(1e-3);
+    let exposed = derivatives(&capture, &card(), &["exposure.time"], 0.005);
+    let sensor = capture.camera_file().sensor.as_ref().unwrap();
+    // The gain is 0.5.
+    let by_dark = 0.5 * 1e5;
+    let of_pixel = |(exposure, by_time): (&f64, &f64)| {
+        let grey = sensor.grey_statistics(*exposure);
+        (grey.slope * by_time + if grey.slope > 0.0 { by_dark } else { 0.0 }).powi(2) / grey.variance
+    };
+    let values = exposed.exposure.values.iter().zip(&exposed.derivatives[0].derivative.values);
+    let expected = values.map(of_pixel).sum::<f64>().sqrt().recip();
+    let found = FisherInformation::new(&exposed, Some(sensor)).unwrap().deviations_alone[0];
+    assert!((found / expected - 1.0).abs() < 1e-3, "{found} s, expected {expected} s");
+}
+
 #[test]
 fn parameters_that_a_capture_does_not_have_are_errors() {
     let scene = || Scene::builder().text("scene.rad", BOX);

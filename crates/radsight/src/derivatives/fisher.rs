@@ -39,9 +39,15 @@ impl FisherInformation {
         let sensor = sensor.ok_or(Error::NoSensor)?;
         let weights: Vec<f64> = exposed.exposure.values.iter().map(|value| information(sensor, *value)).collect();
         let derivatives = &exposed.derivatives;
+        // The dark current's electrons grow with time as well.
+        let dark: Vec<f64> = derivatives
+            .iter()
+            .map(|by| if by.parameter.is_exposure_time() { sensor.dark_exposure_per_s() } else { 0.0 })
+            .collect();
         let entry = |row: usize, column: usize| -> f64 {
             let [a, b] = [row, column].map(|index| &derivatives[index].derivative);
-            let products = weights.iter().zip(&a.values).zip(&b.values).map(|((weight, a), b)| weight * a * b);
+            let values = weights.iter().zip(&a.values).zip(&b.values);
+            let products = values.map(|((weight, a), b)| weight * (a + dark[row]) * (b + dark[column]));
             // The square of a noisy derivative is too large by the squared standard error.
             let noise = weights.iter().zip(&a.standard_errors).map(|(weight, error)| weight * error * error);
             products.sum::<f64>() - if row == column { noise.sum::<f64>() } else { 0.0 }

@@ -105,6 +105,11 @@ impl Parameter {
         &self.name
     }
 
+    /// Whether it is the exposure time, with which the sensor's dark current counts.
+    pub(super) fn is_exposure_time(&self) -> bool {
+        matches!(self.kind, Kind::ExposureTime)
+    }
+
     /// Its unit.
     ///
     /// ```
