@@ -43,7 +43,9 @@ pub(crate) struct Estimate {
 impl Estimate {
     pub(crate) fn new(pixels: &[Pixel], columns: usize) -> Estimate {
         let mean = pixels.iter().map(Pixel::mean).sum::<f64>() / pixels.len() as f64;
-        let unit = if mean > 0.0 { (mean * mean).recip() } else { 0.0 };
+        let unit = (mean * mean).recip();
+        // Without light, and where it is so little that its square is 0, there is no relative error.
+        let unit = if unit.is_finite() { unit } else { 0.0 };
         // Scaled to one sample, so that pixels with different numbers of samples can be added.
         let of_one = |squared: fn(&Pixel) -> f64| -> Vec<f64> {
             pixels.iter().map(|pixel| squared(pixel) * f64::from(pixel.samples)).collect()
@@ -154,6 +156,16 @@ pub(crate) fn pooled_errors(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sums::Sums;
+
+    #[test]
+    fn light_whose_square_is_nothing_has_no_relative_error() {
+        for light in [0.0, 1e-200, 1e-170] {
+            let sums = Sums { whole: light, ..Sums::default() };
+            let pixel = Pixel { samples: 1, sums, last: light * light, before: light * light };
+            assert_eq!(Estimate::new(&[pixel; 9], 3).relative_error(), 0.0, "{light}");
+        }
+    }
 
     #[test]
     fn pixels_without_a_second_half_take_the_noise_of_the_others() {

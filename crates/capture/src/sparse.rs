@@ -188,7 +188,7 @@ impl<'a> AdaptiveSampler<'a> {
             let estimate = sparse.estimate(state, self.film.as_deref(), target.error);
             let of_images = images.as_ref().map_or(0.0, |images| images.sum()) / estimate.pixel_count as f64;
             let mean = estimate.mean() + of_images;
-            if mean <= 0.0 {
+            if mean <= 0.0 || mean * mean < f64::MIN_POSITIVE {
                 break;
             }
             let all = (target.error * mean / SELECTION_BIAS).powi(2);
