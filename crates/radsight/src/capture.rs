@@ -200,7 +200,7 @@ impl Capture {
         let mut sources = SourceMap::default();
         match CameraFile::read(name, text, &mut sources, loader) {
             Ok(file) if !file.flickering.is_empty() => {
-                let message = "[flicker] is not supported by the library, only by the program \"radsight capture\"";
+                let message = "[flicker] is supported by single pictures of the program \"radsight capture\" alone: not with --variants, --derivative or --fisher, and not by the library";
                 Err(Error::Camera(Report::new(vec![Diagnostic::error(message)], sources)))
             }
             Ok(file) => Ok(Capture {
