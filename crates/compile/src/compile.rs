@@ -12,7 +12,7 @@ use crate::refraction::DielectricInterface;
 use crate::shader::{Emitter, EmitterType, Kind, MixtureKind, Shader, Substitution};
 use crate::specialise::turns_the_normal_to_the_viewer;
 use crate::substance::substance;
-use radsight_accel::{ShaderId, ShaderTable, Substance};
+use radsight_accel::{ShaderId, ShaderTable};
 use radsight_bsdf::{Appearances, GlossyKind, MeasuredKind, Scatterer};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
@@ -151,14 +151,12 @@ impl Compiler<'_> {
             (Vec::new(), Kind::Transparent)
         });
         chains.nesting = nesting;
-        let home = chains.home.clone();
-        let substance = substance(chains.scene, modifier);
         self.shaders.push(specialised(Shader {
-            textures: TextureChain { steps, home },
+            textures: TextureChain { steps, home: chains.home.clone() },
             kind,
             modifier,
             tracked: None,
-            passes_irradiance: substance == Substance::Transparent,
+            substance: substance(chains.scene, modifier),
         }));
         ShaderId((self.shaders.len() - 1) as u32)
     }

@@ -6,7 +6,7 @@ use crate::medium::MistKind;
 use crate::prism::PrismKind;
 use crate::refraction::DielectricInterface;
 use glam::DVec3;
-use radsight_accel::ShaderId;
+use radsight_accel::{ShaderId, Substance};
 use radsight_brdf::Brdf;
 use radsight_bsdf::{GlossyKind, Scatterer};
 use radsight_cal::Scratch;
@@ -25,8 +25,8 @@ pub struct Shader {
     pub modifier: Option<ModifierHandle>,
     /// Index of its tracked modifier, if its contributions are reported.
     pub tracked: Option<u32>,
-    /// Whether an irradiance measurement (`-i`) passes through it: Radiance counts the material as transparent.
-    pub passes_irradiance: bool,
+    /// What Radiance counts the material as.
+    pub substance: Substance,
 }
 
 /// Kind of material.
@@ -156,6 +156,12 @@ impl Kind {
 }
 
 impl Shader {
+    /// Whether an irradiance measurement (`-i`) passes through it: Radiance counts the material as transparent, or
+    /// there is none.
+    pub fn passes_irradiance(&self) -> bool {
+        self.substance == Substance::Transparent || matches!(self.kind, Kind::Transparent)
+    }
+
     /// Evaluates all patterns and textures.
     #[inline]
     pub fn appearance<const BANDS: usize>(

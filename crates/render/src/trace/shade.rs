@@ -32,7 +32,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 Kind::Mixture(_) => {}
                 kind if kind.emitter().is_some() => {}
                 // The bodies that it passes absorb nothing.
-                _ if shader.passes_irradiance => return self.push(self.passed_through(*unseen, hit)),
+                _ if shader.passes_irradiance() => return self.push(self.passed_through(*unseen, hit)),
                 _ => return self.shade_white(path, hit, &interaction),
             }
         }
