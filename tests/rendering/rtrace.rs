@@ -455,3 +455,33 @@ fn irradiance_is_that_behind_transparent_bodies() {
     // An opaque one has an irradiance of its own.
     assert!((of(&format!("void plastic m 0 0 5 .5 .5 .5 0 0\n{pane}"))[0] / behind[0] - 1.0).abs() > 0.1);
 }
+
+/// A tube near a floor, whose middle is much farther away than its nearest point. Real Radiance with fine parts gives
+/// 253.8 and 212.2.
+#[test]
+fn long_lights_have_samples_along_their_length() {
+    let irradiance = |light: &str, seed: u32| -> f64 {
+        let folder = Folder::new();
+        folder.file(
+            "scene.rad",
+            format!(
+                "void plastic white 0 0 5 .8 .8 .8 0 0\nvoid light strip 0 0 3 3000 2500 2000\n{light}\
+                 white polygon floor 0 0 12 0 -2 0 4 -2 0 4 2 0 0 2 0\n"
+            ),
+        );
+        let seed = seed.to_string();
+        let words = ["rtrace", "-h", "-w", "-I", "--seed", &seed, "scene.rad"];
+        let text = run_with(command(&words).current_dir(folder.path("")), b"2 .17 .001 0 0 1\n").text();
+        text.split_whitespace().next().expect("a value").parse().expect("a number")
+    };
+    let lights = [
+        ("strip cylinder tube 0 0 7 .3 0 .26 3.9 0 .26 .01\n", 253.8, 0.08),
+        ("strip polygon tube 0 0 12 .3 -.01 .26 .3 .01 .26 3.9 .01 .26 3.9 -.01 .26\n", 212.2, 0.04),
+    ];
+    for (light, expected, most) in lights {
+        let values: Vec<f64> = (1..=16).map(|seed| irradiance(light, seed) / expected - 1.0).collect();
+        let mean = values.iter().sum::<f64>() / 16.0;
+        let spread = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 15.0).sqrt();
+        assert!(spread < most && mean.abs() < 3.0 * spread / 4.0 + 0.002, "{light}: {mean} ± {spread}");
+    }
+}

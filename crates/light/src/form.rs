@@ -98,6 +98,9 @@ pub enum LightForm {
     },
 }
 
+/// Least ratio of length and width of an elongated light.
+const ELONGATED: f64 = 4.0;
+
 /// A sampled point on a light, as seen from a receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
@@ -322,6 +325,30 @@ impl LightForm {
     fn visible_side(&self, receiver: DVec3) -> Option<VisibleSide> {
         let LightForm::Cone { base, axis, length, radii, facing } = self else { return None };
         VisibleSide::new(receiver - *base, *axis, (radii[0], (radii[1] - radii[0]) / length), *facing)
+    }
+
+    /// The length of an elongated light as seen from a point, in distances from it: pieces that are no longer than
+    /// ε of their distances are so many times 1/ε. 0 for other lights.
+    pub fn angular_length(&self, receiver: DVec3) -> f64 {
+        let (center, half, width) = match self {
+            LightForm::Parallelogram { corner, x, y, .. } => {
+                let (long, short) = if x.length_squared() > y.length_squared() { (x, y) } else { (y, x) };
+                (*corner + (*x + *y) * 0.5, *long * 0.5, short.length())
+            }
+            LightForm::Cone { base, axis, length, radii, .. } => {
+                let half = *axis * (0.5 * length);
+                (*base + half, half, 2.0 * radii[0].max(radii[1]))
+            }
+            _ => return 0.0,
+        };
+        let half_length = half.length();
+        if half_length < 0.5 * ELONGATED * width {
+            return 0.0;
+        }
+        let offset = receiver - center;
+        let along = offset.dot(half) / half_length;
+        let aside = (offset.length_squared() - along * along).max(0.0).sqrt().max(0.5 * width);
+        ((half_length - along) / aside).asinh() + ((half_length + along) / aside).asinh()
     }
 
     /// Solid angle of a distant light; of a near one an estimate from its cross-section, as if it

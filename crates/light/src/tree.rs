@@ -118,7 +118,10 @@ impl Reception {
             return 1;
         }
         let distance = if light.radius.is_infinite() { 1.0 } else { point.distance(light.center).max(light.radius) };
-        let wanted = (self.samples.per_sr * light.form.solid_angle(distance)).max(self.highlight_samples(light, point));
+        let by_area = self.samples.per_sr * light.form.solid_angle(distance);
+        // A tube is thinner than a square of the division, and has one sample for each of its length.
+        let by_length = (0.5 * self.samples.per_sr).sqrt() * light.form.angular_length(point);
+        let wanted = by_area.max(by_length).max(self.highlight_samples(light, point));
         let samples = wanted.clamp(self.samples.least, MOST_SAMPLES.into());
         // Only powers of two of a scrambled sequence are stratified in both dimensions.
         if samples > 1.0 { (samples.ceil() as u32).next_power_of_two() } else { 1 }
@@ -438,6 +441,24 @@ mod tests {
 
     fn points() -> impl Iterator<Item = DVec3> {
         (0..6).map(|index| DVec3::new(scattered(index, 3), scattered(index, 0), scattered(index, 1)) * 6.0 - 1.0)
+    }
+
+    #[test]
+    fn the_length_of_a_light_counts_in_distances_of_its_parts() {
+        let strip = |length: f64, width: f64| {
+            let (x, y) = (DVec3::X * length, DVec3::Y * width);
+            LightForm::Parallelogram { corner: (x + y) * -0.5, x, y, normal: -DVec3::Z, area: length * width }
+        };
+        let length_from = |form: &LightForm, x: f64, z: f64| form.angular_length(DVec3::new(x, 0.0, -z));
+        assert_eq!(length_from(&strip(1.0, 0.5), 0.0, 1.0), 0.0);
+        // Pieces of a thousandth of the length, each relative to its own distance.
+        let summed = |x: f64, z: f64| {
+            (0..1000).map(|piece| 4e-3 / ((f64::from(piece) + 0.5) * 4e-3 - 2.0 - x).hypot(z)).sum::<f64>()
+        };
+        for (x, z) in [(0.0, 0.3), (0.0, 5.0), (1.9, 0.5), (7.0, 0.1)] {
+            let found = length_from(&strip(4.0, 0.02), x, z);
+            assert!((found / summed(x, z) - 1.0).abs() < 1e-3, "{x} {z}: {found}");
+        }
     }
 
     #[test]
