@@ -187,7 +187,7 @@ impl RenderPlan {
     /// Whether any surface emits.
     #[must_use]
     pub fn has_emitters(&self) -> bool {
-        self.shaders.iter().any(|shader| matches!(shader.kind, Kind::Emitter(_) | Kind::Illum { .. }))
+        self.shaders.iter().any(|shader| shader.kind.emitter().is_some())
     }
 
     /// Centre and radius of the bounding sphere of all surfaces at a finite distance, scene units.

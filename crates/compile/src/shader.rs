@@ -149,7 +149,7 @@ impl Kind {
         }
     }
 
-    /// Whether light passes through it alone, as glass, a dielectric or mist.
+    /// Whether it sends on all light without scattering: no material, glass, a dielectric or mist.
     pub fn is_transparent(&self) -> bool {
         matches!(self, Kind::Transparent | Kind::Glass { .. } | Kind::Dielectric(_) | Kind::Mist(_))
     }
