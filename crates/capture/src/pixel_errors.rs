@@ -43,9 +43,7 @@ pub(crate) struct Estimate {
 impl Estimate {
     pub(crate) fn new(pixels: &[Pixel], columns: usize) -> Estimate {
         let mean = pixels.iter().map(Pixel::mean).sum::<f64>() / pixels.len() as f64;
-        let unit = (mean * mean).recip();
-        // Without light, and where it is so little that its square is 0, there is no relative error.
-        let unit = if unit.is_finite() { unit } else { 0.0 };
+        let unit = relative_unit(mean);
         // Scaled to one sample, so that pixels with different numbers of samples can be added.
         let of_one = |squared: fn(&Pixel) -> f64| -> Vec<f64> {
             pixels.iter().map(|pixel| squared(pixel) * f64::from(pixel.samples)).collect()
@@ -74,6 +72,13 @@ impl Estimate {
             samples: self.pixels.iter().map(|pixel| pixel.samples).collect(),
         }
     }
+}
+
+/// The factor of squared errors that makes them relative to a mean. 0 without light, and where it is so little that
+/// its square is nothing: there is no relative error.
+pub(crate) fn relative_unit(mean: f64) -> f64 {
+    let unit = (mean * mean).recip();
+    if mean > 0.0 && unit.is_finite() { unit } else { 0.0 }
 }
 
 impl ErrorEstimate for Estimate {

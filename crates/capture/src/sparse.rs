@@ -19,7 +19,7 @@ use crate::film::UnblurredFilm;
 use crate::image_light::{ExposedImages, IMAGE_FRACTION};
 use crate::lattice::{LEAST_FILM_SIDE, LEAST_SIDE, Lattice};
 use crate::pinhole_blur::PinholeBlur;
-use crate::pixel_errors::{Estimate, NoisePooling, SELECTION_BIAS};
+use crate::pixel_errors::{Estimate, NoisePooling, SELECTION_BIAS, relative_unit};
 use crate::shared_film::FilmRecord;
 use crate::sparse_estimate::{Picture, SparseEstimate, residual_ratio};
 use crate::subpixels::Subpixels;
@@ -188,7 +188,7 @@ impl<'a> AdaptiveSampler<'a> {
             let estimate = sparse.estimate(state, self.film.as_deref(), target.error);
             let of_images = images.as_ref().map_or(0.0, |images| images.sum()) / estimate.pixel_count as f64;
             let mean = estimate.mean() + of_images;
-            if mean <= 0.0 || mean * mean < f64::MIN_POSITIVE {
+            if relative_unit(mean) == 0.0 {
                 break;
             }
             let all = (target.error * mean / SELECTION_BIAS).powi(2);
@@ -486,7 +486,7 @@ fn doubled_to(estimate: &SparseEstimate, target: f64, most: u32) -> Vec<Vec<usiz
 fn fill_interpolated(state: &mut AdaptiveState, sparse: &Sparse, estimate: &SparseEstimate) -> Estimate {
     // Cubic interpolation can undershoot next to a dark region; exposures are never negative.
     let mean = estimate.values.iter().map(|value| value.max(0.0)).sum::<f64>() / estimate.values.len() as f64;
-    let unit = (mean * mean).recip();
+    let unit = relative_unit(mean);
     let samples: u64 = estimate.nodes.iter().map(|(_, error)| u64::from(error.samples)).sum();
     let samples = ((samples / estimate.nodes.len().max(1) as u64).max(1) as u32).next_power_of_two().min(MAX_SAMPLES);
     let mut errors = Vec::with_capacity(state.pixels.len());
@@ -517,7 +517,7 @@ fn develop(state: &mut AdaptiveState, film: &UnblurredFilm, estimate: &SparseEst
     let share = |index: u64| ((index + 1) * traced / pixels - index * traced / pixels) as u32;
     let in_picture: Vec<usize> = (0..picture.values.len()).filter(|pixel| film.in_picture(*pixel).is_some()).collect();
     let mean = film.mean_over_picture(&picture.values);
-    let unit = (mean * mean).recip();
+    let unit = relative_unit(mean);
     let squared = |pixel: usize| picture.noise[pixel] + picture.bias[pixel];
     let error = |(index, &pixel): (usize, &usize)| PixelError {
         squared: unit * squared(pixel),
