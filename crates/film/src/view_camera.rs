@@ -240,8 +240,7 @@ pub(crate) fn traced_by<'p>(
 ) -> Option<Traced> {
     worker.limit_distance(ray.length.unwrap_or(f64::INFINITY));
     let traced = Ray::new(ray.origin, ray.direction).map(|ray| trace(worker, &ray))?;
-    let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
-    (!is_clipped).then_some(traced)
+    (ray.length.is_none() || traced.first_hit.is_some()).then_some(traced)
 }
 
 /// The radiance of a ray with cached irradiance, and by an independent path; `None` for nothing.
