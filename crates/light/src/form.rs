@@ -327,27 +327,26 @@ impl LightForm {
         VisibleSide::new(receiver - *base, *axis, (radii[0], (radii[1] - radii[0]) / length), *facing)
     }
 
-    /// The length of an elongated light as seen from a point, in distances from it: pieces that are no longer than
-    /// ε of their distances are so many times 1/ε. 0 for other lights.
-    pub fn angular_length(&self, receiver: DVec3) -> f64 {
-        let (center, half, width) = match self {
-            LightForm::Parallelogram { corner, x, y, .. } => {
+    /// The length of an elongated light as seen from a point at this offset from its centre, in distances from it:
+    /// pieces that are no longer than ε of their distances are so many times 1/ε. 0 for other lights.
+    pub fn angular_length(&self, offset: DVec3) -> f64 {
+        let (half, squared_width) = match self {
+            LightForm::Parallelogram { x, y, .. } => {
                 let (long, short) = if x.length_squared() > y.length_squared() { (x, y) } else { (y, x) };
-                (*corner + (*x + *y) * 0.5, *long * 0.5, short.length())
+                (*long * 0.5, short.length_squared())
             }
-            LightForm::Cone { base, axis, length, radii, .. } => {
-                let half = *axis * (0.5 * length);
-                (*base + half, half, 2.0 * radii[0].max(radii[1]))
+            LightForm::Cone { axis, length, radii, .. } => {
+                (*axis * (0.5 * length), (2.0 * radii[0].max(radii[1])).powi(2))
             }
             _ => return 0.0,
         };
-        let half_length = half.length();
-        if half_length < 0.5 * ELONGATED * width {
+        // Most lights are not, and need no square root.
+        if 4.0 * half.length_squared() < ELONGATED * ELONGATED * squared_width {
             return 0.0;
         }
-        let offset = receiver - center;
+        let half_length = half.length();
         let along = offset.dot(half) / half_length;
-        let aside = (offset.length_squared() - along * along).max(0.0).sqrt().max(0.5 * width);
+        let aside = (offset.length_squared() - along * along).max(0.25 * squared_width).sqrt();
         ((half_length - along) / aside).asinh() + ((half_length + along) / aside).asinh()
     }
 

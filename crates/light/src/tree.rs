@@ -119,8 +119,8 @@ impl Reception {
         }
         let distance = if light.radius.is_infinite() { 1.0 } else { point.distance(light.center).max(light.radius) };
         let by_area = self.samples.per_sr * light.form.solid_angle(distance);
-        // A tube is thinner than a square of the division, and has one sample for each of its length.
-        let by_length = (0.5 * self.samples.per_sr).sqrt() * light.form.angular_length(point);
+        // A tube is thinner than a square of the division, and has one sample for each piece of its length.
+        let by_length = (0.5 * self.samples.per_sr).sqrt() * light.form.angular_length(point - light.center);
         let wanted = by_area.max(by_length).max(self.highlight_samples(light, point));
         let samples = wanted.clamp(self.samples.least, MOST_SAMPLES.into());
         // Only powers of two of a scrambled sequence are stratified in both dimensions.
