@@ -152,6 +152,19 @@ fn modifiers_from_a_file_take_part_in_interreflection_or_do_not() {
     assert!((value("-aI") - 0.5).abs() < 1e-3 && (value("-aE") - 0.1).abs() < 1e-6);
 }
 
+/// The first value of each record.
+fn first_values(text: &str) -> Vec<f64> {
+    let first = |line: &str| line.split_whitespace().next().expect("a value").parse().expect("a number");
+    text.lines().map(first).collect()
+}
+
+/// The mean of some values, and their standard deviation.
+fn mean_and_spread(values: &[f64]) -> (f64, f64) {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (values.len() - 1) as f64).sqrt())
+}
+
 #[test]
 fn more_samples_make_highlights_less_noisy() {
     let folder = Folder::new();
@@ -164,11 +177,7 @@ fn more_samples_make_highlights_less_noisy() {
     let spread = |samples: &str| {
         let words = ["rtrace", "-h", "-st", "0", "-ss", samples, "scene.rad"];
         let text = run_with(command(&words).current_dir(folder.path("")), rays.as_bytes()).text();
-        let values = text.lines().filter_map(|line| line.split_whitespace().next()?.parse::<f64>().ok());
-        let values: Vec<f64> = values.collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64;
-        (mean, variance.sqrt())
+        mean_and_spread(&first_values(&text))
     };
     let [(one, one_spread), (many, many_spread)] = [spread("1"), spread("16")];
     assert!((one - many).abs() < 0.1 * many, "{one} with one, {many} with sixteen");
@@ -181,10 +190,7 @@ fn irradiance_is_known_well_without_being_asked() {
     folder.file("scene.rad", "void light lamp 0 0 3 1 1 1\nlamp sphere bulb 0 0 4 0 0 2 1\n");
     let words = ["rtrace", "-h", "-I", "scene.rad"];
     let output = run_with(command(&words).current_dir(folder.path("")), b"0 0 0 0 0 1\n1 0 0 0 0 1\n").text();
-    let values: Vec<f64> = output
-        .lines()
-        .map(|line| line.split_whitespace().next().expect("a value").parse().expect("a number"))
-        .collect();
+    let values = first_values(&output);
     // A sphere of radiance 1 and radius r at distance d, seen at the angle θ to the normal: π
     // (r/d)² cos θ.
     let expected = [std::f64::consts::PI / 4.0, std::f64::consts::PI / 5.0 * (4.0f64 / 5.0).sqrt()];
@@ -398,17 +404,14 @@ fn a_control_file_says_again_what_was_asked() {
 fn a_large_light_is_sampled_in_parts() {
     let light = "void light l 0 0 3 40 40 40\nl polygon l1 0 0 12 -1 -1 2.5 -1 0 2.5 0 0 2.5 0 -1 2.5\n\
                  w polygon p 0 0 12 -1 0 0 1 0 0 1 0 2 -1 0 2\n";
-    let count = 200;
     let spread = |material: &str, options: &[&str]| {
         let folder = Folder::new();
         folder.file("scene.rad", format!("void {material}\n{light}"));
         let words = [&["rtrace", "-h", "-ab", "0"], options, &["scene.rad"]].concat();
-        let rays = "0 -3 1 0 3 -.45\n".repeat(count);
+        let rays = "0 -3 1 0 3 -.45\n".repeat(200);
         let text = run_with(command(&words).current_dir(folder.path("")), rays.as_bytes()).text();
-        let values: Vec<f64> =
-            text.lines().map(|line| line.split('\t').next().expect("a value").parse().expect("a number")).collect();
-        let mean = values.iter().sum::<f64>() / count as f64;
-        (values.iter().map(|value| (value / mean - 1.0).powi(2)).sum::<f64>() / count as f64).sqrt()
+        let (mean, spread) = mean_and_spread(&first_values(&text));
+        spread / mean
     };
     // The light is on the other side of a lobe that is transmitted, and of one that is reflected.
     let materials = [
@@ -472,7 +475,7 @@ fn long_lights_have_samples_along_their_length() {
         let seed = seed.to_string();
         let words = ["rtrace", "-h", "-w", "-I", "--seed", &seed, "scene.rad"];
         let text = run_with(command(&words).current_dir(folder.path("")), b"2 .17 .001 0 0 1\n").text();
-        text.split_whitespace().next().expect("a value").parse().expect("a number")
+        first_values(&text)[0]
     };
     let lights = [
         ("strip cylinder tube 0 0 7 .3 0 .26 3.9 0 .26 .01\n", 253.8, 0.08),
@@ -480,8 +483,7 @@ fn long_lights_have_samples_along_their_length() {
     ];
     for (light, expected, most) in lights {
         let values: Vec<f64> = (1..=16).map(|seed| irradiance(light, seed) / expected - 1.0).collect();
-        let mean = values.iter().sum::<f64>() / 16.0;
-        let spread = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 15.0).sqrt();
+        let (mean, spread) = mean_and_spread(&values);
         assert!(spread < most && mean.abs() < 3.0 * spread / 4.0 + 0.002, "{light}: {mean} ± {spread}");
     }
 }
