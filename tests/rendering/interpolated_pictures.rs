@@ -245,3 +245,39 @@ fn the_sun_in_a_mirror_stays_in_its_pixel() {
     }
     assert!(suns > 0, "no picture shows the sun");
 }
+
+/// Mean over some columns and rows.
+fn area(pixels: &[f64], columns: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> f64 {
+    let count = (columns.len() * rows.len()) as f64;
+    rows.map(|row| pixels[row * SIDE..][columns.clone()].iter().sum::<f64>()).sum::<f64>() / count
+}
+
+/// A thin partition that stands on the floor of a room, with a lamp on one side of it. The view from
+/// above sees it edge-on, so that nothing but irradiance tells one side of the floor from the other.
+const PARTITION: &str = "
+void plastic white 0 0 5 .8 .8 .8 0 0
+void plastic grey 0 0 5 .4 .4 .4 0 0
+void light lamp 0 0 3 50 50 50
+white polygon floor 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0
+white polygon ceiling 0 0 12 0 4 3 4 4 3 4 0 3 0 0 3
+grey polygon left 0 0 12 0 0 0 0 4 0 0 4 3 0 0 3
+grey polygon right 0 0 12 4 0 0 4 0 3 4 4 3 4 4 0
+grey polygon back 0 0 12 0 4 0 4 4 0 4 4 3 0 4 3
+white polygon partition 0 0 12 2 0 0 2 4 0 2 4 2.7 2 0 2.7
+lamp polygon l 0 0 12 .5 1 2.9 .5 3 2.9 .7 3 2.9 .7 1 2.9
+";
+
+#[test]
+fn a_partition_keeps_irradiance_on_its_side() {
+    let view = "-vtl -vp 2.008 2 2.6 -vd 0 0 -1 -vu 0 1 0 -vh 3.98 -vv 3.98 -pa 1 -x 128 -y 128 -ff -ab 1";
+    let truth = red(PARTITION, &format!("{view} -aa 0 -ad 1 --samples 256"));
+    for options in ["", "-ps 1"] {
+        let found = red(PARTITION, &format!("{view} {options}").trim().replace("  ", " "));
+        // Two columns on each side, beside those that the partition halves.
+        let (lit, dark) = (61..63, 65..67);
+        let [in_dark, expected] = [&found, &truth].map(|pixels| area(pixels, dark.clone(), 12..116));
+        assert!(in_dark < 2.0 * expected + 1e-3, "{options}: {in_dark} in the dark, expected {expected}");
+        let [in_light, expected] = [&found, &truth].map(|pixels| area(pixels, lit.clone(), 12..116));
+        assert!((in_light / expected - 1.0).abs() < 0.03, "{options}: {in_light} in the light, expected {expected}");
+    }
+}

@@ -7,7 +7,7 @@ use radsight_cal::{Bindings, Definitions, Program, Root, Scope, Scratch};
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposer, Silent};
 use radsight_diag::SourceMap;
-use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record};
+use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record, Unobstructed};
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, Read, ReadOptions, read_scene};
 use radsight_pinhole::Rays;
@@ -142,7 +142,7 @@ fn shared_irradiance_among_1000_records(bencher: Bencher<'_, '_>) {
     }
     counted(bencher, |index| {
         let [x, y] = place(index * 3 + 1);
-        cache.irradiance(DVec3::new(x, y, 0.0), DVec3::Z, DVec3::Z)
+        cache.irradiance(DVec3::new(x, y, 0.0), DVec3::Z, DVec3::Z, &Unobstructed)
     });
 }
 

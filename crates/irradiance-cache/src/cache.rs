@@ -2,6 +2,7 @@
 
 use crate::fit::{Fit, neighbourhood};
 use crate::grid::Grid;
+use crate::obstacles::Occluders;
 use crate::record::{Limits, Record};
 use glam::DVec3;
 
@@ -142,11 +143,11 @@ impl<const BANDS: usize> Cache<BANDS> {
     /// # Panics
     /// If there is no such record.
     #[must_use]
-    pub fn fit(&self, index: usize) -> Fit<BANDS> {
+    pub fn fit(&self, index: usize, occluders: &dyn Occluders) -> Fit<BANDS> {
         let record = &self.records[index];
         let mut near = Vec::new();
         self.neighbourhoods.visit(record.position, |index| near.push(&self.records[index as usize]));
-        Fit::new(record, near.into_iter(), &self.limits)
+        Fit::new(record, near.into_iter(), &self.limits, occluders)
     }
 
     /// Uses a fit from now on.
@@ -193,21 +194,27 @@ impl<const BANDS: usize> Cache<BANDS> {
         (&self.records[index], &self.fits[index])
     }
 
-    /// Whether a record reaches a point of a surface with this unit normal.
+    /// Whether a record that is in sight reaches a point of a surface with this unit normal.
     #[must_use]
-    pub fn reaches(&self, position: DVec3, normal: DVec3) -> bool {
+    pub fn reaches(&self, position: DVec3, normal: DVec3, occluders: &dyn Occluders) -> bool {
         let mut weights = 0.0;
-        self.reaches
-            .visit(position, |index| weights += self.weight(&self.records[index as usize], position, normal, 1.0));
+        let surface = SurfacePoint { position, normal, occluders };
+        self.reaches.visit(position, |index| {
+            // One record that is in sight suffices.
+            if weights <= MIN_WEIGHT {
+                weights += self.weight(&self.records[index as usize], &surface, 1.0);
+            }
+        });
         weights > MIN_WEIGHT
     }
 
     /// Appends the indices of the records that contribute to the irradiance at a point of a surface
     /// with this unit normal, with their normalised weights.
-    pub fn shares(&self, position: DVec3, normal: DVec3, shares: &mut Vec<(u32, f64)>) {
+    pub fn shares(&self, position: DVec3, normal: DVec3, occluders: &dyn Occluders, shares: &mut Vec<(u32, f64)>) {
         let before = shares.len();
+        let surface = SurfacePoint { position, normal, occluders };
         self.reaches.visit(position, |index| {
-            let weight = self.weight(&self.records[index as usize], position, normal, 1.0);
+            let weight = self.weight(&self.records[index as usize], &surface, 1.0);
             if weight > 0.0 {
                 shares.push((index, weight));
             }
@@ -219,8 +226,15 @@ impl<const BANDS: usize> Cache<BANDS> {
     /// The irradiance at a point of a surface with this unit normal, on a facet with the unit
     /// normal `facet`; `None` where no record reaches.
     #[must_use]
-    pub fn irradiance(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
-        self.blend(&self.reaches, 1.0, [position, normal, facet], f64::INFINITY).irradiance()
+    pub fn irradiance(
+        &self,
+        position: DVec3,
+        normal: DVec3,
+        facet: DVec3,
+        occluders: &dyn Occluders,
+    ) -> Option<[f64; BANDS]> {
+        let surface = SurfacePoint { position, normal, occluders };
+        self.blend(&self.reaches, 1.0, (&surface, facet), f64::INFINITY).irradiance()
     }
 
     /// The same where the relative interpolation error of the records is at most `error`; elsewhere
@@ -232,12 +246,13 @@ impl<const BANDS: usize> Cache<BANDS> {
         position: DVec3,
         normal: DVec3,
         facet: DVec3,
+        occluders: &dyn Occluders,
         max_interpolation_error: f64,
     ) -> Option<[f64; BANDS]> {
-        let query = [position, normal, facet];
-        let mut blend = self.blend(&self.reaches, 1.0, query, f64::INFINITY);
+        let surface = SurfacePoint { position, normal, occluders };
+        let mut blend = self.blend(&self.reaches, 1.0, (&surface, facet), f64::INFINITY);
         if blend.irradiance().is_none() {
-            blend = self.blend(&self.neighbourhoods, neighbourhood(&self.limits), query, f64::INFINITY);
+            blend = self.blend(&self.neighbourhoods, neighbourhood(&self.limits), (&surface, facet), f64::INFINITY);
         }
         if blend.interpolation_error() > max_interpolation_error { None } else { blend.irradiance() }
     }
@@ -249,30 +264,32 @@ impl<const BANDS: usize> Cache<BANDS> {
         position: DVec3,
         normal: DVec3,
         facet: DVec3,
+        occluders: &dyn Occluders,
         farthest_reach: f64,
     ) -> Option<[f64; BANDS]> {
-        self.blend(&self.reaches, 1.0, [position, normal, facet], farthest_reach).irradiance()
+        let surface = SurfacePoint { position, normal, occluders };
+        self.blend(&self.reaches, 1.0, (&surface, facet), farthest_reach).irradiance()
     }
 
     fn blend(
         &self,
         near: &Grid,
         farther: f64,
-        [position, normal, facet]: [DVec3; 3],
+        (surface, facet): (&SurfacePoint<'_>, DVec3),
         farthest_reach: f64,
     ) -> Blend<BANDS> {
         let mut blend = Blend { sum: [0.0; BANDS], interpolation_error: 0.0, weights: 0.0 };
-        near.visit(position, |index| {
+        near.visit(surface.position, |index| {
             let record = &self.records[index as usize];
             if record.reach(&self.limits) > farthest_reach {
                 return;
             }
-            let weight = self.weight(record, position, normal, farther);
+            let weight = self.weight(record, surface, farther);
             if weight > 0.0 {
                 let fit = &self.fits[index as usize];
                 blend.weights += weight;
                 blend.interpolation_error += weight * fit.interpolation_error;
-                for (sum, value) in blend.sum.iter_mut().zip(fit.at(record, position, facet)) {
+                for (sum, value) in blend.sum.iter_mut().zip(fit.at(record, surface.position, facet)) {
                     *sum += weight * value;
                 }
             }
@@ -281,11 +298,22 @@ impl<const BANDS: usize> Cache<BANDS> {
     }
 
     /// Falls to zero at the border of the reach, so that the interpolation is continuous (Tabellion
-    /// and Lamorlette 2004).
-    fn weight(&self, record: &Record<BANDS>, position: DVec3, normal: DVec3, farther: f64) -> f64 {
+    /// and Lamorlette 2004). Zero for a record that is hidden from the point.
+    fn weight(&self, record: &Record<BANDS>, surface: &SurfacePoint<'_>, farther: f64) -> f64 {
+        let SurfacePoint { position, normal, occluders } = *surface;
         let reach = farther * record.reach(&self.limits);
-        (1.0 - record.relative_error(position, normal, reach, self.limits.accuracy)).max(0.0)
+        let weight = 1.0 - record.relative_error(position, normal, reach, self.limits.accuracy);
+        if weight > 0.0 && !record.is_hidden_from(position, normal, occluders) { weight } else { 0.0 }
     }
+}
+
+/// A point where irradiance is requested.
+#[derive(Clone, Copy)]
+struct SurfacePoint<'o> {
+    position: DVec3,
+    /// Unit.
+    normal: DVec3,
+    occluders: &'o dyn Occluders,
 }
 
 /// Weighted sums over the records around a point.

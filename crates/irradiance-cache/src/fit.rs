@@ -10,6 +10,7 @@
 
 use crate::bands::mean;
 use crate::emitter_model::EmitterModel;
+use crate::obstacles::Occluders;
 use crate::record::{Limits, Record};
 use crate::stored::store_fields;
 use glam::{DMat3, DVec3};
@@ -96,11 +97,13 @@ impl<const BANDS: usize> Fit<BANDS> {
         }
     }
 
-    /// From the record and those around it, which include the record itself.
+    /// From the record and those around it, which include the record itself, as far as they are in
+    /// sight of it.
     pub(crate) fn new<'r>(
         record: &Record<BANDS>,
         around: impl Iterator<Item = &'r Record<BANDS>>,
         limits: &Limits,
+        occluders: &dyn Occluders,
     ) -> Fit<BANDS> {
         let radius = neighbourhood(limits) * record.reach(limits);
         let mut neighbours: Vec<Neighbour<'r, BANDS>> = around
@@ -110,7 +113,11 @@ impl<const BANDS: usize> Fit<BANDS> {
                 let backward = other.relative_error(record.position, record.normal, radius, limits.accuracy);
                 let distance = offset.length() / radius;
                 let relative_error = forward.max(backward);
-                (relative_error < 1.0).then(|| Neighbour {
+                let is_hidden = || {
+                    (record.may_be_hidden_from(other.position) || other.may_be_hidden_from(record.position))
+                        && occluders.separate(record.position, record.normal, other.position)
+                };
+                (relative_error < 1.0 && !is_hidden()).then(|| Neighbour {
                     record: other,
                     detrended: other.irradiance,
                     offset: offset - record.normal * offset.dot(record.normal),

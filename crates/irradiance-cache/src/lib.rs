@@ -14,7 +14,7 @@
 //!
 //! ```
 //! use glam::DVec3;
-//! use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record};
+//! use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record, Unobstructed};
 //! // A point in the middle of a large white box.
 //! let hemisphere = Hemisphere::with_divisions(256);
 //! let seen = vec![GatheredRadiance { radiance: [2.0], distance: 5.0 }; hemisphere.len()];
@@ -22,9 +22,9 @@
 //! let record = Record::new(DVec3::ZERO, DVec3::Z, &hemisphere, &seen, &limits);
 //! let mut cache = Cache::new(limits);
 //! cache.insert(record, 0);
-//! let [irradiance] = cache.irradiance(DVec3::new(0.1, 0.0, 0.0), DVec3::Z, DVec3::Z).unwrap();
+//! let [irradiance] = cache.irradiance(DVec3::new(0.1, 0.0, 0.0), DVec3::Z, DVec3::Z, &Unobstructed).unwrap();
 //! assert!((irradiance - 2.0 * std::f64::consts::PI).abs() < 1e-9);
-//! assert!(cache.irradiance(DVec3::new(3.0, 0.0, 0.0), DVec3::Z, DVec3::Z).is_none());
+//! assert!(cache.irradiance(DVec3::new(3.0, 0.0, 0.0), DVec3::Z, DVec3::Z, &Unobstructed).is_none());
 //! ```
 #![forbid(unsafe_code)]
 
@@ -36,6 +36,7 @@ mod fit;
 mod gradient;
 mod grid;
 mod hemisphere;
+mod obstacles;
 mod record;
 mod saved;
 mod stored;
@@ -44,5 +45,6 @@ pub use cache::{Cache, STRATA};
 pub use emitter::GatherHit;
 pub use fit::Fit;
 pub use hemisphere::{GatheredRadiance, Hemisphere};
+pub use obstacles::{Occluders, Unobstructed};
 pub use record::{Limits, Record};
 pub use stored::{Stored, StoredBytes};

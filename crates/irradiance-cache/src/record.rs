@@ -4,6 +4,7 @@ use crate::bands::mean;
 use crate::emitter::{Emitters, GatherHit};
 use crate::gradient::Gradients;
 use crate::hemisphere::{GatheredRadiance, Hemisphere};
+use crate::obstacles::{Obstacles, Occluders};
 use crate::stored::store_fields;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -33,6 +34,8 @@ pub struct Record<const BANDS: usize> {
     pub(crate) gradients: Gradients<BANDS>,
     /// The emitters around it.
     pub(crate) emitters: Emitters<BANDS>,
+    /// What stands on the surface around it.
+    obstacles: Obstacles,
     /// The distance at which the irradiance may change by 100 %.
     pub(crate) scale: f64,
     /// The minimum reach of this record.
@@ -45,7 +48,19 @@ pub struct Record<const BANDS: usize> {
     pub(crate) ungathered: f64,
 }
 
-store_fields!(Record: position, normal, irradiance, gradients, emitters, scale, min_reach, rays, variance, ungathered);
+store_fields!(
+    Record: position,
+    normal,
+    irradiance,
+    gradients,
+    emitters,
+    obstacles,
+    scale,
+    min_reach,
+    rays,
+    variance,
+    ungathered
+);
 
 impl<const BANDS: usize> Record<BANDS> {
     /// Makes a record from the gathered radiance of each cell of the hemisphere over a unit
@@ -88,6 +103,7 @@ impl<const BANDS: usize> Record<BANDS> {
                 translation: local.translation.map(to_world),
             },
             emitters: Emitters::UNKNOWN,
+            obstacles: Obstacles::NONE,
             scale: 1.0 / nearness.max(f64::MIN_POSITIVE),
             min_reach: limits.min_reach,
             rays: count,
@@ -122,7 +138,9 @@ impl<const BANDS: usize> Record<BANDS> {
     /// selects the hits that are kept.
     #[must_use]
     pub fn with_hits(self, hits: &[GatherHit<BANDS>], offset: f64) -> Self {
-        Record { emitters: Emitters::new(self.position, hits, offset), ..self }
+        let emitters = Emitters::new(self.position, hits, offset);
+        let obstacles = Obstacles::new(Record::<BANDS>::frame(self.normal), hits);
+        Record { emitters, obstacles, ..self }
     }
 
     /// Number of rays.
@@ -138,6 +156,7 @@ impl<const BANDS: usize> Record<BANDS> {
         let vector = |own: &mut DVec3, other: DVec3| *own += (other - *own) * share;
         let [before, further] = [mean(&self.irradiance) * self.rays, mean(&other.irradiance) * other.rays];
         self.emitters.add(&other.emitters, further / (before + further).max(f64::MIN_POSITIVE), self.rays + other.rays);
+        self.obstacles.add(&other.obstacles);
         for band in 0..BANDS {
             scalar(&mut self.irradiance[band], other.irradiance[band]);
             vector(&mut self.gradients.rotation[band], other.gradients.rotation[band]);
@@ -175,7 +194,8 @@ impl<const BANDS: usize> Record<BANDS> {
             && self.normal.is_normalized()
             && self.irradiance.iter().chain(&numbers).all(|number| number.is_finite() && *number >= 0.0)
             && rotation.iter().chain(translation).all(|gradient| gradient.is_finite())
-            && self.emitters.is_finite();
+            && self.emitters.is_finite()
+            && self.obstacles.is_usable();
         // NaN is in no range.
         let reach = self.reach(limits) / limits.max_reach;
         is_finite && self.rays > 0.0 && self.scale > 0.0 && (0.0..=1.0 + ROUNDING).contains(&reach)
@@ -206,6 +226,18 @@ impl<const BANDS: usize> Record<BANDS> {
         // A point behind the record may see what the record cannot see.
         let behind = -0.5 * offset.dot(normal + self.normal) / (MAX_DEPTH_BEHIND * reach);
         distance.max(turn).max(behind)
+    }
+
+    /// Whether something stands between the record and a point of the surface with this normal.
+    pub(crate) fn is_hidden_from(&self, position: DVec3, normal: DVec3, occluders: &dyn Occluders) -> bool {
+        self.may_be_hidden_from(position) && occluders.separate(position, normal, self.position)
+    }
+
+    /// Whether something may stand between the record and a point of the surface.
+    pub(crate) fn may_be_hidden_from(&self, position: DVec3) -> bool {
+        let offset = position - self.position;
+        let [x, y, _] = Record::<BANDS>::frame(self.normal);
+        self.obstacles.may_hide(offset.dot(x), offset.dot(y))
     }
 
     /// Neighbour clamping: the reach of a record is at most that of a neighbour plus the distance

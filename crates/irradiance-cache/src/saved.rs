@@ -2,6 +2,7 @@
 
 use crate::cache::{Cache, STRATA};
 use crate::fit::Fit;
+use crate::obstacles::Occluders;
 use crate::record::{Limits, Record};
 use crate::stored::{Stored, StoredBytes};
 
@@ -53,10 +54,10 @@ impl<const BANDS: usize> Cache<BANDS> {
 
     /// Adds the records of another cache, starting at index `first`, that lie where no record
     /// reaches yet. Returns their number.
-    pub fn merge(&mut self, other: &Cache<BANDS>, first: usize) -> usize {
+    pub fn merge(&mut self, other: &Cache<BANDS>, first: usize, occluders: &dyn Occluders) -> usize {
         let before = self.len();
         for (index, record) in other.records.iter().enumerate().skip(first) {
-            if !self.reaches(record.position, record.normal) {
+            if !self.reaches(record.position, record.normal, occluders) {
                 self.insert_from(other, index);
             }
         }

@@ -1,7 +1,9 @@
 //! Records in scenes with known irradiance.
 
 use glam::DVec3;
-use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record, STRATA, StoredBytes};
+use radsight_irradiance_cache::{
+    Cache, GatherHit, GatheredRadiance, Hemisphere, Limits, Occluders, Record, STRATA, StoredBytes, Unobstructed,
+};
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::PI;
 
@@ -40,7 +42,7 @@ fn disk_irradiance(a: f64) -> f64 {
 fn at(record: Record<1>, position: DVec3, normal: DVec3) -> f64 {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record, 0);
-    cache.irradiance(position, normal, normal).expect("the record reaches")[0]
+    cache.irradiance(position, normal, normal, &Unobstructed).expect("the record reaches")[0]
 }
 
 #[test]
@@ -79,16 +81,17 @@ fn a_small_turn_follows_the_gradient() {
 fn a_record_does_not_reach_round_an_edge() {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 1.0)), 0);
-    assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z, DVec3::Z).is_some());
-    assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::X, DVec3::X).is_none());
-    assert!(cache.irradiance(DVec3::new(0.05, 0.0, -0.1), DVec3::Z, DVec3::Z).is_none());
+    assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z, DVec3::Z, &Unobstructed).is_some());
+    assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::X, DVec3::X, &Unobstructed).is_none());
+    assert!(cache.irradiance(DVec3::new(0.05, 0.0, -0.1), DVec3::Z, DVec3::Z, &Unobstructed).is_none());
 }
 
 #[test]
 fn fine_irradiance_uses_records_of_small_reach() {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 1.0)), 0);
-    let within = |reach: f64| cache.fine_irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z, DVec3::Z, reach);
+    let within =
+        |reach: f64| cache.fine_irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z, DVec3::Z, &Unobstructed, reach);
     let reach = LIMITS.accuracy;
     assert_eq!(within(0.9 * reach), None);
     let fine = within(1.1 * reach).expect("the record reaches less far");
@@ -104,7 +107,7 @@ fn rebuilding_the_index_changes_no_value() {
     sorted.rebuild_index();
     for x in -20..40 {
         let position = DVec3::new(0.01 * f64::from(x), 0.0, 0.0);
-        let of = |cache: &Cache<1>| cache.irradiance(position, DVec3::Z, DVec3::Z);
+        let of = |cache: &Cache<1>| cache.irradiance(position, DVec3::Z, DVec3::Z, &Unobstructed);
         assert_eq!(of(&cache), of(&sorted), "at {position}");
     }
 }
@@ -114,9 +117,9 @@ fn a_near_neighbour_limits_the_reach() {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 10.0)), 0);
     let far = DVec3::new(0.5, 0.0, 0.0);
-    assert!(cache.irradiance(far, DVec3::Z, DVec3::Z).is_some());
+    assert!(cache.irradiance(far, DVec3::Z, DVec3::Z, &Unobstructed).is_some());
     cache.insert(record(DVec3::new(-0.1, 0.0, 0.0), DVec3::Z, 256, |_, _| (1.0, 0.1)), 0);
-    assert!(cache.irradiance(far, DVec3::Z, DVec3::Z).is_none());
+    assert!(cache.irradiance(far, DVec3::Z, DVec3::Z, &Unobstructed).is_none());
 }
 
 /// Records on a square grid over part of the plane below the disk.
@@ -145,7 +148,7 @@ fn field_within(limits: Limits, divisions: usize, world: impl Fn(DVec3, DVec3) -
     // Neighbourhoods are wide enough to sample all strata, even at the rim of the field, though
     // less evenly.
     assert!(strata.iter().all(|gathers| 2 * STRATA * gathers >= 11 * 11), "gathers through each stratum: {strata:?}");
-    let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index))).collect();
+    let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index, &Unobstructed))).collect();
     fits.into_iter().for_each(|(index, fit)| cache.adopt(index, fit));
     cache.reduce_reaches();
     assert!(cache.stale().is_empty());
@@ -163,7 +166,8 @@ fn neighbouring_records_share_rays() {
         assert!(fit.rays() > 3.0 * record.rays(), "{} of {}", fit.rays(), record.rays());
         let position = DVec3::new(0.1 * (index % 11) as f64 - 0.5, 0.1 * (index / 11) as f64 - 0.5, 0.0);
         alone += (record.irradiance_on(DVec3::Z)[0] - PI).powi(2);
-        together += (cache.irradiance(position, DVec3::Z, DVec3::Z).expect("a record is here")[0] - PI).powi(2);
+        together +=
+            (cache.irradiance(position, DVec3::Z, DVec3::Z, &Unobstructed).expect("a record is here")[0] - PI).powi(2);
     }
     assert!(together < 0.4 * alone, "squared error {together} together, {alone} alone");
 }
@@ -181,7 +185,7 @@ fn shadows_determine_the_brightness() {
             cache.next_gather(position, DVec3::Z),
         );
     }
-    let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index))).collect();
+    let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index, &Unobstructed))).collect();
     fits.into_iter().for_each(|(index, fit)| cache.adopt(index, fit));
     let brightness = |index: usize| cache.fitted(index).1.brightness() / PI;
     assert!((brightness(0) - 1.0).abs() < 1e-6, "in the shadow {}", brightness(0));
@@ -194,11 +198,11 @@ fn shadows_determine_the_brightness() {
 fn the_reach_is_smaller_where_the_irradiance_jumps() {
     let step = |at: DVec3, _: DVec3| (if at.x < 0.05 { 1.0 } else { 2.0 }, 1.0);
     let cache = field(48, step);
-    let between = |x: f64| cache.irradiance(DVec3::new(x, 0.05, 0.0), DVec3::Z, DVec3::Z);
+    let between = |x: f64| cache.irradiance(DVec3::new(x, 0.05, 0.0), DVec3::Z, DVec3::Z, &Unobstructed);
     assert!(between(-0.45).is_some_and(|found| (found[0] / PI - 1.0).abs() < 0.02), "{:?}", between(-0.45));
     assert!(between(0.45).is_some_and(|found| (found[0] / PI - 2.0).abs() < 0.02), "{:?}", between(0.45));
     let in_gap = cache
-        .trusted_irradiance(DVec3::new(0.05, 0.05, 0.0), DVec3::Z, DVec3::Z, f64::INFINITY)
+        .trusted_irradiance(DVec3::new(0.05, 0.05, 0.0), DVec3::Z, DVec3::Z, &Unobstructed, f64::INFINITY)
         .expect("records are near");
     assert!((PI..2.0 * PI).contains(&in_gap[0]), "{in_gap:?}");
     assert!(between(0.05).is_none(), "on the step something new is needed, found {:?}", between(0.05));
@@ -214,7 +218,9 @@ fn weak_nonlinearity_is_found_with_less_explained_noise() {
     };
     let reached = |explained: f64| {
         let cache = field_within(Limits { explained, ..LIMITS }, 48, small_step);
-        (-4..5).filter(|row| cache.reaches(DVec3::new(0.05, 0.1 * f64::from(*row) + 0.05, 0.0), DVec3::Z)).count()
+        (-4..5)
+            .filter(|row| cache.reaches(DVec3::new(0.05, 0.1 * f64::from(*row) + 0.05, 0.0), DVec3::Z, &Unobstructed))
+            .count()
     };
     let [hidden, found] = [1.0, 0.02].map(reached);
     assert!(hidden == 9 && found < 5, "of 9 places on the step records reach {hidden} and {found}");
@@ -226,15 +232,19 @@ fn large_interpolation_errors_are_rejected() {
     let cache = field(48, step);
     let [with_ungathered, far] = [0.0, -0.4].map(|x| DVec3::new(x, 0.0, 0.0));
     assert!(
-        cache.irradiance(with_ungathered, DVec3::Z, DVec3::Z).is_some()
-            && cache.irradiance(far, DVec3::Z, DVec3::Z).is_some()
+        cache.irradiance(with_ungathered, DVec3::Z, DVec3::Z, &Unobstructed).is_some()
+            && cache.irradiance(far, DVec3::Z, DVec3::Z, &Unobstructed).is_some()
     );
-    let trusted = |position: DVec3| cache.trusted_irradiance(position, DVec3::Z, DVec3::Z, 0.2);
+    let trusted = |position: DVec3| cache.trusted_irradiance(position, DVec3::Z, DVec3::Z, &Unobstructed, 0.2);
     assert_eq!(trusted(with_ungathered), None);
-    assert_eq!(trusted(far), cache.irradiance(far, DVec3::Z, DVec3::Z));
+    assert_eq!(trusted(far), cache.irradiance(far, DVec3::Z, DVec3::Z, &Unobstructed));
     let in_gap = DVec3::new(0.05, 0.05, 0.0);
-    let unlimited = cache.trusted_irradiance(in_gap, DVec3::Z, DVec3::Z, f64::INFINITY);
-    assert!(cache.irradiance(in_gap, DVec3::Z, DVec3::Z).is_none() && unlimited.is_some() && trusted(in_gap).is_none());
+    let unlimited = cache.trusted_irradiance(in_gap, DVec3::Z, DVec3::Z, &Unobstructed, f64::INFINITY);
+    assert!(
+        cache.irradiance(in_gap, DVec3::Z, DVec3::Z, &Unobstructed).is_none()
+            && unlimited.is_some()
+            && trusted(in_gap).is_none()
+    );
 }
 
 #[test]
@@ -242,12 +252,12 @@ fn shares_are_the_weights_of_the_records() {
     let cache = field(48, |at, _| (1.0 + at.x, 1.0));
     let position = DVec3::new(0.13, 0.02, 0.0);
     let mut shares = vec![(7, 0.25)];
-    cache.shares(position, DVec3::Z, &mut shares);
+    cache.shares(position, DVec3::Z, &Unobstructed, &mut shares);
     assert_eq!(shares[0], (7, 0.25), "what was there stays");
     let total: f64 = shares[1..].iter().map(|(_, share)| share).sum();
     assert!((total - 1.0).abs() < 1e-12 && shares.len() > 1);
     let before = shares.len();
-    cache.shares(DVec3::Z * 1e3, DVec3::Z, &mut shares);
+    cache.shares(DVec3::Z * 1e3, DVec3::Z, &Unobstructed, &mut shares);
     assert_eq!(shares.len(), before, "nothing reaches there");
 }
 
@@ -265,7 +275,7 @@ fn rare_bright_rays_do_not_bias_the_mean() {
         for index in 0..cache.len() {
             let position = DVec3::new(0.1 * (index % 11) as f64 - 0.5, 0.1 * (index / 11) as f64 - 0.5, 0.0);
             own += cache.fitted(index).0.irradiance_on(DVec3::Z)[0] / PI;
-            let shared = cache.trusted_irradiance(position, DVec3::Z, DVec3::Z, f64::INFINITY);
+            let shared = cache.trusted_irradiance(position, DVec3::Z, DVec3::Z, &Unobstructed, f64::INFINITY);
             sum += shared.expect("a record is here")[0] / PI;
             count += 1.0;
         }
@@ -276,7 +286,7 @@ fn rare_bright_rays_do_not_bias_the_mean() {
 /// Irradiance at many points of the plane.
 fn everywhere(cache: &Cache<1>) -> Vec<Option<[f64; 1]>> {
     let position = |index: i32| DVec3::new(0.017 * f64::from(index % 64 - 32), 0.019 * f64::from(index / 64 - 32), 0.0);
-    (0..4096).map(|index| cache.irradiance(position(index), DVec3::Z, DVec3::Z)).collect()
+    (0..4096).map(|index| cache.irradiance(position(index), DVec3::Z, DVec3::Z, &Unobstructed)).collect()
 }
 
 #[test]
@@ -300,7 +310,7 @@ fn a_cache_with_other_limits_is_stale() {
     cache.save(&mut bytes);
     let finer = Limits { accuracy: 0.5 * LIMITS.accuracy, ..LIMITS };
     let mut restored = Cache::restored(&mut StoredBytes::new(&bytes), finer).unwrap();
-    let fits: Vec<_> = restored.stale().into_iter().map(|index| (index, restored.fit(index))).collect();
+    let fits: Vec<_> = restored.stale().into_iter().map(|index| (index, restored.fit(index, &Unobstructed))).collect();
     assert_eq!(fits.len(), cache.len());
     fits.into_iter().for_each(|(index, fit)| restored.adopt(index, fit));
     let pairs = everywhere(&restored).into_iter().zip(everywhere(&cache));
@@ -332,7 +342,43 @@ fn merging_adds_records_where_none_reach() {
     one.insert(far(0.0), 0);
     two.insert(far(0.01), 0);
     two.insert(far(5.0), 0);
-    assert_eq!(one.merge(&two, 0), 1);
-    let knows = |x: f64| one.irradiance(DVec3::new(x, 0.0, 0.0), DVec3::Z, DVec3::Z).is_some();
+    assert_eq!(one.merge(&two, 0, &Unobstructed), 1);
+    let knows = |x: f64| one.irradiance(DVec3::new(x, 0.0, 0.0), DVec3::Z, DVec3::Z, &Unobstructed).is_some();
     assert!(one.len() == 2 && knows(0.0) && knows(5.0));
+}
+
+/// A wall in the plane x = 0 that stands on the plane z = 0.
+struct Wall;
+
+impl Occluders for Wall {
+    fn separate(&self, from: DVec3, _normal: DVec3, to: DVec3) -> bool {
+        from.x * to.x < 0.0
+    }
+}
+
+#[test]
+fn records_behind_a_wall_contribute_neither_to_points_nor_to_fits() {
+    let mut cache = Cache::new(LIMITS);
+    let hemisphere = Hemisphere::with_divisions(64);
+    for (x, radiance) in [(-0.15, 1.0), (-0.05, 1.0), (0.05, 0.01), (0.15, 0.01)] {
+        let position = DVec3::new(x, 0.0, 0.0);
+        // The distance of everything is 1 for the reach, but rays along the surface hit the wall.
+        let seen = vec![GatheredRadiance { radiance: [radiance], distance: 1.0 }; hemisphere.len()];
+        let towards_wall = DVec3::new(-x.signum(), 0.0, 0.1).normalize();
+        let wall = GatherHit { direction: towards_wall, distance: x.abs(), normal: None, irradiance: [0.0] };
+        let record = Record::new(position, DVec3::Z, &hemisphere, &seen, &LIMITS).with_hits(&[wall], 0.5);
+        cache.insert(record, 0);
+    }
+    let fit = |cache: &mut Cache<1>, occluders: &dyn Occluders| {
+        let fits: Vec<_> = (0..cache.len()).map(|index| (index, cache.fit(index, occluders))).collect();
+        fits.into_iter().for_each(|(index, fit)| cache.adopt(index, fit));
+    };
+    let dark = DVec3::new(0.02, 0.0, 0.0);
+    let at = |cache: &Cache<1>, occluders: &dyn Occluders| {
+        cache.irradiance(dark, DVec3::Z, DVec3::Z, occluders).expect("a record reaches")[0] / PI
+    };
+    fit(&mut cache, &Unobstructed);
+    assert!(at(&cache, &Unobstructed) > 0.1, "light leaks: {}", at(&cache, &Unobstructed));
+    fit(&mut cache, &Wall);
+    assert!((at(&cache, &Wall) - 0.01).abs() < 1e-6, "{}", at(&cache, &Wall));
 }

@@ -1,5 +1,6 @@
 //! Rays that find cache points: those of the picture, and samples from other cache points.
 
+use crate::cache_occluders::OpaqueSurfaces;
 use crate::cache_query::{CachePoint, Caches, HemisphereGather, PointSearch};
 use crate::caching::gathering_limits;
 use crate::ray_spacing::RaySpacing;
@@ -24,6 +25,7 @@ type Find<'f, const BANDS: usize> = dyn Fn(&[usize]) -> Vec<Vec<CachePoint<BANDS
 pub(crate) struct PrepassPoints<'f, const BANDS: usize> {
     /// The rays, scattered.
     order: Vec<usize>,
+    plan: &'f RenderPlan,
     find: Box<Find<'f, BANDS>>,
     kept: Vec<CachePoint<BANDS>>,
     /// For each ray whose points are kept, the number of points up to it.
@@ -32,8 +34,12 @@ pub(crate) struct PrepassPoints<'f, const BANDS: usize> {
 
 impl<'f, const BANDS: usize> PrepassPoints<'f, BANDS> {
     /// Of `count` rays.
-    pub(crate) fn new(count: usize, find: impl Fn(&[usize]) -> Vec<Vec<CachePoint<BANDS>>> + 'f) -> Self {
-        PrepassPoints { order: scattered(count), find: Box::new(find), kept: Vec::new(), ends: Vec::new() }
+    pub(crate) fn new(
+        plan: &'f RenderPlan,
+        count: usize,
+        find: impl Fn(&[usize]) -> Vec<Vec<CachePoint<BANDS>>> + 'f,
+    ) -> Self {
+        PrepassPoints { order: scattered(count), plan, find: Box::new(find), kept: Vec::new(), ends: Vec::new() }
     }
 
     /// Number of rays.
@@ -43,7 +49,8 @@ impl<'f, const BANDS: usize> PrepassPoints<'f, BANDS> {
 
     /// The cache points of consecutive rays of the scattered order that no record reaches.
     pub(crate) fn missing(&mut self, rays: Range<usize>, cache: &Cache<BANDS>) -> Vec<CachePoint<BANDS>> {
-        let is_missing = |point: &&CachePoint<BANDS>| !point.is_covered(cache);
+        let plan = self.plan;
+        let is_missing = |point: &&CachePoint<BANDS>| !point.is_covered(plan, cache);
         self.with_points(rays, |points| {
             points.par_iter().with_min_len(POINTS_OF_A_TASK).filter(is_missing).cloned().collect()
         })
@@ -52,9 +59,10 @@ impl<'f, const BANDS: usize> PrepassPoints<'f, BANDS> {
     /// The records that serve the cache points of consecutive rays of the scattered order, with
     /// their weights.
     pub(crate) fn served(&mut self, rays: Range<usize>, cache: &Cache<BANDS>) -> Vec<(u32, f64)> {
+        let occluders = OpaqueSurfaces(self.plan);
         let serving = |points: &[CachePoint<BANDS>]| {
             let mut served = Vec::new();
-            points.iter().for_each(|point| cache.shares(point.point, point.normal, &mut served));
+            points.iter().for_each(|point| cache.shares(point.point, point.normal, &occluders, &mut served));
             served
         };
         self.with_points(rays, |points| points.par_chunks(POINTS_OF_A_TASK).flat_map_iter(serving).collect())
@@ -128,7 +136,7 @@ impl<const BANDS: usize> SecondaryGathers<BANDS> {
         let some = &order[..order.len().min(MAX_SAMPLE_POINTS)];
         let mut from: Vec<CachePoint<BANDS>> =
             of_camera_rays(plan, (rays, spread), some).into_iter().flatten().collect();
-        from.retain(|point| !point.is_covered(cache));
+        from.retain(|point| !point.is_covered(plan, cache));
         let angle = (2.0 * PI / plan.options.gathering.rays() as f64).sqrt();
         SecondaryGathers {
             from,

@@ -1,5 +1,6 @@
 //! The irradiance-cache pre-pass: gathers irradiance where the rays of the picture need it.
 
+use crate::cache_occluders::OpaqueSurfaces;
 use crate::cache_point_search::{PrepassPoints, SecondaryGathers, of_camera_rays};
 use crate::cache_query::{CachePoint, Caches, HemisphereGather};
 use crate::caching::gathering_limits;
@@ -131,13 +132,13 @@ fn gather_for<const BANDS: usize>(
         beyond.gather(
             (plan, stops),
             ([None; 2], bright),
-            PrepassPoints::new(gathers.len(), |order| gathers.points(plan, order)),
+            PrepassPoints::new(plan, gathers.len(), |order| gathers.points(plan, order)),
         );
     }
     let before = seen.cache.len();
     seen.budget = seen.rays + seen.allowance(rays);
     let caches = [None, Some(&beyond.cache)];
-    let points = PrepassPoints::new(rays.len(), |order| of_camera_rays(plan, (rays, spread), order));
+    let points = PrepassPoints::new(plan, rays.len(), |order| of_camera_rays(plan, (rays, spread), order));
     seen.gather((plan, stops), (caches, bright), points);
     seen.cache.len() - before
 }
@@ -216,8 +217,8 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     /// [`GatheredIrradiance::save`].
     pub(crate) fn restored(plan: &RenderPlan, bytes: &mut StoredBytes<'_>) -> Option<Self> {
         let mut gathered = GatheredIrradiance::new(plan);
-        gathered.seen.restore(bytes)?;
-        gathered.beyond.restore(bytes)?;
+        gathered.seen.restore(plan, bytes)?;
+        gathered.beyond.restore(plan, bytes)?;
         for _ in 0..u64::restore(bytes)? {
             gathered.served.push(u64::restore(bytes)?);
         }
@@ -225,9 +226,9 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     }
 
     /// Adds the records gathered here since the last save, where no other record reaches.
-    pub(crate) fn merge(&mut self, own: GatheredIrradiance<BANDS>) {
-        self.seen.merge(own.seen);
-        self.beyond.merge(own.beyond);
+    pub(crate) fn merge(&mut self, plan: &RenderPlan, own: GatheredIrradiance<BANDS>) {
+        self.seen.merge(plan, own.seen);
+        self.beyond.merge(plan, own.beyond);
         self.bright = own.bright;
         for served in own.served {
             if !self.served.contains(&served) {
@@ -282,19 +283,19 @@ impl<const BANDS: usize> Level<BANDS> {
         self.saved = self.cache.len();
     }
 
-    fn restore(&mut self, bytes: &mut StoredBytes<'_>) -> Option<()> {
+    fn restore(&mut self, plan: &RenderPlan, bytes: &mut StoredBytes<'_>) -> Option<()> {
         self.gathers = u64::restore(bytes)?;
         self.cache = Cache::restored(bytes, *self.cache.limits())?;
-        self.settle();
+        self.settle(plan);
         self.saved = self.cache.len();
         self.merged = self.saved;
         Some(())
     }
 
     /// Adds the unsaved records of another level, and its rays to the total.
-    fn merge(&mut self, other: Level<BANDS>) {
-        self.cache.merge(&other.cache, other.saved);
-        self.settle();
+    fn merge(&mut self, plan: &RenderPlan, other: Level<BANDS>) {
+        self.cache.merge(&other.cache, other.saved, &OpaqueSurfaces(plan));
+        self.settle(plan);
         self.merged = self.cache.len();
         self.gathers = self.gathers.max(other.gathers);
         self.rays = other.rays;
@@ -333,11 +334,11 @@ impl<const BANDS: usize> Level<BANDS> {
             if self.cache.len() == known {
                 break;
             }
-            self.settle();
+            self.settle(plan);
             if plan.has_caustics {
                 self.count_served(plan, before, &mut points);
                 if self.gather_again((plan, stops), (caches, bright), before) > 0 {
-                    self.settle();
+                    self.settle(plan);
                 }
             }
         }
@@ -349,7 +350,7 @@ impl<const BANDS: usize> Level<BANDS> {
             if self.gather_again((plan, stops), (caches, bright), before) == 0 {
                 break;
             }
-            self.settle();
+            self.settle(plan);
         }
         self.cache.rebuild_index();
     }
@@ -368,7 +369,7 @@ impl<const BANDS: usize> Level<BANDS> {
             for group in missing.chunks(GROUP) {
                 let uncovered: Vec<_> = group
                     .iter()
-                    .filter(|cache_point| !cache_point.is_covered(&self.cache))
+                    .filter(|cache_point| !cache_point.is_covered(plan, &self.cache))
                     .map(|cache_point| (cache_point.clone(), cache_point.next_gather(&self.cache)))
                     .collect();
                 let had_no_data = self.has_no_data(bright);
@@ -495,9 +496,9 @@ impl<const BANDS: usize> Level<BANDS> {
     }
 
     /// Updates stale fits.
-    fn settle(&mut self) {
+    fn settle(&mut self, plan: &RenderPlan) {
         let stale = self.cache.stale();
-        let fits: Vec<_> = stale.par_iter().map(|index| self.cache.fit(*index)).collect();
+        let fits: Vec<_> = stale.par_iter().map(|index| self.cache.fit(*index, &OpaqueSurfaces(plan))).collect();
         for (index, fit) in stale.into_iter().zip(fits) {
             self.cache.adopt(index, fit);
         }

@@ -1,11 +1,12 @@
 //! Cache points, and the search for them.
 
+use crate::cache_occluders::OpaqueSurfaces;
 use crate::guiding::GuidingRecords;
 use crate::ray_spacing::RaySpacing;
 use crate::subtraction::Subtraction;
 use glam::DVec3;
 use radsight_accel::PrimitiveId;
-use radsight_compile::Medium;
+use radsight_compile::{Medium, RenderPlan};
 use radsight_irradiance_cache::{Cache, Hemisphere};
 use radsight_sampling::RaySampler;
 
@@ -30,8 +31,8 @@ pub(crate) struct CachePoint<const BANDS: usize> {
 
 impl<const BANDS: usize> CachePoint<BANDS> {
     /// Whether the irradiance can be interpolated here.
-    pub(crate) fn is_covered(&self, cache: &Cache<BANDS>) -> bool {
-        cache.reaches(self.point, self.normal)
+    pub(crate) fn is_covered(&self, plan: &RenderPlan, cache: &Cache<BANDS>) -> bool {
+        cache.reaches(self.point, self.normal, &OpaqueSurfaces(plan))
     }
 
     /// The number of the next gather from here.

@@ -1,5 +1,6 @@
 //! Gathers irradiance at a point, and uses cached irradiance.
 
+use crate::cache_occluders::OpaqueSurfaces;
 use crate::cache_query::{CachePoint, GatherDirection, HemisphereGather};
 use crate::caching::max_interpolation_error;
 use crate::direct::DirectSampler;
@@ -73,9 +74,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 complete = false;
                 continue;
             }
+            let occluders = OpaqueSurfaces(self.plan);
             let shared = cache.and_then(|cache| match bounces_behind {
-                0 => cache.trusted_irradiance(at, normal, facet, max_interpolation_error(self.plan)),
-                _ => cache.fine_irradiance(at, normal, facet, REACH_SEEN * travelled),
+                0 => cache.trusted_irradiance(at, normal, facet, &occluders, max_interpolation_error(self.plan)),
+                _ => cache.fine_irradiance(at, normal, facet, &occluders, REACH_SEEN * travelled),
             });
             let irradiance = match shared {
                 Some(irradiance) => irradiance,

@@ -12,7 +12,7 @@ use radsight_irradiance_cache::{Stored, StoredBytes};
 use std::fmt;
 
 /// First bytes, with the version of the format.
-const MAGIC: &[u8] = b"radsight irradiance cache 1\n";
+const MAGIC: &[u8] = b"radsight irradiance cache 2\n";
 
 /// Why a saved irradiance cache cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,7 +96,7 @@ pub(crate) fn load<const BANDS: usize>(
         return Err(CacheError::Damaged);
     }
     if let Some(own) = gathered.take() {
-        loaded.merge(own);
+        loaded.merge(plan, own);
     }
     let records = loaded.len();
     *gathered = Some(loaded);
