@@ -281,3 +281,20 @@ fn a_partition_keeps_irradiance_on_its_side() {
         assert!((in_light / expected - 1.0).abs() < 0.03, "{options}: {in_light} in the light, expected {expected}");
     }
 }
+
+#[test]
+fn silhouettes_end_at_the_aft_clipping_plane() {
+    let floor = "void glow one 0 0 4 1 1 1 0\none polygon floor 0 0 12 -20 -20 0 20 -20 0 20 40 0 -20 40 0\n";
+    let view = "-vp 0 -7 2.5 -vd 0 1 -.22 -vh 50 -vv 50 -va 9.5 -pj 1 -x 128 -y 128 -ff";
+    let rows = |options: &str| -> Vec<f64> {
+        let pixels = red(floor, &format!("{view} {options}").trim().replace("  ", " "));
+        (0..SIDE).map(|row| area(&pixels, 0..SIDE, row..row + 1)).collect()
+    };
+    let truth = rows("--samples 64");
+    assert!(truth.contains(&0.0) && truth.contains(&1.0));
+    for options in ["", "-ps 1"] {
+        for (row, (found, expected)) in rows(options).iter().zip(&truth).enumerate() {
+            assert!((found - expected).abs() < 0.15, "{options}: row {row} is {found}, expected {expected}");
+        }
+    }
+}

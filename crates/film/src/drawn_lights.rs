@@ -34,8 +34,10 @@ const NUMBERS_LOG2: u32 = 20;
 const DRAWN: u64 = 1 << 63;
 
 /// How far points of an outline are moved towards its middle, as a fraction of the way: the corners
-/// of a polygon around a circle do not belong to the light.
+/// of a polygon around a circle do not belong to the light. Outlines that are exact need no more
+/// than a part of a pixel, against rounding; the middle of a wide light is hundreds of pixels away.
 const INWARDS: f64 = 0.01;
+const INWARDS_OF_EXACT: f64 = 0.05;
 
 /// The samples of a pixel pass beside lights unless they cover more than this fraction of it.
 const MOST_COVERED: f64 = 0.995;
@@ -222,7 +224,10 @@ impl Search<'_> {
     fn ray_to_light(&self, index: u64, piece: &Piece, sections: &Sections) -> Option<CameraRay> {
         let plan = self.renderer.plan();
         let [u, v, ..] = RaySampler::new(plan.seed(), index).take(DimensionSet::CAMERA);
-        let at = DVec2::from(sections.point([u, v])?).lerp(piece.middle, INWARDS);
+        let at = DVec2::from(sections.point([u, v])?);
+        let is_exact = self.images[piece.image].share_of_outline == 1.0;
+        let most = if is_exact { INWARDS_OF_EXACT / at.distance(piece.middle) } else { INWARDS };
+        let at = at.lerp(piece.middle, most.min(INWARDS));
         let (column, row) = (self.pixel % self.camera.columns(), self.pixel / self.camera.columns());
         let camera_ray = self.camera.still_ray(column, row, at.into())?;
         let ray = Ray::new(camera_ray.origin, camera_ray.direction)?;

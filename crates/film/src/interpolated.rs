@@ -435,10 +435,12 @@ impl Block<'_> {
             || ray.and_then(|ray| self.first_surface(&ray)).is_some_and(|surface| corner.continues(&surface))
     }
 
-    /// The first surface on a ray, without its radiance.
+    /// The first surface on a ray up to the aft clipping plane, without its radiance.
     fn first_surface(&self, ray: &CameraRay) -> Option<Surface> {
         let cast = Ray::new(ray.origin, ray.direction)?;
-        Some(Surface::new(1, self.renderer.plan().cast(&cast), ray.direction))
+        let hit = self.renderer.plan().cast(&cast);
+        let hit = hit.filter(|hit| ray.length.is_none_or(|length| hit.distance <= length));
+        Some(Surface::new(1, hit, ray.direction))
     }
 
     /// All pixels: sampled ones, filtered within their noise, and interpolated ones.
