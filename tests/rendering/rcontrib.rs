@@ -429,3 +429,46 @@ fn a_pipe_is_written_to_and_stays_a_pipe() {
     let found = std::fs::symlink_metadata(folder.path("pipe")).expect("it is there");
     assert!(found.file_type().is_fifo(), "nothing takes the place of the pipe");
 }
+
+#[test]
+fn coefficients_count_the_backs_of_lights_and_radiance_does_not() {
+    let folder = Folder::new();
+    let scene = "\
+void glow g 0 0 4 2 2 2 0
+g polygon p 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0
+void light l 0 0 3 2 2 2
+l polygon q 0 0 12 3 -1 0 5 -1 0 5 1 0 3 1 0
+void illum i 1 void 0 3 2 2 2
+i polygon r 0 0 12 7 -1 0 9 -1 0 9 1 0 7 1 0
+";
+    folder.file("scene.rad", scene);
+    // Downwards at the front of each, and upwards at its back.
+    let rays = "0 0 1 0 0 -1\n0 0 -1 0 0 1\n4 0 1 0 0 -1\n4 0 -1 0 0 1\n8 0 -1 0 0 1\n";
+    let words = |values: &str| format!("-h -ab 0 {values} -m g -m l -m i scene.rad");
+    let reds = |values: &str| -> Vec<Vec<f64>> {
+        let records = numbers(&run(&folder, &words(values), rays).done());
+        records.iter().map(|record| record.iter().step_by(3).copied().collect()).collect()
+    };
+    let expected = [[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    assert_eq!(reds("-V-"), expected);
+    let radiance = reds("-V+");
+    assert_eq!(radiance[..4], [[2.0, 0.0, 0.0], [0.0; 3], [0.0, 2.0, 0.0], [0.0; 3]]);
+    // The hemisphere over a point behind the glow: the form factor of a square (Howell, B-4 four
+    // times) with half sides as long as its distance, times pi.
+    let below = "0 0 -1 0 0 1\n";
+    let words = "-h -I -ab 1 -ad 16384 -lw 1e-6 -m g scene.rad";
+    let record = &numbers(&run(&folder, words, below).done())[0];
+    let corner = (0.5f64.sqrt() * 0.5f64.sqrt().atan()) / PI;
+    near(record[0], 4.0 * PI * corner, 0.02);
+    let all = numbers(&run(&folder, "-h -ab 0 -c -1 -m g scene.rad", rays).done());
+    assert_eq!(all.len(), 1);
+    if let Some(radiance) = Radiance::find() {
+        let words = ["-h", "-ab", "0", "-m", "g", "-m", "l", "-m", "i", "scene.oct"];
+        let octree = run_with(radiance.command("oconv", &["scene.rad"]).current_dir(folder.path("")), b"").done();
+        folder.file("scene.oct", octree);
+        let real = run_with(radiance.command("rcontrib", &words).current_dir(folder.path("")), rays.as_bytes()).done();
+        let reds: Vec<Vec<f64>> =
+            numbers(&real).iter().map(|record| record.iter().step_by(3).copied().collect()).collect();
+        assert_eq!(reds, expected);
+    }
+}

@@ -199,6 +199,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     ) {
         let behind = path.ray.direction.dot(hit.front) > 0.0;
         if behind || path.mis.is_none() {
+            self.note_dark_emitter(path, shader, interaction);
             return self.shade_substitute([path, unseen], hit, substitute);
         }
         let share = self.emission_share(path, hit.surface, emitter, hit.distance, interaction.cosine);

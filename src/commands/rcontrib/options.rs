@@ -217,7 +217,11 @@ impl Options {
             "-n" => self.threads = Some(number(words, word, "a number of threads")?),
             "-x" => self.size[0] = number(words, word, "a number of columns, or a flush interval")?,
             "-y" => self.size[1] = number(words, word, "a number of rows")?,
-            "-c" => self.accumulate = number(words, word, "a number of rays for each record, 0 for all")?,
+            "-c" => {
+                // As in Radiance, a negative number accumulates all rays, too.
+                let rays: i64 = number(words, word, "a number of rays for each record, 0 for all")?;
+                self.accumulate = rays.try_into().unwrap_or(0);
+            }
             "-t" => self.report = number(words, word, "a number of seconds")?,
             "-o" => {
                 let text = number(words, word, "an output of the following modifiers")?;

@@ -20,6 +20,21 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
+    /// Records that a ray hits an emitter where it does not emit. Coefficients count the hit all the
+    /// same, as in Radiance.
+    pub(crate) fn note_dark_emitter(
+        &mut self,
+        path: &PathState<BANDS>,
+        shader: &Shader,
+        interaction: &SurfaceInteraction,
+    ) {
+        if let Some(contributions) = &mut self.contributions
+            && self.plan.options.tracked_value == TrackedValue::Share
+        {
+            contributions.add(shader, interaction, path.throughput);
+        }
+    }
+
     /// Passes the contributions to the last ray to `visit`.
     pub(crate) fn take_contributions(&mut self, visit: impl FnMut(Contribution)) {
         let Some(contributions) = &mut self.contributions else { return };

@@ -59,7 +59,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             }
             // From behind, lights and mirrors are black; surfaces without a material and pure
             // antimatter were passed.
-            Kind::Emitter(_) | Kind::Mirror { .. } | Kind::Transparent | Kind::Antimatter(_) => {}
+            Kind::Emitter(_) => self.note_dark_emitter(path, shader, &interaction),
+            Kind::Mirror { .. } | Kind::Transparent | Kind::Antimatter(_) => {}
             Kind::Mixture(mixture) => self.shade_mixture([path, unseen], hit, (shader, mixture), &interaction),
             Kind::Unusable => {
                 let _ = self.plan.unusable_hit.set((hit.surface, hit.shader));
