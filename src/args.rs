@@ -130,10 +130,10 @@ pub(crate) struct Capture {
     #[arg(value_name = "SCENE.rad", required = true)]
     pub(crate) scenes: Vec<String>,
     /// Grey picture
-    #[arg(short, long, value_name = "OUT.png", required_unless_present_any = ["exposure", "report", "color", "derivatives", "fisher"])]
+    #[arg(short, long, value_name = "OUT.png", value_parser = png_name, required_unless_present_any = ["exposure", "report", "color", "derivatives", "fisher"])]
     pub(crate) output: Option<String>,
     /// Also write the demosaiced colour picture of a sensor with a colour filter mosaic
-    #[arg(long, value_name = "OUT.png")]
+    #[arg(long, value_name = "OUT.png", value_parser = png_name)]
     pub(crate) color: Option<String>,
     /// Also write the actual alignment of this specimen, as [alignment] of a camera file with
     /// [tolerances]
@@ -308,8 +308,21 @@ pub(crate) struct Sensor {
     #[arg(long, value_name = "N", default_value_t = 100, requires = "characterise")]
     pub(crate) stack: u32,
     /// Also write the demosaiced colour picture of a sensor with a colour filter mosaic
-    #[arg(long, value_name = "OUT.png", conflicts_with = "characterise")]
+    #[arg(long, value_name = "OUT.png", value_parser = png_name, conflicts_with = "characterise")]
     pub(crate) color: Option<String>,
+}
+
+/// Endings of other pictures, which a PNG file must not have.
+const OTHER_PICTURES: [&str; 10] = ["jpg", "jpeg", "tif", "tiff", "bmp", "gif", "hdr", "exr", "pfm", "npy"];
+
+/// The name of a PNG file.
+fn png_name(name: &str) -> Result<String, String> {
+    match name.rsplit_once('.') {
+        Some((start, ending)) if OTHER_PICTURES.contains(&ending.to_ascii_lowercase().as_str()) => {
+            Err(format!("the picture is written as PNG; for example \"{start}.png\""))
+        }
+        _ => Ok(name.to_owned()),
+    }
 }
 
 /// The physical quantity of a picture's values.

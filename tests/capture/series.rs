@@ -130,3 +130,12 @@ fn mistakes_of_a_series_are_reported_with_their_position() {
         assert!(told.code == 2 && told.messages.contains("expected {} in it"), "{told:?}");
     }
 }
+
+/// A picture that another program would take for something else is refused before anything is traced.
+#[test]
+fn names_of_other_pictures_are_refused() {
+    let words = ["capture", &file("part.toml"), &gripps("sheet-retro.rad"), "-o", "picture.JPG"];
+    let run = radsight(&words);
+    assert_eq!(run.code, 2, "{}", run.messages);
+    assert!(run.messages.contains("written as PNG; for example \"picture.png\""), "{}", run.messages);
+}

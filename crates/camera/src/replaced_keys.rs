@@ -70,12 +70,20 @@ fn as_toml(value: &str) -> String {
     let line = format!("value = {value}");
     let is_value = !value.contains(['\n', '\r', '#'])
         && DeTable::parse(&line).is_ok_and(|table| table.get_ref().len() == 1 && table.get_ref().contains_key("value"));
-    match value.parse::<f64>() {
-        _ if is_value => value.to_owned(),
-        // Numbers such as .5, which TOML does not allow.
-        Ok(number) if number.is_finite() => format!("{number:?}"),
-        _ => format!("\"{}\"", value.replace('\\', "\\\\").replace('"', "\\\"")),
+    if is_value {
+        return value.to_owned();
     }
+    // Numbers such as .5, which TOML does not allow, and lists of them.
+    let number = |text: &str| -> Option<String> {
+        let number: f64 = text.trim().parse().ok()?;
+        number.is_finite().then(|| format!("{number:?}"))
+    };
+    let list = || -> Option<String> {
+        let numbers = value.trim().strip_prefix('[')?.strip_suffix(']')?;
+        let numbers: Option<Vec<String>> = numbers.split(',').map(number).collect();
+        Some(format!("[{}]", numbers?.join(", ")))
+    };
+    number(value).or_else(list).unwrap_or_else(|| format!("\"{}\"", value.replace('\\', "\\\\").replace('"', "\\\"")))
 }
 
 #[cfg(test)]
@@ -107,6 +115,8 @@ mod tests {
     #[test]
     fn a_number_needs_no_zero_before_the_point() {
         assert_eq!(with_key(TEXT, "rig.leds", ".5").unwrap(), TEXT.replace("12", "0.5"));
+        assert_eq!(with_key(TEXT, "camera.pixels", "[0,-.5, 2.]").unwrap(), TEXT.replace("[2, 3]", "[0.0, -0.5, 2.0]"));
+        assert_eq!(with_key(TEXT, "rig.leds", "[.5, x]").unwrap(), TEXT.replace("12", "\"[.5, x]\""));
     }
 
     #[test]
