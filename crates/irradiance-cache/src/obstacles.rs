@@ -53,17 +53,18 @@ impl Obstacles {
     pub(crate) fn new<const BANDS: usize>([x, y, normal]: [DVec3; 3], hits: &[GatherHit<BANDS>]) -> Self {
         let mut obstacles = Obstacles::NONE;
         // Rays of a hemisphere are about so far apart.
-        let spacing = (PI / hits.len().max(1) as f64).sqrt();
+        let (sine, cosine) = (PI / hits.len().max(1) as f64).sqrt().sin_cos();
         for hit in hits.iter().filter(|hit| hit.distance.is_finite()) {
             let elevation = hit.direction.dot(normal);
             if elevation * elevation > MAX_SQUARED_ELEVATION {
                 continue;
             }
             let distance = (hit.distance * (1.0 - elevation * elevation).sqrt()) as f32;
-            let azimuth = hit.direction.dot(y).atan2(hit.direction.dot(x));
-            for turn in [-spacing, 0.0, spacing] {
-                let (sine, cosine) = (azimuth + turn).sin_cos();
-                let nearest = &mut obstacles.distances[sector(cosine, sine)];
+            let [x, y] = [x, y].map(|axis| hit.direction.dot(axis));
+            let [across, up] = [sine * x, sine * y];
+            let [along, aside] = [cosine * x, cosine * y];
+            for (x, y) in [(along + up, aside - across), (x, y), (along - up, aside + across)] {
+                let nearest = &mut obstacles.distances[sector(x, y)];
                 *nearest = nearest.min(distance);
             }
         }

@@ -90,6 +90,11 @@ const MAX_SENSORS: usize = 128;
 const RAYS_OF_A_SENSOR: f64 = 12.0;
 const MIN_SENSOR_RAYS: f64 = 16_384.0;
 
+/// From this number of rays on, records resolve what the rays do; with fewer they resolve finer
+/// details, down to this fraction.
+const MANY_RAYS: f64 = 32_768.0;
+const FINEST: f64 = 0.47;
+
 /// First gather number of sensors' sample rays.
 const FIRST_SECONDARY_GATHER: u64 = 1 << 40;
 
@@ -138,9 +143,16 @@ fn gather_for<const BANDS: usize>(
     let before = seen.cache.len();
     seen.budget = seen.rays + seen.allowance(rays);
     let caches = [None, Some(&beyond.cache)];
-    let points = PrepassPoints::new(plan, rays.len(), |order| of_camera_rays(plan, (rays, spread), order));
+    let fine = spread.scaled(fineness(rays.len()));
+    let points = PrepassPoints::new(plan, rays.len(), |order| of_camera_rays(plan, (rays, fine), order));
     seen.gather((plan, stops), (caches, bright), points);
     seen.cache.len() - before
+}
+
+/// How much finer than usual the details are that records resolve, for this number of rays: in
+/// small pictures they cost little, and records as far apart as their pixels lose contact shadows.
+fn fineness(rays: usize) -> f64 {
+    (rays as f64 / MANY_RAYS).sqrt().clamp(FINEST, 1.0)
 }
 
 /// Cached irradiance: for camera rays, and for final gather rays.

@@ -17,4 +17,9 @@ impl RaySpacing {
     pub(crate) fn at(&self, distance: f64) -> f64 {
         self.width + self.angle * distance
     }
+
+    /// The same, times a factor.
+    pub(crate) fn scaled(&self, factor: f64) -> RaySpacing {
+        RaySpacing { width: factor * self.width, angle: factor * self.angle }
+    }
 }
