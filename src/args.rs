@@ -4,7 +4,9 @@ use crate::failure::Outcome;
 use crate::plugin_guard::PluginGuard;
 use crate::trust::{OutputName, Trust};
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use radsight_picture::FileFormat;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Renders Radiance scenes through a real camera: rays, pinhole, sensor, grey values.
@@ -312,16 +314,17 @@ pub(crate) struct Sensor {
     pub(crate) color: Option<String>,
 }
 
-/// Endings of other pictures, which a PNG file must not have.
-const OTHER_PICTURES: [&str; 10] = ["jpg", "jpeg", "tif", "tiff", "bmp", "gif", "hdr", "exr", "pfm", "npy"];
+/// Extensions of pictures that radsight neither reads nor writes.
+const UNKNOWN_PICTURES: [&str; 4] = ["jpg", "jpeg", "bmp", "gif"];
 
-/// The name of a PNG file.
+/// The name of a PNG file: not one that stands for another format.
 fn png_name(name: &str) -> Result<String, String> {
-    match name.rsplit_once('.') {
-        Some((start, ending)) if OTHER_PICTURES.contains(&ending.to_ascii_lowercase().as_str()) => {
-            Err(format!("the picture is written as PNG; for example \"{start}.png\""))
-        }
-        _ => Ok(name.to_owned()),
+    let path = Path::new(name);
+    let is_unknown = |extension: &OsStr| UNKNOWN_PICTURES.iter().any(|other| extension.eq_ignore_ascii_case(other));
+    match FileFormat::from_name(name) {
+        Some(FileFormat::Png) => Ok(name.to_owned()),
+        None if !path.extension().is_some_and(is_unknown) => Ok(name.to_owned()),
+        _ => Err(format!("the picture is written as PNG; for example \"{}\"", path.with_extension("png").display())),
     }
 }
 
