@@ -25,8 +25,8 @@ const VIEW: &str = "-vp 0 -7 5 -vd 0 1.4 -1 -vh 45 -vv 45 -x 128 -y 128 -ff -h-"
 fn red(scene: &str, options: &str) -> Vec<f64> {
     let folder = Folder::new();
     folder.file("scene.rad", scene);
-    let words: Vec<&str> =
-        ["rpict"].into_iter().chain(options.split(' ').filter(|word| *word != "-h-")).chain(["scene.rad"]).collect();
+    let options = options.split_whitespace().filter(|word| *word != "-h-");
+    let words: Vec<&str> = ["rpict"].into_iter().chain(options).chain(["scene.rad"]).collect();
     let bytes = run_with(command(&words).current_dir(folder.path("")), b"").done();
     let floats: Vec<f32> = bytes[bytes.len() - SIDE * SIDE * 12..]
         .as_chunks::<4>()
@@ -52,7 +52,7 @@ fn blocks(pixels: &[f64]) -> Vec<f64> {
 fn blocks_of_an_interpolated_picture_are_those_of_one_that_is_not() {
     let exact = blocks(&red(TABLE, &format!("{VIEW} -pj 1 --samples 128")));
     for options in ["", "-ps 8", "-ps 1", "-ps 8 -pt .1", "-pj 1 -ps 3"] {
-        let quick = blocks(&red(TABLE, &format!("{VIEW} {options}").trim().replace("  ", " ")));
+        let quick = blocks(&red(TABLE, &format!("{VIEW} {options}")));
         let [sum, expected] = [&quick, &exact].map(|blocks| blocks.iter().sum::<f64>());
         let dark = 0.01 * expected / exact.len() as f64;
         let is_near = |(quick, exact): &(&f64, &f64)| (*quick - *exact).abs() < 0.05 * *exact + dark;
@@ -272,7 +272,7 @@ fn a_partition_keeps_irradiance_on_its_side() {
     let view = "-vtl -vp 2.008 2 2.6 -vd 0 0 -1 -vu 0 1 0 -vh 3.98 -vv 3.98 -pa 1 -x 128 -y 128 -ff -ab 1";
     let truth = red(PARTITION, &format!("{view} -aa 0 -ad 1 --samples 256"));
     for options in ["", "-ps 1"] {
-        let found = red(PARTITION, &format!("{view} {options}").trim().replace("  ", " "));
+        let found = red(PARTITION, &format!("{view} {options}"));
         // Two columns on each side, beside those that the partition halves.
         let (lit, dark) = (61..63, 65..67);
         let [in_dark, expected] = [&found, &truth].map(|pixels| area(pixels, dark.clone(), 12..116));
@@ -287,7 +287,7 @@ fn silhouettes_end_at_the_aft_clipping_plane() {
     let floor = "void glow one 0 0 4 1 1 1 0\none polygon floor 0 0 12 -20 -20 0 20 -20 0 20 40 0 -20 40 0\n";
     let view = "-vp 0 -7 2.5 -vd 0 1 -.22 -vh 50 -vv 50 -va 9.5 -pj 1 -x 128 -y 128 -ff";
     let rows = |options: &str| -> Vec<f64> {
-        let pixels = red(floor, &format!("{view} {options}").trim().replace("  ", " "));
+        let pixels = red(floor, &format!("{view} {options}"));
         (0..SIDE).map(|row| area(&pixels, 0..SIDE, row..row + 1)).collect()
     };
     let truth = rows("--samples 64");

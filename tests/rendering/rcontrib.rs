@@ -42,6 +42,11 @@ fn numbers(text: &[u8]) -> Vec<Vec<f64>> {
     text.lines().map(|line| line.split_whitespace().map(|word| word.parse().expect("a number")).collect()).collect()
 }
 
+/// The red values of each record.
+fn reds(text: &[u8]) -> Vec<Vec<f64>> {
+    numbers(text).iter().map(|record| record.iter().step_by(3).copied().collect()).collect()
+}
+
 #[track_caller]
 fn near(found: f64, expected: f64, share: f64) {
     assert!((found - expected).abs() <= share * expected.abs(), "{found}, expected {expected}");
@@ -444,14 +449,10 @@ i polygon r 0 0 12 7 -1 0 9 -1 0 9 1 0 7 1 0
     folder.file("scene.rad", scene);
     // Downwards at the front of each, and upwards at its back.
     let rays = "0 0 1 0 0 -1\n0 0 -1 0 0 1\n4 0 1 0 0 -1\n4 0 -1 0 0 1\n8 0 -1 0 0 1\n";
-    let words = |values: &str| format!("-h -ab 0 {values} -m g -m l -m i scene.rad");
-    let reds = |values: &str| -> Vec<Vec<f64>> {
-        let records = numbers(&run(&folder, &words(values), rays).done());
-        records.iter().map(|record| record.iter().step_by(3).copied().collect()).collect()
-    };
+    let found = |values: &str| reds(&run(&folder, &format!("-h -ab 0 {values} -m g -m l -m i scene.rad"), rays).done());
     let expected = [[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    assert_eq!(reds("-V-"), expected);
-    let radiance = reds("-V+");
+    assert_eq!(found("-V-"), expected);
+    let radiance = found("-V+");
     assert_eq!(radiance[..4], [[2.0, 0.0, 0.0], [0.0; 3], [0.0, 2.0, 0.0], [0.0; 3]]);
     // The hemisphere over a point behind the glow: the form factor of a square (Howell, B-4 four
     // times) with half sides as long as its distance, times pi.
@@ -467,8 +468,6 @@ i polygon r 0 0 12 7 -1 0 9 -1 0 9 1 0 7 1 0
         let octree = run_with(radiance.command("oconv", &["scene.rad"]).current_dir(folder.path("")), b"").done();
         folder.file("scene.oct", octree);
         let real = run_with(radiance.command("rcontrib", &words).current_dir(folder.path("")), rays.as_bytes()).done();
-        let reds: Vec<Vec<f64>> =
-            numbers(&real).iter().map(|record| record.iter().step_by(3).copied().collect()).collect();
-        assert_eq!(reds, expected);
+        assert_eq!(reds(&real), expected);
     }
 }

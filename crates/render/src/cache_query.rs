@@ -25,7 +25,7 @@ pub(crate) struct CachePoint<const BANDS: usize> {
     pub(crate) cut: Subtraction,
     /// Remaining number of interreflections for rays from here.
     pub(crate) bounces: u32,
-    /// Width of the ray that found it, scene units: smaller details are invisible.
+    /// Smaller details need not be resolved, scene units: the spacing of the rays that find the points, or less.
     pub(crate) width: f64,
 }
 
