@@ -7,7 +7,7 @@
 use crate::args::Reading;
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::input::program_history;
-use crate::output::file_path;
+use crate::output::{file_path, reserve_output};
 use radsight_output::SharedFile;
 use radsight_picture::Header;
 use radsight_render::{CacheError, Ray, RaySpacing, Renderer};
@@ -70,6 +70,7 @@ impl AmbientFile {
         }
         let path = if renderer.caches_irradiance() { file_path(name)? } else { None };
         let Some(path) = path else { return Ok(AmbientFile(None)) };
+        reserve_output(name)?;
         let mut header = program_history(scenes, command);
         header.push_variable("FORMAT", FORMAT);
         let mut shared = Shared {

@@ -33,6 +33,7 @@ mod view_args;
 
 use clap::Parser;
 use failure::{Failure, Outcome};
+use radsight_output::interrupt;
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
@@ -43,6 +44,7 @@ use trust::Trust;
 static ALLOCATOR: radsight_memory::ReportingAllocator = radsight_memory::ReportingAllocator;
 
 fn main() -> ExitCode {
+    interrupt::refuse_large_files();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     match run(arguments) {
         Ok(()) => ExitCode::SUCCESS,

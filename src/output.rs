@@ -3,7 +3,7 @@
 
 use crate::failure::{Failure, Outcome, reason};
 use radsight_brdf_host::guard;
-use radsight_output::{Destination, WholeFile, inputs};
+use radsight_output::{Destination, WholeFile, inputs, reserve};
 use radsight_picture::{FileFormat, Header, Image, write_image};
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -189,8 +189,9 @@ pub(crate) fn replace_file(name: &str, bytes: &[u8]) -> Outcome {
     output.commit()
 }
 
-/// Opens a file to append to; its content is kept in any case.
+/// Opens a file to append to, reserved for that; its content is kept in any case.
 pub(crate) fn append(name: &str) -> Result<File, Failure> {
+    reserve_output(name)?;
     let path = match resolve(name)? {
         Destination::StandardOutput => "/dev/stdout".into(),
         Destination::Stream(path) | Destination::File(path) => path,
@@ -199,9 +200,14 @@ pub(crate) fn append(name: &str) -> Result<File, Failure> {
     opened.map_err(|error| failed(name, &error))
 }
 
-/// Checks that a file can be written, before long work.
-pub(crate) fn check_writable(name: &str) -> Outcome {
+/// Reserves a file for one output, before long work: checks that it can be written and that no other
+/// output has this name.
+pub(crate) fn reserve_output(name: &str) -> Outcome {
     let Destination::File(path) = resolve(name)? else { return Ok(()) };
+    reserve(&path, name).map_err(|other| match other == name {
+        true => Failure::usage(format!("\"{name}\" is the name of two outputs, expected a name for each")),
+        false => Failure::usage(format!("the outputs \"{other}\" and \"{name}\" are the same file")),
+    })?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match fs::metadata(folder) {
         Ok(found) if found.is_dir() => Ok(()),

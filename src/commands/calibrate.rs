@@ -3,7 +3,7 @@
 use crate::args::Calibrate;
 use crate::failure::{Failure, Outcome};
 use crate::input::read_file;
-use crate::output::{check_writable, write_file, write_standard_output};
+use crate::output::{reserve_output, write_file, write_standard_output};
 use crate::trust::{Existing, Trust};
 use radsight_camera::read_measurements;
 use radsight_diag::SourceMap;
@@ -12,7 +12,7 @@ use radsight_sensor::{CONFIDENCE, Estimate, ExposureUnit};
 /// Runs the command.
 pub(crate) fn run(arguments: &Calibrate, trust: &Trust) -> Outcome {
     if let Some(path) = &arguments.plot {
-        check_writable(&trust.output(path, Existing::Kept)?)?;
+        reserve_output(&trust.output(path, Existing::Kept)?)?;
     }
     let unit = ExposureUnit::from_name(&arguments.unit).ok_or_else(|| {
         Failure::usage(format!("option \"--unit\" is \"{}\", expected uJ/cm2, J/m2, …", arguments.unit))

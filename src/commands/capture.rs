@@ -11,7 +11,7 @@ use crate::commands::sensor::no_mosaic;
 use crate::expected_rays;
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude_all, history, plan, plan_split, read_camera, use_threads};
-use crate::output::{check_writable, write_file, write_image_file};
+use crate::output::{reserve_output, write_file, write_image_file};
 use crate::progress::Bar;
 use crate::run_record::Stopwatch;
 use crate::sensor_picture::SensorPicture;
@@ -61,7 +61,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     }
     let outputs = [&arguments.output, &arguments.color, &arguments.exposure, &arguments.specimen];
     for path in outputs.into_iter().chain(arguments.accounts.paths()).flatten().filter(|path| *path != "-") {
-        check_writable(&arguments.reading.trust.output(path, Existing::Kept)?)?;
+        reserve_output(&arguments.reading.trust.output(path, Existing::Kept)?)?;
     }
     stopwatch.lap("camera file read");
     let options = RenderOptions { seed: arguments.seed, camera_rays: camera_rays(arguments, &camera), ..render };

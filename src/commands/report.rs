@@ -3,7 +3,7 @@
 use crate::args::{ErrorMapKind, QuantityName, Report};
 use crate::failure::{Failure, Outcome};
 use crate::input::{read_camera, read_file};
-use crate::output::{check_writable, write_file};
+use crate::output::{reserve_output, write_file};
 use crate::trust::{Existing, Trust};
 use radsight_camera::CameraFile;
 use radsight_diag::{Diagnostic, SourceMap};
@@ -20,7 +20,7 @@ pub(crate) const ERROR_MAP: &str = "ERRORMAP";
 /// Runs the command.
 pub(crate) fn run(arguments: &Report, trust: &Trust) -> Outcome {
     if arguments.output != "-" {
-        check_writable(&trust.output(&arguments.output, Existing::Kept)?)?;
+        reserve_output(&trust.output(&arguments.output, Existing::Kept)?)?;
     }
     let shown = Shown::read(&arguments.picture)?;
     let quantity = quantity(arguments, &shown);

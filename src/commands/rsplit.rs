@@ -11,7 +11,7 @@ mod options;
 use super::words::Words;
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, reason, say};
-use crate::output::{Output, append};
+use crate::output::{Output, append, reserve_output};
 use crate::trust::{Trust, shell};
 use options::{Form, Options, Part};
 use radsight_picture::{Header, Resolution};
@@ -210,6 +210,12 @@ impl Outputs {
     }
 }
 
+/// Opens an output that no other part has.
+fn reserved(name: &str) -> Result<Output, Failure> {
+    reserve_output(name)?;
+    Output::create(name)
+}
+
 impl Sink {
     fn open(name: &str, part: &Part, commands: Commands) -> Result<Sink, Failure> {
         let failed = |error: io::Error| Failure::write(&shown(name), &error);
@@ -221,13 +227,13 @@ impl Sink {
                 Target::Command(started.stdin.take().expect("it is piped"))
             }
             None if part.appends => Target::Appended(append(name)?),
-            None if part.overwrites || name == "-" => Target::Over(Output::create(name)?),
+            None if part.overwrites || name == "-" => Target::Over(reserved(name)?),
             None if Path::new(name).symlink_metadata().is_ok() => {
                 return Err(Failure::usage(format!(
                     "rsplit: \"{name}\" exists, expected -f before it to overwrite it, or -a to add to it"
                 )));
             }
-            None => Target::New(Output::create(name)?),
+            None => Target::New(reserved(name)?),
         };
         Ok(Sink { name: name.to_owned(), writer: BufWriter::with_capacity(1 << 16, target), child })
     }

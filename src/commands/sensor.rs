@@ -4,7 +4,7 @@
 use crate::args::Sensor;
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{history, read_camera, read_standard_input};
-use crate::output::{check_writable, write_file, write_standard_output};
+use crate::output::{reserve_output, write_file, write_standard_output};
 use crate::sensor_picture::SensorPicture;
 use crate::trust::{Existing, Trust};
 use radsight_camera::CameraFile;
@@ -18,7 +18,7 @@ const MOST_PIXELS_A_SIDE: u32 = 256;
 /// Runs the command.
 pub(crate) fn run(arguments: &Sensor, trust: &Trust) -> Outcome {
     for path in [&arguments.report, &arguments.color].into_iter().flatten() {
-        check_writable(&trust.output(path, Existing::Kept)?)?;
+        reserve_output(&trust.output(path, Existing::Kept)?)?;
     }
     let file = read_camera(&arguments.camera)?;
     if arguments.characterise {

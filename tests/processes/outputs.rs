@@ -83,7 +83,7 @@ fn an_interrupted_picture_is_saved_as_partial_and_goes_on_to_the_same_bits() {
     // Large enough that the signal comes long before the end.
     let rpict = |more: &[&'static str]| rpict(&[&["-x", "600", "-y", "600"], more].concat());
     run(&folder, &rpict(&["-o", "whole.hdr", "-z", "whole.zbf"])).done();
-    for signal in [Signal::SIGTERM, Signal::SIGINT] {
+    for signal in [Signal::SIGTERM, Signal::SIGINT, Signal::SIGXCPU] {
         let mut child = start(in_folder(&folder, &rpict(&["-o", "part.hdr", "-z", "part.zbf"])));
         wait_for_hidden(&folder, "part.hdr", 10_000, &mut child);
         kill(pid(&child), signal).expect("the signal is sent");
@@ -99,6 +99,59 @@ fn an_interrupted_picture_is_saved_as_partial_and_goes_on_to_the_same_bits() {
         assert!(pixels(&resumed) == pixels(&folder.read("whole.hdr")), "the same bits");
         assert!(folder.read("part.zbf") == folder.read("whole.zbf"), "the same distances");
         ["part.hdr", "part.zbf"].iter().for_each(|name| fs::remove_file(folder.path(name)).expect("it is there"));
+    }
+}
+
+#[test]
+fn two_outputs_with_one_name_are_refused_before_the_work() {
+    let folder = room();
+    symlink("new", folder.path("link")).expect("a link");
+    fs::create_dir(folder.path("inner")).expect("a folder");
+    let rpict = |more: &[&'static str]| rpict(&[&["-x", "8", "-y", "8"], more].concat());
+    let (camera, scene) = (gripps("fig10.toml"), gripps("rig-table.rad"));
+    let capture = |more: &[&'static str]| {
+        [&["capture", camera.as_str(), scene.as_str(), "--samples", "1"], more].concat().to_vec()
+    };
+    let cases = [
+        rpict(&["-o", "new", "-z", "new"]),
+        rpict(&["-o", "new", "-z", "link"]),
+        rpict(&["-o", "inner/../new", "-z", "new"]),
+        rpict(&["-z", "new", "-af", "new"]),
+        rpict(&["-o", "new", "--samples", "2", "--record", "new"]),
+        capture(&["-o", "new.png", "--record", "new.png"]),
+        capture(&["--exposure", "new.mtx", "--record", "./new.mtx"]),
+        vec!["rcontrib", "-ab", "1", "-o", "new", "-m", "lamp", "-o", "./new", "-m", "wall", "room.rad"],
+        vec!["rsplit", "new", "./new"],
+    ];
+    for words in cases {
+        let run = run_with(&mut in_folder(&folder, &words), b"0 0 1 0 0 1\n");
+        assert_eq!(run.code, 2, "{words:?}: {}", run.messages);
+        let said = ["is the name of two outputs", "are the same file"];
+        assert!(said.iter().any(|words| run.messages.contains(words)), "{words:?}: {}", run.messages);
+        assert!(folder.read("room.rad") == ROOM.as_bytes(), "{words:?}");
+        let left: Vec<String> = folder.names().into_iter().filter(|name| name.starts_with('.')).collect();
+        assert!(left.is_empty(), "{words:?} left {left:?}");
+        let _ = fs::remove_file(folder.path("new"));
+    }
+}
+
+#[test]
+fn a_file_larger_than_allowed_is_a_failure_that_leaves_nothing() {
+    let folder = room();
+    run(&folder, &["rpict", "-x", "60", "-y", "60", "-o", "a.hdr", "room.rad"]).done();
+    for script in [
+        "oconv -o new.oct room.rad room.rad room.rad room.rad room.rad",
+        "ra_xyze a.hdr new.hdr",
+        "gensurf a b s t s+t 50 50 > text",
+    ] {
+        let mut limited = Command::new("bash");
+        limited.args(["-c", &format!("ulimit -f 1; \"$RADSIGHT\" {script}")]);
+        limited.env("RADSIGHT", env!("CARGO_BIN_EXE_radsight")).current_dir(folder.path(""));
+        let run = run_with(&mut limited, b"");
+        assert_eq!(run.code, 3, "{script}: {}", run.messages);
+        assert!(run.messages.contains("too large"), "{script}: {}", run.messages);
+        let left: Vec<String> = folder.names().into_iter().filter(|name| name.contains("new")).collect();
+        assert!(left.is_empty(), "{script} left {left:?}");
     }
 }
 

@@ -1,5 +1,6 @@
-//! Handles SIGINT, SIGTERM and SIGHUP: saves what is to be saved, removes hidden files, and ends
-//! the program by the signal, so that a shell sees 130 or 143 and stops its loop.
+//! Handles the signals that end a program from outside, among them SIGINT, SIGTERM and SIGXCPU of
+//! `ulimit -t`: saves what is to be saved, removes hidden files, and ends the program by the signal,
+//! so that a shell sees 130 or 143 and stops its loop.
 //!
 //! Signals that were ignored at the start, as in `nohup` and in background jobs of scripts, stay
 //! ignored.
@@ -203,12 +204,25 @@ fn take(signal: i32) {
     end_by(signal);
 }
 
-/// The signals that request termination, except ignored ones.
+/// Makes writes beyond the largest size of a file (`ulimit -f`) fail, instead of ending the program
+/// by SIGXFSZ.
+#[cfg(unix)]
+pub fn refuse_large_files() {
+    // Any handler does; without one, which is only possible out of memory, the signal ends the program.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
+}
+
+/// Has no effect on this system.
+#[cfg(not(unix))]
+pub fn refuse_large_files() {}
+
+/// The signals that end a program from outside, except ignored ones.
 #[cfg(unix)]
 fn not_ignored() -> Vec<i32> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU};
+    let ending = [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2];
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
-    [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| mask >> (signal - 1) & 1 == 0).collect()
+    ending.into_iter().filter(|signal| mask >> (signal - 1) & 1 == 0).collect()
 }

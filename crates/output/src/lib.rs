@@ -6,7 +6,7 @@
 //! [`leftovers`] finds it for a program that continues it.
 //!
 //! Guarantees: a hidden file is opened with `O_CREAT | O_EXCL`, so a link planted under its name is
-//! not followed. At SIGINT, SIGTERM and SIGHUP all hidden files are removed before the program ends
+//! not followed. At SIGINT, SIGTERM and the like all hidden files are removed before the program ends
 //! by that signal ([`interrupt`]). Files that were read are recognised as targets, also through
 //! links and hard links ([`inputs`]).
 //!
@@ -30,11 +30,13 @@ mod destination;
 pub mod inputs;
 pub mod interrupt;
 mod leftovers;
+mod reserved;
 mod shared_file;
 mod whole_file;
 
 pub use closed_file::ClosedFile;
 pub use destination::Destination;
 pub use leftovers::{leftovers, remove};
+pub use reserved::reserve;
 pub use shared_file::SharedFile;
 pub use whole_file::WholeFile;

@@ -6,7 +6,7 @@ use crate::args::Capture;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planner, history, read_file, scene_inputs, use_threads, valid_scene};
-use crate::output::{check_writable, write_file, write_image_file};
+use crate::output::{reserve_output, write_file, write_image_file};
 use crate::progress::Bar;
 use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let parameters = parameters(arguments)?;
     use_threads(arguments.threads)?;
     for output in outputs(arguments, &parameters) {
-        check_writable(&arguments.reading.trust.output(&output, Existing::Kept)?)?;
+        reserve_output(&arguments.reading.trust.output(&output, Existing::Kept)?)?;
     }
     let options = RenderOptions { seed: arguments.seed, ..render };
     let text = read_file(&arguments.camera, "camera file")?;

@@ -5,7 +5,7 @@ use crate::args::{Capture, Reading};
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planner, conclude, history, read_file, scene_inputs, use_threads, valid_scene};
-use crate::output::{check_writable, write_file, write_image_file};
+use crate::output::{reserve_output, write_file, write_image_file};
 use crate::progress::Bar;
 use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
@@ -30,7 +30,7 @@ pub(super) fn run(arguments: &Capture, table: &str, render: RenderOptions) -> Ou
     let rows = read_series(table, &read_file(table, "series")?)?;
     for row in &rows {
         for output in outputs(arguments) {
-            check_writable(&arguments.reading.trust.output(&output.replace(NAME, &row.name), Existing::Kept)?)?;
+            reserve_output(&arguments.reading.trust.output(&output.replace(NAME, &row.name), Existing::Kept)?)?;
         }
     }
     let options = RenderOptions { seed: arguments.seed, ..render };

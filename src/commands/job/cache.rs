@@ -5,7 +5,7 @@ use super::{Cache, failure};
 use crate::ambient_file::FORMAT;
 use crate::failure::{Failure, Outcome};
 use crate::input::{Planned, conclude, history, use_threads};
-use crate::output::{check_writable, write_file};
+use crate::output::{reserve_output, write_file};
 use crate::progress::Bar;
 use crate::trust::{Existing, Trust};
 use radsight_output::interrupt;
@@ -14,7 +14,7 @@ use radsight_render::Renderer;
 /// Runs the command.
 pub(super) fn run(arguments: &Cache, trust: &Trust) -> Outcome {
     let output = trust.output(&arguments.output, Existing::Kept)?;
-    check_writable(&output)?;
+    reserve_output(&output)?;
     use_threads(arguments.threads)?;
     let mut inputs = Inputs::read(&arguments.job)?;
     // The file exists when the job reads it.

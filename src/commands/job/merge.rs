@@ -4,7 +4,7 @@ use super::{Merge, failure};
 use crate::commands::report::ERROR_MAP;
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{history, read_file};
-use crate::output::{check_writable, write_image_file};
+use crate::output::{reserve_output, write_image_file};
 use crate::trust::{Existing, Trust};
 use radsight::{JobResult, JobTarget, MergedJob, Tile};
 use radsight_picture::Image;
@@ -12,7 +12,7 @@ use radsight_picture::Image;
 /// Runs the command.
 pub(super) fn run(arguments: &Merge, trust: &Trust) -> Outcome {
     for path in [Some(&arguments.output), arguments.error_map.as_ref()].into_iter().flatten() {
-        check_writable(&trust.output(path, Existing::Kept)?)?;
+        reserve_output(&trust.output(path, Existing::Kept)?)?;
     }
     let mut parts = Vec::new();
     for path in &arguments.parts {

@@ -4,7 +4,7 @@ use super::inputs::Inputs;
 use super::{Run, failure};
 use crate::failure::{Failure, Outcome};
 use crate::input::{Planned, conclude, use_threads};
-use crate::output::{check_writable, write_file};
+use crate::output::{reserve_output, write_file};
 use crate::progress::Bar;
 use crate::read_once;
 use crate::trust::{Existing, Trust};
@@ -17,7 +17,7 @@ use std::path::Path;
 /// Runs the command.
 pub(super) fn run(arguments: &Run, trust: &Trust) -> Outcome {
     let output = trust.output(&arguments.output, Existing::Kept)?;
-    check_writable(&output)?;
+    reserve_output(&output)?;
     use_threads(arguments.threads)?;
     let mut inputs = Inputs::read(&arguments.job)?;
     if let Some(part) = &arguments.part {

@@ -4,7 +4,7 @@ use super::inputs::Inputs;
 use super::{Split, failure};
 use crate::failure::{Failure, Outcome};
 use crate::file_pattern;
-use crate::output::{check_writable, write_file};
+use crate::output::{reserve_output, write_file};
 use crate::trust::{Existing, Trust};
 use radsight::RenderJob;
 
@@ -18,7 +18,7 @@ pub(super) fn run(arguments: &Split, trust: &Trust) -> Outcome {
     for (number, part) in parts(arguments, &job, size)?.iter().enumerate() {
         let (name, ..) = file_pattern::named("job", &arguments.output, "", number)?;
         let name = trust.output(&name, Existing::Kept)?;
-        check_writable(&name)?;
+        reserve_output(&name)?;
         write_file(&name, part.to_json().as_bytes())?;
     }
     Ok(())

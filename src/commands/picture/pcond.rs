@@ -11,7 +11,7 @@ use super::files::{failed, open_twice, put_file};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, read_standard_input, use_default_threads};
-use crate::output::{check_writable, write_file};
+use crate::output::{reserve_output, write_file};
 use crate::switch::switched;
 use crate::trust::OutputName;
 use radsight_picture::{leading_number, scientific};
@@ -44,7 +44,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     }
     let (path, target) = words.input_and_output()?;
     for file in [Some(target), typed.map.as_deref()].into_iter().flatten() {
-        check_writable(file)?;
+        reserve_output(file)?;
     }
     typed.options.adaptation = adaptation(&typed)?;
     let source = open_twice(path)?;

@@ -4,7 +4,7 @@ use super::defaults;
 use super::options::Options;
 use crate::commands::report::ERROR_MAP;
 use crate::failure::{Failure, Outcome};
-use crate::output::{check_writable, write_file, write_image_file};
+use crate::output::{reserve_output, write_file, write_image_file};
 use crate::render_args::number;
 use crate::run_record::Stopwatch;
 use crate::trust::{Existing, OutputName, Trust};
@@ -60,7 +60,7 @@ impl Accounts {
             _ => {}
         }
         let files = [&self.error_map, &self.ray_map, &self.record];
-        files.into_iter().flatten().filter(|name| ***name != *"-").try_for_each(|name| check_writable(name))
+        files.into_iter().flatten().filter(|name| ***name != *"-").try_for_each(|name| reserve_output(name))
     }
 
     /// Writes the reports of a finished picture.

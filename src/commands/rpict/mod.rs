@@ -11,6 +11,7 @@ use crate::ambient_file::AmbientFile;
 use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
+use crate::output::reserve_output;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::run_record::Stopwatch;
@@ -85,7 +86,8 @@ impl Picture {
         let number = frame.as_ref().map_or(0, |(number, _)| *number);
         let named =
             |name: &Option<OutputName>| name.as_ref().map(|name| name.numbered(|n| sequence::numbered(n, number)));
-        let output = named(&options.output);
+        let (output, depths) = (named(&options.output), named(&options.depths));
+        [&output, &depths].into_iter().flatten().try_for_each(|name| reserve_output(name))?;
         let recover = match options.recovered_frame().filter(|_| frame.is_some()) {
             // A number gives the frame to continue, with its recovered rows.
             Some(recovered) => output.as_deref().filter(|_| recovered == number).map(str::to_owned),
@@ -113,7 +115,7 @@ impl Picture {
             lens.motion = frame.and_then(|(_, before)| before).map(|before| (before, options.motion));
         }
         let header = header(options, &lens, number);
-        Ok(Picture { lens, header, output, depths: named(&options.depths), recovered, replaces })
+        Ok(Picture { lens, header, output, depths, recovered, replaces })
     }
 
     /// Fills the irradiance cache for the picture's rays.
