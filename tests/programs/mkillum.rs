@@ -82,6 +82,32 @@ fn assert_words_like(ours: &str, theirs: &str, error: f64) {
     }
 }
 
+/// Its alternate material lets the lamp through again: in its distribution, the lamp would count
+/// twice.
+#[test]
+fn a_lamp_behind_a_window_is_no_part_of_its_distribution() {
+    let folder = folder();
+    folder.file("lamp.rad", "void light bulb 0 0 3 50 50 50\nbulb sphere near 0 0 4 2 -2 2 .1\n");
+    let surface = "pane polygon w 0 0 12 .5 0 1 .5 0 2.5 3.5 0 2.5 3.5 0 1\n";
+    folder.file("window.rad", format!("void glass pane 0 0 3 .9 .9 .9\n#@mkillum i=pane d=6 s=64 b=0\n{surface}"));
+    for visible in ["-dv+", "-dv-"] {
+        let run = ours(&folder, &format!("-ab 0 {visible} lamp.rad < window.rad"));
+        let made = String::from_utf8(run.done()).expect("text");
+        assert!(!made.contains("illum 0") && made.contains("pane polygon w"), "{visible}: {made}");
+    }
+    let Some(radiance) = Radiance::find() else { return };
+    // The light of the lamp that a floor reflects is part of it.
+    folder.file("floor.rad", "void plastic white 0 0 5 .5 .5 .5 0 0\nwhite ring floor 0 0 8 2 -2 0 0 0 1 0 5\n");
+    folder.file("bright.rad", format!("void glass pane 0 0 3 .9 .9 .9\n#@mkillum i=pane d=6 s=3000 c=a b=0\n{surface}"));
+    radiance.octree(&folder, &["lamp.rad", "floor.rad"]);
+    let words = ["-w", "-ab", "0", "scene.oct", "<", "bright.rad"];
+    let programs = [command(&[&["mkillum"], &words[..]].concat()), radiance.command("mkillum", &words)];
+    let [ours, theirs] = programs.map(|mut program| run_with(program.current_dir(folder.path("")), b"").text());
+    let color = |text: &str| text.lines().rfind(|line| line.starts_with("3 0.")).map(|line| numbers(line.as_bytes())[1]);
+    let [Some(ours), Some(theirs)] = [&ours, &theirs].map(|text| color(text)) else { panic!("{ours}\n{theirs}") };
+    assert!((ours / theirs - 1.0).abs() < 0.02, "{ours} {theirs}");
+}
+
 #[test]
 fn text_and_data_are_those_of_real_mkillum() {
     let Some(radiance) = Radiance::find() else { return };

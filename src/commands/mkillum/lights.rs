@@ -16,8 +16,6 @@ pub(super) struct LightFinder {
     lights: Vec<Toward>,
     seen: Renderer,
     unseen: Renderer,
-    /// The same renderer without lights.
-    without_lights: Renderer,
 }
 
 impl LightFinder {
@@ -36,17 +34,11 @@ impl LightFinder {
             lights: scene.surfaces.items().iter().filter_map(|surface| light(scene, surface)).collect(),
             seen: renderer(Lights::Visible, direct.clone())?,
             unseen: renderer(Lights::Invisible, direct)?,
-            without_lights: renderer(Lights::Invisible, options.clone())?,
         })
     }
 
-    /// The renderer for everything except direct light.
-    pub(super) fn without_lights(&self) -> &Renderer {
-        &self.without_lights
-    }
-
-    pub(super) fn renderers(&self) -> [&Renderer; 3] {
-        [&self.seen, &self.unseen, &self.without_lights]
+    pub(super) fn renderers(&self) -> [&Renderer; 2] {
+        [&self.seen, &self.unseen]
     }
 
     /// Adds direct light to the mean radiances of a surface's directions, with as many rays per

@@ -22,7 +22,7 @@ use radsight_film::average;
 use radsight_flux::{FluxError, IllumDetail, IllumSurface, Shape};
 use radsight_parse::syntax::{Item, Items, Primitive, SyntaxError};
 use radsight_parse::{Kind, Role};
-use radsight_render::{Ray, RayWorker, Renderer};
+use radsight_render::{Lights, Ray, RayWorker, RenderOptions, Renderer};
 use rayon::prelude::*;
 
 /// Prefix of comments for this program.
@@ -37,7 +37,9 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     use_threads(options.threads)?;
     let (scene, sources) = read_valid_scene(&options.scenes, &options.reading)?;
     let planner = Planner::new(&scene, &options.scenes, &options.reading, &sources);
-    let plan = planner.plan(scene, options.render.clone())?;
+    // Lights that are seen through a surface are sampled through it where it is an illum with an
+    // alternate material, and by the light finder where it becomes a light.
+    let plan = planner.plan(scene, RenderOptions { lights: Lights::Invisible, ..options.render.clone() })?;
     let mut work = Work {
         planner: &planner,
         renderer: Renderer::new(plan),
@@ -57,8 +59,7 @@ struct Work<'a> {
     options: &'a Options,
     planner: &'a Planner<'a>,
     renderer: Renderer,
-    /// Set when a surface becomes a `light`: lights are then sampled explicitly instead of being
-    /// hit by chance.
+    /// Set when a surface becomes a `light`.
     light_finder: Option<LightFinder>,
     parameters: Parameters,
     output: Output<'a>,
@@ -209,18 +210,14 @@ impl Work<'_> {
         });
         let rays: Vec<Ray> = rays.collect();
         if self.parameters.becomes == Becomes::Light && self.light_finder.is_none() {
-            self.light_finder =
-                Some(LightFinder::new(&self.options.render, self.renderer.plan().scene(), self.planner)?);
+            let scene = self.renderer.plan().scene();
+            self.light_finder = Some(LightFinder::new(&self.options.render, scene, self.planner)?);
         }
-        let renderer = match (&self.light_finder, self.parameters.becomes) {
-            (Some(finder), Becomes::Light) => finder.without_lights(),
-            _ => &self.renderer,
-        };
         let (sampling_budget, first) = (self.options.sampling_budget(), self.next_ray);
         let trace = |worker: &mut RayWorker<'_>, (place, ray): (usize, &Ray)| {
             average(worker, first + place as u64, ray, sampling_budget).value
         };
-        let values: Vec<[f64; 3]> = rays.par_iter().enumerate().map_init(|| renderer.worker(), trace).collect();
+        let values: Vec<[f64; 3]> = rays.par_iter().enumerate().map_init(|| self.renderer.worker(), trace).collect();
         self.next_ray += rays.len() as u64;
         let means = values.chunks(surface.samples()).map(|direction| {
             let sum = |band: usize| direction.iter().map(|value| value[band]).sum::<f64>();
