@@ -337,6 +337,34 @@ fn packed_bitmaps_are_read() {
     assert_eq!(white, [false, false, false, true, true, true, true, true]);
 }
 
+/// A picture of one grey level with lines in its header.
+fn plain(size: [usize; 2], lines: &[&str]) -> Vec<u8> {
+    let mut header = Header::new("RADIANCE");
+    lines.iter().for_each(|line| header.push_line(line));
+    let image = Image::filled(size[0], size[1], 3, 0.5f32).expect("a shape");
+    Picture::from_rgb(header, &image).expect("a picture").to_bytes()
+}
+
+#[test]
+fn messages_name_the_picture_and_the_line() {
+    let folder = Folder::new();
+    folder.file("a.hdr", plain([4, 3], &[]));
+    folder.file("small.hdr", plain([2, 2], &[]));
+    folder.file("collinear.hdr", plain([4, 3], &["A=1", "PRIMARIES= .1 .1 .2 .2 .3 .3 .33 .33"]));
+    folder.file("dark.hdr", plain([4, 3], &["EXPOSURE=1e-30", "EXPOSURE=1e-30"]));
+    for (words, message) in [
+        ("pcomb a.hdr a.hdr small.hdr", "small.hdr: 2 x 2 pixels, expected 4 x 3 as in the first picture"),
+        ("pcompos a.hdr 0", "picture \"a.hdr\" is followed by the end of the command line, expected its position"),
+        ("pcompos a.hdr 0 b.hdr 0 0", "picture \"a.hdr\" is followed by \"b.hdr\", expected its position"),
+        ("ra_bmp collinear.hdr", "collinear.hdr: header line 3: PRIMARIES is \" 0.1000 0.1000 0.2000"),
+        ("pvalue -o dark.hdr", "header line 3: EXPOSURE is \"1e-30\", expected all such values together within"),
+    ] {
+        let words: Vec<&str> = words.split(' ').collect();
+        let run = run_with(command(&words).current_dir(folder.path("")), b"");
+        assert!(run.code > 0 && run.messages.contains(message), "{words:?}: {}", run.messages);
+    }
+}
+
 #[test]
 fn truncated_bitmaps_are_reported() {
     let mut huge = packed_bitmap(&[4, 1, 0, 1]);

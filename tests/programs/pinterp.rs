@@ -55,12 +55,17 @@ fn views_are_those_of_the_real_program() {
         (format!("{view} -fs 3 -q -fc 1 0 1 a.hdr a.zbf"), 0.97),
         (format!("{view} -e +1 -q a.hdr a.zbf"), 0.97),
         (format!("{view} -q a.hdr 6"), 0.97),
+        (format!("{view} -va 4 -q a.hdr a.zbf"), 0.97),
+        (format!("{view} -va 4 -fb -q a.hdr a.zbf b.hdr b.zbf"), 0.97),
+        ("-vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vv 40 -x 95 -y 100 -pa .7 -q a.hdr a.zbf".to_owned(), 0.97),
         ("-vth -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 60 -vv 60 -x 90 -y 90 -q a.hdr a.zbf b.hdr b.zbf".to_owned(), 0.95),
     ] {
         let words: Vec<&str> = words.split(' ').collect();
         let real = run_with(radiance.command("pinterp", &words).current_dir(folder.path("")), b"").done();
         let ours: Vec<&str> = std::iter::once("pinterp").chain(words.iter().copied()).collect();
         let ours = run_with(command(&ours).current_dir(folder.path("")), b"").done();
+        let aspect = |picture: &[u8]| Header::read(picture).expect("a header").0.variable("PIXASPECT").map(|value| value.to_string());
+        assert_eq!(aspect(&ours), aspect(&real), "{words:?}");
         let (same, [real, ours]) = compare(&real, &ours);
         assert!(same >= share, "{words:?}: {same} of the pixels are the same");
         assert!((ours / real - 1.0).abs() < 0.01, "{words:?}: mean {ours}, real {real}");

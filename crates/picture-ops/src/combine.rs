@@ -188,11 +188,11 @@ impl<R: Read> Combination<R> {
         size: [usize; 2],
     ) -> Result<Combination<R>, ToolError> {
         let expected = in_size(&inputs);
-        for input in &inputs {
+        for (index, input) in inputs.iter().enumerate() {
             let resolution = input.reader.resolution();
             let found = [resolution.scanline_length(), resolution.scanlines()];
             if found != expected {
-                return Err(ToolError::OtherSize { found, expected });
+                return Err(ToolError::OtherSize { index, found, expected });
             }
         }
         let is_luminance = encoding(&inputs) == Encoding::Xyze;

@@ -60,6 +60,8 @@ pub enum ToolError {
     /// Pictures that must have the same size differ.
     #[error("{} x {} pixels, expected {} x {} as in the first picture", found[0], found[1], expected[0], expected[1])]
     OtherSize {
+        /// Index of the picture that differs, from 0.
+        index: usize,
         /// Pixels per scanline, and scanlines.
         found: [usize; 2],
         /// Columns and rows of the first picture.

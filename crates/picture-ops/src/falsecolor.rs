@@ -207,7 +207,7 @@ pub fn falsecolor<R: Read, W: Write>(
     if let Background::Other(other) = &background {
         let found = [other.resolution().scanline_length(), other.resolution().scanlines()];
         if found != [columns, rows] {
-            return Err(ToolError::OtherSize { found, expected: [columns, rows] });
+            return Err(ToolError::OtherSize { index: 1, found, expected: [columns, rows] });
         }
     }
     let encoding = if reader.encoding() == Encoding::Xyze { Encoding::Xyze } else { Encoding::Rgbe };

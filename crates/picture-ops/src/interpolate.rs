@@ -149,7 +149,8 @@ impl Interpolation {
             along /= view.direction().dot(ray.direction);
         }
         let point = ray.origin + ray.direction * along;
-        let found = self.view.locate(point).filter(|found| found.is_visible())?;
+        // What lies beyond the aft plane is clipped at last: until then it is no hole to be filled.
+        let found = self.view.locate(point).filter(|found| found.is_inside() && found.distance > 0.0)?;
         let x = (found.x * self.columns as f64) as i64;
         let y = (found.y * self.rows as f64) as i64;
         let weight =

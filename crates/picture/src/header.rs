@@ -158,7 +158,8 @@ impl Header {
     /// rounded to single precision at each line, as in Radiance's `pvalue -o`.
     ///
     /// # Errors
-    /// [`PictureError::HeaderValue`] for a value that is not positive and finite.
+    /// [`PictureError::HeaderValue`] for a value that is not positive and finite, or that makes a
+    /// factor so.
     pub fn radiance_scale(&self) -> Result<[f32; 3], PictureError> {
         let mut scale = [1.0f32; 3];
         for (index, line) in self.lines.iter().enumerate() {
@@ -168,6 +169,13 @@ impl Header {
             } else if let Some(value) = line.strip_prefix(b"COLORCORR=") {
                 let correction = parse_correction(index + 1, value)?;
                 scale = std::array::from_fn(|i| scale[i] / correction[i]);
+            } else {
+                continue;
+            }
+            if !scale.iter().all(|factor| factor.is_finite() && *factor > 0.0) {
+                let (name, value) = line.split_at(line.iter().position(|byte| *byte == b'=').unwrap_or(0) + 1);
+                let name = if name == b"EXPOSURE=" { "EXPOSURE" } else { "COLORCORR" };
+                return Err(bad_value(index + 1, name, value, "all such values together within 1e-38 to 1e38"));
             }
         }
         Ok(scale)

@@ -53,6 +53,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     }
     let wrong = |error| match error {
         ToolError::Input { index, error } => failed(&names[index], error.into()),
+        ToolError::OtherSize { index, .. } => failed(&names[index], error),
         error => failed("pcomb", error),
     };
     let mut combination = Combination::new(inputs, environment, size).map_err(wrong)?;

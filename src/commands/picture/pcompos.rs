@@ -148,6 +148,16 @@ impl PictureOptions {
     }
 }
 
+/// One of the two numbers after a picture.
+fn position(words: &mut Words<'_>, picture: &str) -> Result<i64, Failure> {
+    let next = words.next_if(|_| true);
+    let number = next.and_then(|word| words.number_in(word, picture).ok());
+    number.map(|number| number as i64).ok_or_else(|| {
+        let found = next.map_or("the end of the command line".to_owned(), |word| format!("\"{word}\""));
+        Failure::usage(format!("pcompos: picture \"{picture}\" is followed by {found}, expected its position: x and y"))
+    })
+}
+
 impl Composition {
     /// Adds a picture with its options.
     fn add(
@@ -174,7 +184,7 @@ impl Composition {
                     '0' => size / 2,
                     _ => 0,
                 };
-                *corner = words.integer(path)? - taken;
+                *corner = position(words, path)? - taken;
             }
         } else {
             if cursor.column >= options.columns.abs() {

@@ -273,7 +273,8 @@ fn header(words: &Words<'_>, request: &Request, sources: &[Source], (view, shape
     if request.blurs || words.all().contains(&"-vf") {
         header.push_variable("VIEW", &view.options().to_full_string());
     }
-    let aspect = view.aspect() * shape;
+    // The size was rounded for the requested one.
+    let aspect = if request.pixel_aspect > 0.0 { request.pixel_aspect } else { view.aspect() * shape };
     if !(0.995..=1.005).contains(&aspect) {
         header.push_variable("PIXASPECT", &format!("{aspect:.6}"));
     }

@@ -112,7 +112,11 @@ impl<R: Read> Pixels<R> {
             _ if own == *primaries => return Ok(self),
             _ => own.rgb_to_rgb(primaries),
         };
-        self.conversion = Conversion::Primaries(rows_of(matrix.ok_or(impossible(primaries))?));
+        let matrix = matrix.ok_or_else(|| match own.rgb_to_xyz() {
+            Some(_) => impossible(primaries),
+            None => impossible_in(self.reader.header(), &own),
+        });
+        self.conversion = Conversion::Primaries(rows_of(matrix?));
         Ok(self)
     }
 
@@ -144,10 +148,20 @@ impl Conversion {
     }
 }
 
+/// The error of a header's primaries that make no colour space.
+fn impossible_in(header: &Header, primaries: &RgbPrimaries) -> PictureError {
+    let line = header.lines().enumerate().filter(|(_, line)| line.starts_with(b"PRIMARIES=")).last();
+    impossible_at(line.map_or(0, |(index, _)| index + 1), primaries)
+}
+
 /// The error of primaries that make no colour space.
 fn impossible(primaries: &RgbPrimaries) -> PictureError {
+    impossible_at(0, primaries)
+}
+
+fn impossible_at(line: usize, primaries: &RgbPrimaries) -> PictureError {
     PictureError::HeaderValue {
-        line: 0,
+        line,
         name: "PRIMARIES",
         value: primaries.to_header_value(),
         expected: "three colours that are not collinear, and a white inside their triangle",
