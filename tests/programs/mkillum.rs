@@ -98,12 +98,14 @@ fn a_lamp_behind_a_window_is_no_part_of_its_distribution() {
     let Some(radiance) = Radiance::find() else { return };
     // The light of the lamp that a floor reflects is part of it.
     folder.file("floor.rad", "void plastic white 0 0 5 .5 .5 .5 0 0\nwhite ring floor 0 0 8 2 -2 0 0 0 1 0 5\n");
-    folder.file("bright.rad", format!("void glass pane 0 0 3 .9 .9 .9\n#@mkillum i=pane d=6 s=3000 c=a b=0\n{surface}"));
+    folder
+        .file("bright.rad", format!("void glass pane 0 0 3 .9 .9 .9\n#@mkillum i=pane d=6 s=3000 c=a b=0\n{surface}"));
     radiance.octree(&folder, &["lamp.rad", "floor.rad"]);
     let words = ["-w", "-ab", "0", "scene.oct", "<", "bright.rad"];
     let programs = [command(&[&["mkillum"], &words[..]].concat()), radiance.command("mkillum", &words)];
     let [ours, theirs] = programs.map(|mut program| run_with(program.current_dir(folder.path("")), b"").text());
-    let color = |text: &str| text.lines().rfind(|line| line.starts_with("3 0.")).map(|line| numbers(line.as_bytes())[1]);
+    let color =
+        |text: &str| text.lines().rfind(|line| line.starts_with("3 0.")).map(|line| numbers(line.as_bytes())[1]);
     let [Some(ours), Some(theirs)] = [&ours, &theirs].map(|text| color(text)) else { panic!("{ours}\n{theirs}") };
     assert!((ours / theirs - 1.0).abs() < 0.02, "{ours} {theirs}");
 }

@@ -64,7 +64,9 @@ fn views_are_those_of_the_real_program() {
         let real = run_with(radiance.command("pinterp", &words).current_dir(folder.path("")), b"").done();
         let ours: Vec<&str> = std::iter::once("pinterp").chain(words.iter().copied()).collect();
         let ours = run_with(command(&ours).current_dir(folder.path("")), b"").done();
-        let aspect = |picture: &[u8]| Header::read(picture).expect("a header").0.variable("PIXASPECT").map(|value| value.to_string());
+        let aspect = |picture: &[u8]| {
+            Header::read(picture).expect("a header").0.variable("PIXASPECT").map(|value| value.to_string())
+        };
         assert_eq!(aspect(&ours), aspect(&real), "{words:?}");
         let (same, [real, ours]) = compare(&real, &ours);
         assert!(same >= share, "{words:?}: {same} of the pixels are the same");

@@ -117,6 +117,11 @@ fn panes_and_mirrors_relay_light_as_in_radiance() {
 }
 
 #[test]
+fn warped_polygons_lie_where_radiance_puts_them() {
+    agrees(&["warped"]);
+}
+
+#[test]
 fn prisms_send_light_where_radiance_sends_it() {
     agrees(&["prism"]);
 }

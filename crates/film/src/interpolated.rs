@@ -17,7 +17,6 @@ use crate::view_camera::{CameraRay, ViewCamera};
 use radsight_render::{DirectRecord, NearRecord, Ray, RayWorker, Renderer};
 use radsight_sampling::RaySampler;
 use rayon::prelude::*;
-use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -215,9 +214,7 @@ impl Block<'_> {
         let mut finer = spacing;
         while !cells.is_empty() {
             let mut is_smooth: Vec<bool> = cells.par_iter().with_min_len(64).map(|cell| self.is_smooth(cell)).collect();
-            for _ in 0..HIGHLIGHT_RINGS {
-                self.spread_noise(&cells, &mut is_smooth);
-            }
+            self.spread_noise(&cells, &mut is_smooth);
             let mut divided = Vec::new();
             for (cell, is_smooth) in cells.into_iter().zip(is_smooth) {
                 if is_smooth {
@@ -265,16 +262,19 @@ impl Block<'_> {
     /// Divides glossy cells next to noisy ones. A cell whose corners all missed a rare bright
     /// reflection looks smooth: interpolating it, but not its neighbours, would lose light.
     fn spread_noise(&self, cells: &[Cell], is_smooth: &mut [bool]) {
-        let mut noisy = HashSet::new();
-        for (cell, _) in cells.iter().zip(&*is_smooth).filter(|(cell, is_smooth)| !**is_smooth && self.is_glossy(cell))
-        {
-            noisy.extend(cell.corners());
-        }
-        if noisy.is_empty() {
+        let glossy: Vec<usize> = (0..cells.len()).filter(|index| self.is_glossy(&cells[*index])).collect();
+        if glossy.is_empty() {
             return;
         }
-        for (cell, is_smooth) in cells.iter().zip(is_smooth) {
-            *is_smooth &= !(self.is_glossy(cell) && cell.corners().iter().any(|corner| noisy.contains(corner)));
+        let corners = |index: usize| cells[index].corners().map(|corner| self.at(corner));
+        let mut is_noisy = vec![false; self.samples.pixels()];
+        for _ in 0..HIGHLIGHT_RINGS {
+            for index in glossy.iter().filter(|index| !is_smooth[**index]) {
+                corners(*index).into_iter().for_each(|corner| is_noisy[corner] = true);
+            }
+            for index in &glossy {
+                is_smooth[*index] &= !corners(*index).into_iter().any(|corner| is_noisy[corner]);
+            }
         }
     }
 

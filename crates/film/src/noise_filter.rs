@@ -67,7 +67,13 @@ impl Block<'_> {
         let outliers: Vec<usize> = all().filter(|index| self.is_outlier((&results, &patches), *index)).collect();
         if !outliers.is_empty() {
             outliers.iter().for_each(|index| results[*index].rays = 0.0);
-            patches = all().map(|index| self.patch(patches[index].neighbors, &results, index)).collect();
+            patches.par_iter_mut().with_min_len(256).enumerate().for_each(|(index, patch)| {
+                let mut has_outlier = false;
+                self.for_each_neighbor(index, patch.neighbors, |place, _| has_outlier |= results[place].rays == 0.0);
+                if has_outlier {
+                    *patch = self.patch(patch.neighbors, &results, index);
+                }
+            });
         }
         all().map(|index| self.averaged((&results, &patches), index)).collect()
     }

@@ -34,6 +34,7 @@ mod function;
 mod material;
 mod names;
 mod pattern;
+mod planarity;
 mod scene;
 mod surface;
 mod transform;

@@ -1,5 +1,6 @@
 //! Validation: turns a [`Scene`] into a [`ValidScene`].
 
+use crate::planarity::{PolygonPlane, ROUNDING, make_planar};
 use crate::{
     Anisotropic, Dielectric, Glossy, Handle, Material, Modifier, ModifierKind, Rgb, Scene, Shape, Surface, Translucent,
     ValidScene,
@@ -22,12 +23,13 @@ pub struct Validated {
 const PLANARITY_TOLERANCE: f64 = 1e-3;
 
 impl Scene {
-    /// Checks every number, handle and shape.
+    /// Checks every number, handle and shape, and moves the vertices of polygons into their planes.
     ///
     /// # Errors
     /// All errors, each with its position in the scene text.
     pub fn validate(self) -> Result<Validated, Vec<Diagnostic>> {
         let (mut errors, mut warnings) = (Vec::new(), Vec::new());
+        let mut is_planar = true;
         // Shared scenes are checked once.
         let mut seen = HashSet::new();
         let mut waiting = vec![&self];
@@ -35,11 +37,19 @@ impl Scene {
             let found = Findings::of(scene);
             errors.extend(found.errors);
             warnings.extend(found.warnings);
+            is_planar &= found.is_planar;
             let octrees = scene.octrees.items().iter().rev();
             waiting
                 .extend(octrees.map(|octree| &*octree.scene).filter(|inner| seen.insert(std::ptr::from_ref(*inner))));
         }
-        if errors.is_empty() { Ok(Validated { scene: ValidScene(self), warnings }) } else { Err(errors) }
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        let mut scene = self;
+        if !is_planar {
+            make_planar(&mut scene);
+        }
+        Ok(Validated { scene: ValidScene(scene), warnings })
     }
 }
 
@@ -47,6 +57,8 @@ struct Findings<'a> {
     scene: &'a Scene,
     /// By index of the mesh.
     sound_meshes: Vec<bool>,
+    /// Whether the vertices of each polygon lie in its plane.
+    is_planar: bool,
     errors: Vec<Diagnostic>,
     warnings: Vec<Diagnostic>,
 }
@@ -55,7 +67,7 @@ impl<'a> Findings<'a> {
     /// Errors of a scene, without those of the scenes that it places.
     fn of(scene: &'a Scene) -> Self {
         let sound_meshes = scene.meshes.items().iter().map(|mesh| mesh_is_sound(scene, mesh)).collect();
-        let mut found = Findings { scene, sound_meshes, errors: Vec::new(), warnings: Vec::new() };
+        let mut found = Findings { scene, sound_meshes, is_planar: true, errors: Vec::new(), warnings: Vec::new() };
         for (handle, modifier) in scene.modifiers.iter() {
             found.check_modifier(handle, modifier);
         }
@@ -150,24 +162,15 @@ impl<'a> Findings<'a> {
         if vertices.iter().any(|vertex| !vertex.is_finite()) {
             return self.error(surface.span, format!("polygon \"{name}\" has a vertex that is not finite"));
         }
-        let normal = newell_normal(vertices);
-        let size = vertices.iter().map(|vertex| vertex.distance(vertices[0])).fold(0.0, f64::max);
-        if normal.length() <= 1e-18 * size * size || size == 0.0 {
+        let Some(plane) = PolygonPlane::of(vertices) else {
             return self.warn(surface.span, format!("polygon \"{name}\" has no area"));
-        }
-        let unit = normal.normalize();
-        let plane = vertices.iter().map(|vertex| unit.dot(*vertex - vertices[0])).sum::<f64>() / vertices.len() as f64;
-        let off = vertices.iter().map(|v| (unit.dot(*v - vertices[0]) - plane).abs()).fold(0.0, f64::max);
-        if off > PLANARITY_TOLERANCE * size {
+        };
+        let deviation = plane.deviation(vertices);
+        self.is_planar &= deviation <= ROUNDING;
+        if deviation > PLANARITY_TOLERANCE {
             self.warn(surface.span, format!("polygon \"{name}\" is not planar"));
         }
     }
-}
-
-/// Twice the vector area of a polygon (Newell), relative to its first vertex for accuracy.
-fn newell_normal(vertices: &[DVec3]) -> DVec3 {
-    let first = vertices[0];
-    vertices[1..].windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum()
 }
 
 fn mesh_is_sound(scene: &Scene, mesh: &crate::Mesh) -> bool {

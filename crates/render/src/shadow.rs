@@ -18,7 +18,7 @@ use radsight_cal::Scratch;
 use radsight_compile::{Kind, Medium, RaySide, RenderPlan, Shader, Substitution, VisibilityClass, emission, given};
 use radsight_ir::Shape;
 use radsight_light::{Light, LightSample, Redirection, VirtualSource};
-use radsight_texture::{SurfaceInteraction, bands, product, reflect};
+use radsight_texture::{SurfaceInteraction, bands, product, reflect, shading_normal};
 
 /// A shadow ray that crosses more surfaces than this is lost.
 const MAX_CROSSINGS: u32 = 1000;
@@ -196,8 +196,8 @@ impl DirectSampler<'_> {
             return false;
         }
         walk.through = product(walk.through, dimmed);
-        let before = walk.travelled - self.travelled - hit.distance;
-        let reflectance = self.mirror_reflectance(tracer, virtual_source, &walk.ray, before + hit.distance);
+        let length = walk.travelled - self.travelled;
+        let reflectance = self.mirror_reflectance(tracer, virtual_source, (&walk.ray, hit.point), length);
         walk.through = product(walk.through, reflectance);
         walk.ray = Ray { origin: hit.point, direction: reflect(walk.ray.direction, hit.front) };
         walk.from = Some(hit.primitive);
@@ -292,6 +292,7 @@ impl DirectSampler<'_> {
         let mut ray = Ray { origin: self.point, direction: sample.direction };
         let mut from = self.primitive;
         let mut left = sample.distance;
+        let mut length = 0.0;
         let mut through = [1.0; BANDS];
         for mirror in &light.virtual_sources {
             let geometry = &tracer.plan.geometry;
@@ -304,7 +305,8 @@ impl DirectSampler<'_> {
             if ray.direction.dot(mirror.normal) >= 0.0 {
                 return [0.0; BANDS];
             }
-            let reflectance = self.mirror_reflectance(tracer, mirror, &ray, distance);
+            length += distance;
+            let reflectance = self.mirror_reflectance(tracer, mirror, (&ray, ray.at(distance)), length);
             through = product(through, reflectance);
             let clear = self.segment(tracer, &ray, from, distance, crossing.primitive, &VisibilityClass::Anything);
             through = product(through, clear);
@@ -319,17 +321,18 @@ impl DirectSampler<'_> {
         product(through, self.segment(tracer, &ray, from, left, target, between))
     }
 
+    /// The reflectance of a mirror for a ray that hits it at a point; `length` is that of the shadow
+    /// ray so far, over all mirrors.
     fn mirror_reflectance<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
         mirror: &VirtualSource,
-        ray: &Ray,
-        distance: f64,
+        (ray, point): (&Ray, DVec3),
+        length: f64,
     ) -> [f64; BANDS] {
         let shader = tracer.plan.virtual_source_shader(mirror.surface);
         let Kind::Mirror { reflectance, .. } = &shader.kind else { return [0.0; BANDS] };
-        let total = self.travelled + distance;
-        let interaction = SurfaceInteraction::new(ray, ray.at(distance), mirror.normal, distance, total);
+        let interaction = SurfaceInteraction::new(ray, point, mirror.normal, length, self.travelled + length);
         let pattern = shader.appearance::<BANDS>(&tracer.plan.scene, &interaction, &mut tracer.workspace.scratch);
         product(bands(*reflectance), pattern.color)
     }
@@ -530,7 +533,8 @@ fn straight<const BANDS: usize>(
     let appearance = shader.appearance::<BANDS>(&plan.scene, &interaction, scratch);
     match &shader.kind {
         Kind::Glass { transmissivity, refractive_index } => {
-            let [_, transmitted] = pane(bands(*transmissivity), *refractive_index, interaction.cosine.max(1e-9));
+            let cosine = -ray.direction.dot(shading_normal(&interaction, appearance.perturbation));
+            let [_, transmitted] = pane(bands(*transmissivity), *refractive_index, cosine.max(1e-9));
             Some(product(transmitted, appearance.color))
         }
         Kind::Scatterer(scatterer) => {
