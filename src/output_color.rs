@@ -40,8 +40,6 @@ impl OutputColor {
             "-pY" => OutputColor::Weighted(to_xyz.row(1).to_array().map(|weight| weight * WHITE_EFFICACY)),
             "-pS" => OutputColor::Response(Response::Scotopic, SCOTOPIC_OF_RGB),
             "-pM" => OutputColor::Response(Response::Melanopic, MELANOPIC_OF_RGB),
-            "-co" | "-co+" | "-co1" => OutputColor::Bands,
-            "-co-" | "-co0" => OutputColor::Rgb,
             "-pA" => OutputColor::Weighted([1.0 / 3.0; 3]),
             "-pc" => {
                 let mut numbers = [0.0; 8];

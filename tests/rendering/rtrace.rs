@@ -95,6 +95,9 @@ fn pixels_are_those_of_real_rtrace() {
         &["-fac", "-x", "7", "-y", "1"],
         &["-fac", "-cs", "9", "-co+", "-x", "7", "-y", "1"],
         &["-fac", "-cs", "9"],
+        &["-fac", "-cs", "6", "-co+"],
+        &["-fac", "-cs", "10", "-co+"],
+        &["-fac", "-cs", "22"],
     ] {
         let [ours, theirs] = both(&radiance, words, RAYS).map(|bytes| parts(&bytes));
         assert_eq!(ours.0, theirs.0, "{words:?}");
@@ -102,6 +105,36 @@ fn pixels_are_those_of_real_rtrace() {
         let apart = ours.1.iter().zip(&theirs.1).map(|(ours, theirs)| ours.abs_diff(*theirs)).max();
         assert!(apart <= Some(1), "{words:?}: bytes differ by {apart:?}");
     }
+}
+
+#[test]
+fn components_of_a_color_stay_where_no_spectrum_ends() {
+    let Some(radiance) = Radiance::find() else { return };
+    for words in [&["-h", "-pXYZ", "-co-"][..], &["-h", "-pM", "-co-"], &["-h", "-co+", "-co-"]] {
+        let [ours, theirs] = both(&radiance, words, RAYS);
+        same_words(&ours, &theirs, words);
+    }
+}
+
+/// Balls of mixtures with `void` above a floor.
+#[test]
+fn a_mixture_is_the_first_surface_even_where_it_is_void() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let parts = "void glass gl 0 0 3 .6 .8 .7\nvoid plastic red 0 0 5 .6 .1 .1 0 0\n\
+        void brightfunc bf 2 .5 . 0 0\nred polygon floor 0 0 12 -9 -9 -1 9 -9 -1 9 9 -1 -9 9 -1\n\
+        void mixfunc none 4 gl void 0 . 0 0\nvoid mixfunc half 4 red void .5 . 0 0\n\
+        void mixfunc all 4 gl void 1 . 0 0\nvoid mixfunc both 4 red gl .5 . 0 0\nvoid alias other half\n";
+    let balls = ["none", "half", "all", "both", "other", "gl", "void"].into_iter().enumerate();
+    let text: String = balls.map(|(at, name)| format!("{name} sphere b{at} 0 0 4 {} 0 0 .5\n", 2 * at)).collect();
+    folder.file("scene.rad", format!("{parts}{text}"));
+    let octree = radiance.octree(&folder, &["scene.rad"]);
+    let rays: String = (0..7).map(|at| format!("{} .2 3 0 0 -1\n", 2.0 * f64::from(at) + 0.3)).collect();
+    let words = ["-h", "-ab", "0", "-onNMp", &octree];
+    let real = run_with(radiance.command("rtrace", &words).current_dir(folder.path("")), rays.as_bytes()).done();
+    let ours: Vec<&str> = std::iter::once("rtrace").chain(words).collect();
+    let ours = run_with(command(&ours).current_dir(folder.path("")), rays.as_bytes()).done();
+    same_words(&ours, &real, &["mixtures"]);
 }
 
 #[test]

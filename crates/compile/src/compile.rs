@@ -338,9 +338,7 @@ impl Compiler<'_> {
             let parent = chains.scene.modifier_name(Some(parent));
             return Err(at(
                 modifier.span,
-                format!(
-                    "\"{parent}\" modifies \"{name}\", but a mixture of materials cannot be modified by a material"
-                ),
+                format!("\"{parent}\" modifies \"{name}\", but a mixture of materials cannot have a modifier"),
             ));
         }
         self.enter(chains, modifier)?;

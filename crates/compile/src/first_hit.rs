@@ -58,8 +58,13 @@ impl FirstHit {
     }
 }
 
-/// Name of the first material of a modifier chain; `void` for none.
+/// Name of the first material of a modifier chain, or of the mixture that stands for one; `void` for
+/// none.
 pub(crate) fn material_name(scene: &Scene, modifier: Option<ModifierHandle>) -> &str {
-    let material = scene.chain(modifier).find(|(_, modifier)| matches!(modifier.kind, ModifierKind::Material(_)));
+    let material = scene.chain(modifier).find(|(_, modifier)| match modifier.kind {
+        ModifierKind::Material(_) => true,
+        ModifierKind::Mixture(_) => modifier.modifier.is_none(),
+        _ => false,
+    });
     scene.original_name(material.map(|(handle, _)| handle))
 }

@@ -80,9 +80,11 @@ impl Sampling {
         if self.is_rgb() {
             return band;
         }
-        // Accumulated as in Radiance, so that a centre on a limit falls to the same side.
+        // Accumulated as in Radiance's released programs, two bands at a time, so that a centre on a
+        // limit falls to the same side: that of 480 nm is blue with 6 and 22 bands, green with 10.
         let step = -self.step_nm();
-        let middle = (0..band).fold(self.splits_nm[0] + 0.5 * step, |middle, _| middle + step);
+        let first = self.splits_nm[0] + 0.5 * step + (band % 2) as f64 * step;
+        let middle = (0..band / 2).fold(first, |middle, _| middle + 2.0 * step);
         match middle {
             _ if middle >= self.splits_nm[1] => 0,
             _ if middle >= self.splits_nm[2] => 1,

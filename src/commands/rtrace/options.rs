@@ -287,6 +287,16 @@ impl Options {
             _ if word.starts_with("-f") => return self.formats(word).map(|()| 1),
             _ if word.starts_with("-o") => return self.fields(word).map(|()| 1),
             _ => {
+                let is_spectral = self.color == OutputColor::Bands;
+                if let Some(spectral) = switched(word, "-co", is_spectral) {
+                    // Without a spectrum, other components stay.
+                    self.color = match spectral {
+                        true => OutputColor::Bands,
+                        false if is_spectral => OutputColor::Rgb,
+                        false => self.color,
+                    };
+                    return Ok(1);
+                }
                 if let Some((color, used)) = OutputColor::from_option(words)? {
                     self.color = color;
                     return Ok(used);

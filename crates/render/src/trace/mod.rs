@@ -117,8 +117,6 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) recorder: Option<Box<DirectRecorder>>,
     pub(crate) radiance: [f64; BANDS],
     pub(crate) first_hit: Option<FirstHit>,
-    /// Whether the ray passed the first surface without interaction.
-    first_is_passed: bool,
     effective_distance: f64,
     /// Distance of the last plane mirror or pane of the direct view; 0 for none.
     passed_distance: f64,
@@ -161,7 +159,6 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             recorder: None,
             radiance: [0.0; BANDS],
             first_hit: None,
-            first_is_passed: false,
             effective_distance: f64::INFINITY,
             passed_distance: 0.0,
             surface_key: 0,
@@ -253,7 +250,6 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         self.cuts.truncate(1);
         self.radiance = [0.0; BANDS];
         self.first_hit = None;
-        self.first_is_passed = false;
         self.effective_distance = f64::INFINITY;
         self.passed_distance = 0.0;
         self.surface_key = 0;
@@ -415,7 +411,6 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     fn without_interaction(&mut self, path: &PathState<BANDS>, hit: &Intersection) -> PathState<BANDS> {
         if path.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit::at(hit, path.travelled + hit.distance));
-            self.first_is_passed = true;
         }
         let path = self.dimmed(path, self.medium(path.medium), hit.distance);
         let mut continued = self.passed_through(path, hit);

@@ -176,9 +176,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     pub(crate) fn note_normal(&mut self, path: &PathState<BANDS>, normal: DVec3) {
+        // A ray that passed the first hit, or its void part, is not deeper.
         if path.depth == 0
-            && !self.first_is_passed
             && let Some(first) = &mut self.first_hit
+            && path.travelled < first.distance
         {
             first.perturbed_normal = normal;
         }
