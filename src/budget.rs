@@ -92,8 +92,12 @@ fn end(bytes: usize) -> ! {
     system::lift();
     let limit = LIMIT.load(Ordering::Relaxed);
     let asked = readable(bytes as u64);
-    say(&match limit {
-        0 => format!("radsight: out of memory: the system has not {asked} left\n"),
+    say(&match (system::address_space(), limit) {
+        (Some(space), _) if limit == 0 || space <= limit => format!(
+            "radsight: out of memory: {asked} more would exceed the address space of {} (ulimit -v)\n",
+            readable(space)
+        ),
+        (_, 0) => format!("radsight: out of memory: the system has not {asked} left\n"),
         _ => format!(
             "radsight: out of memory: {asked} more would exceed the limit of {}\nhint: {OPTION} SIZE sets another limit\n",
             readable(limit)
@@ -142,6 +146,11 @@ mod system {
         }
     }
 
+    /// The caller's limit on the address space, bytes; `None` for none.
+    pub(super) fn address_space() -> Option<u64> {
+        getrlimit(Resource::RLIMIT_AS).ok().map(|(soft, _)| soft).filter(|soft| *soft != RLIM_INFINITY)
+    }
+
     /// Removes the limit for the final message.
     pub(super) fn lift() {
         if let Ok((_, hard)) = getrlimit(Resource::RLIMIT_DATA) {
@@ -158,6 +167,10 @@ mod system {
     }
 
     pub(super) fn lower_to(_limit: u64) {}
+
+    pub(super) fn address_space() -> Option<u64> {
+        None
+    }
 
     pub(super) fn lift() {}
 }

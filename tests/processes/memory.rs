@@ -52,6 +52,18 @@ fn pictures_that_unpack_to_more_than_the_limit_end_the_program() {
 }
 
 #[test]
+fn a_limit_of_the_caller_is_named() {
+    let folder = Folder::new();
+    folder.file("bomb.hdr", bomb(6_000));
+    let mut limited = std::process::Command::new("bash");
+    limited.args(["-c", "ulimit -v 512000; \"$RADSIGHT\" pflip -v bomb.hdr > /dev/null"]);
+    limited.env("RADSIGHT", env!("CARGO_BIN_EXE_radsight")).current_dir(folder.path(""));
+    let run = run_with(&mut limited, b"");
+    assert_eq!(run.code, FAULT, "{}", run.messages);
+    assert!(run.messages.contains("would exceed the address space of 500 MB (ulimit -v)"), "{}", run.messages);
+}
+
+#[test]
 fn pictures_that_are_read_row_by_row_need_little_memory() {
     let folder = Folder::new();
     folder.file("bomb.hdr", bomb(500));
