@@ -7,7 +7,7 @@
 use crate::args::Reading;
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::input::program_history;
-use crate::output::{file_path, reserve_output};
+use crate::output::reserve_output;
 use radsight_output::SharedFile;
 use radsight_picture::Header;
 use radsight_render::{CacheError, Ray, RaySpacing, Renderer};
@@ -68,9 +68,8 @@ impl AmbientFile {
         if renderer.plan().options.gathering.accuracy <= 0.0 && !reading.no_warnings {
             say(&format!("{program}: warning - zero ambient accuracy so \"{name}\" not opened\n"));
         }
-        let path = if renderer.caches_irradiance() { file_path(name)? } else { None };
+        let path = if renderer.caches_irradiance() { reserve_output(name)? } else { None };
         let Some(path) = path else { return Ok(AmbientFile(None)) };
-        reserve_output(name)?;
         let mut header = program_history(scenes, command);
         header.push_variable("FORMAT", FORMAT);
         let mut shared = Shared {

@@ -3,7 +3,7 @@
 
 use crate::failure::{Failure, Outcome, reason};
 use radsight_brdf_host::guard;
-use radsight_output::{Destination, WholeFile, inputs, reserve};
+use radsight_output::{Destination, WholeFile, folder_of, inputs, reserve};
 use radsight_picture::{FileFormat, Header, Image, write_image};
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -201,16 +201,15 @@ pub(crate) fn append(name: &str) -> Result<File, Failure> {
 }
 
 /// Reserves a file for one output, before long work: checks that it can be written and that no other
-/// output has this name.
-pub(crate) fn reserve_output(name: &str) -> Outcome {
-    let Destination::File(path) = resolve(name)? else { return Ok(()) };
+/// output has this name. Returns its path; `None` for a pipe, a device or standard output.
+pub(crate) fn reserve_output(name: &str) -> Result<Option<PathBuf>, Failure> {
+    let Some(path) = file_path(name)? else { return Ok(None) };
     reserve(&path, name).map_err(|other| match other == name {
         true => Failure::usage(format!("\"{name}\" is the name of two outputs, expected a name for each")),
         false => Failure::usage(format!("the outputs \"{other}\" and \"{name}\" are the same file")),
     })?;
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match fs::metadata(folder) {
-        Ok(found) if found.is_dir() => Ok(()),
+    match fs::metadata(folder_of(&path)) {
+        Ok(found) if found.is_dir() => Ok(Some(path)),
         Ok(_) => Err(Failure::fault(format!("cannot write \"{name}\": not in a folder"))),
         Err(error) => Err(Failure::fault(format!("cannot write \"{name}\": {}", reason(&error)))),
     }

@@ -3,6 +3,7 @@
 use super::{Commands, Existing, Origin, Trust};
 use crate::failure::{Failure, reason};
 use radsight_diag::{Diagnostic, Span};
+use radsight_output::folder_of;
 use std::fs;
 use std::io::ErrorKind;
 use std::ops::Deref;
@@ -219,11 +220,10 @@ fn check_parts(name: &str) -> Result<(), &'static str> {
 
 /// Whether the file's folder lies below the current one after following symbolic links.
 fn check_folder(path: &Path) -> Result<(), String> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let real = |path: &Path| -> Result<PathBuf, String> {
         fs::canonicalize(path).map_err(|error| format!("folder \"{}\": {}", path.display(), reason(&error)))
     };
-    let (folder, current) = (real(folder)?, real(Path::new("."))?);
+    let (folder, current) = (real(folder_of(path))?, real(Path::new("."))?);
     let below = folder.strip_prefix(&current).map_err(|_| "a symbolic link leads out of the current folder")?;
     // A link may lead to a hidden folder.
     let is_hidden = below.components().any(|part| part.as_os_str().to_string_lossy().starts_with('.'));

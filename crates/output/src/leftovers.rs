@@ -30,8 +30,9 @@ pub(crate) fn prefix(target: &Path) -> OsString {
     prefix
 }
 
-/// The folder of a target.
-pub(crate) fn folder(target: &Path) -> &Path {
+/// The folder of a target; `.` for a bare name.
+#[must_use]
+pub fn folder_of(target: &Path) -> &Path {
     target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
@@ -51,7 +52,7 @@ pub(crate) fn hidden_file(target: &Path) -> io::Result<NamedTempFile> {
         // A write-protected file is not replaced.
         File::options().write(true).open(target)?;
     }
-    let file = builder.tempfile_in(folder(target))?;
+    let file = builder.tempfile_in(folder_of(target))?;
     if let Some(before) = before {
         // A process that may not set the mode may still write.
         let _ = file.as_file().set_permissions(before.permissions());
@@ -63,7 +64,7 @@ pub(crate) fn hidden_file(target: &Path) -> io::Result<NamedTempFile> {
 #[must_use]
 pub fn leftovers(target: &Path) -> Vec<PathBuf> {
     let prefix = prefix(target);
-    let Ok(entries) = fs::read_dir(folder(target)) else { return Vec::new() };
+    let Ok(entries) = fs::read_dir(folder_of(target)) else { return Vec::new() };
     let mut found: Vec<PathBuf> = entries
         .filter_map(Result::ok)
         .filter(|entry| is_hidden(entry.file_name().as_encoded_bytes(), prefix.as_encoded_bytes()))

@@ -36,7 +36,7 @@ mod whole_file;
 
 pub use closed_file::ClosedFile;
 pub use destination::Destination;
-pub use leftovers::{leftovers, remove};
+pub use leftovers::{folder_of, leftovers, remove};
 pub use reserved::reserve;
 pub use shared_file::SharedFile;
 pub use whole_file::WholeFile;

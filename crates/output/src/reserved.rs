@@ -1,6 +1,8 @@
 //! The files that this process will write, so that no output replaces another one.
 
+use crate::leftovers::folder_of;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -14,14 +16,12 @@ static RESERVED: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
 /// # Errors
 /// When the file is reserved already: the name under which it is.
 pub fn reserve(path: &Path, name: &str) -> Result<(), String> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     // A file in a folder that does not exist cannot be written, so nothing is lost.
-    let (Ok(folder), Some(file)) = (fs::canonicalize(folder), path.file_name()) else { return Ok(()) };
-    let mut reserved = RESERVED.lock().unwrap_or_else(PoisonError::into_inner);
-    match reserved.get(&folder.join(file)) {
-        Some(other) => Err(other.clone()),
-        None => {
-            reserved.insert(folder.join(file), name.to_owned());
+    let (Ok(folder), Some(file)) = (fs::canonicalize(folder_of(path)), path.file_name()) else { return Ok(()) };
+    match RESERVED.lock().unwrap_or_else(PoisonError::into_inner).entry(folder.join(file)) {
+        Entry::Occupied(other) => Err(other.get().clone()),
+        Entry::Vacant(free) => {
+            free.insert(name.to_owned());
             Ok(())
         }
     }

@@ -1,7 +1,7 @@
 //! A file that is written under a hidden name until it is complete.
 
 use crate::interrupt::{FileGuard, make_file};
-use crate::leftovers::{folder, hidden_file, remove_leftovers};
+use crate::leftovers::{folder_of, hidden_file, remove_leftovers};
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -118,7 +118,7 @@ impl Write for WholeFile {
 /// A name is on the disk when its folder is. Not every file system can sync a folder; the file is
 /// whole in any case.
 pub(crate) fn sync_name(target: &Path) {
-    if let Ok(folder) = File::open(folder(target)) {
+    if let Ok(folder) = File::open(folder_of(target)) {
         let _ = folder.sync_all();
     }
 }

@@ -6,7 +6,7 @@ use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, reason};
 use crate::file_pattern::{holds_number, named};
 use crate::input::program_history;
-use crate::output::{self, Output, file_path, reserve_output};
+use crate::output::{self, Output, reserve_output};
 use crate::output_format::OutputFormat;
 use crate::trust::{CommandPermit, Existing, Origin, OutputName, PROJECT, shell};
 use radsight_brdf_host::guard::standard_output;
@@ -203,8 +203,7 @@ impl Target {
 
     fn open_file(name: &OutputName, existing: Existing<'_>) -> Result<Target, Failure> {
         let name: &str = name;
-        reserve_output(name)?;
-        let Some(path) = file_path(name)? else { return Output::create(name).map(Target::Stream) };
+        let Some(path) = reserve_output(name)? else { return Output::create(name).map(Target::Stream) };
         if path.exists() && existing == Existing::Kept {
             return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to overwrite it")));
         }

@@ -60,7 +60,7 @@ impl Accounts {
             _ => {}
         }
         let files = [&self.error_map, &self.ray_map, &self.record];
-        files.into_iter().flatten().filter(|name| ***name != *"-").try_for_each(|name| reserve_output(name))
+        files.into_iter().flatten().filter(|name| ***name != *"-").try_for_each(|name| reserve_output(name).map(drop))
     }
 
     /// Writes the reports of a finished picture.

@@ -87,7 +87,7 @@ impl Picture {
         let named =
             |name: &Option<OutputName>| name.as_ref().map(|name| name.numbered(|n| sequence::numbered(n, number)));
         let (output, depths) = (named(&options.output), named(&options.depths));
-        [&output, &depths].into_iter().flatten().try_for_each(|name| reserve_output(name))?;
+        [&output, &depths].into_iter().flatten().try_for_each(|name| reserve_output(name).map(drop))?;
         let recover = match options.recovered_frame().filter(|_| frame.is_some()) {
             // A number gives the frame to continue, with its recovered rows.
             Some(recovered) => output.as_deref().filter(|_| recovered == number).map(str::to_owned),
