@@ -163,19 +163,20 @@ impl Header {
     pub fn radiance_scale(&self) -> Result<[f32; 3], PictureError> {
         let mut scale = [1.0f32; 3];
         for (index, line) in self.lines.iter().enumerate() {
+            let (name, stored);
             if let Some(value) = line.strip_prefix(b"EXPOSURE=") {
+                (name, stored) = ("EXPOSURE", value);
                 let exposure = parse_exposure(index + 1, value)?;
                 scale = scale.map(|value| (f64::from(value) * (1.0 / exposure)) as f32);
             } else if let Some(value) = line.strip_prefix(b"COLORCORR=") {
+                (name, stored) = ("COLORCORR", value);
                 let correction = parse_correction(index + 1, value)?;
                 scale = std::array::from_fn(|i| scale[i] / correction[i]);
             } else {
                 continue;
             }
             if !scale.iter().all(|factor| factor.is_finite() && *factor > 0.0) {
-                let (name, value) = line.split_at(line.iter().position(|byte| *byte == b'=').unwrap_or(0) + 1);
-                let name = if name == b"EXPOSURE=" { "EXPOSURE" } else { "COLORCORR" };
-                return Err(bad_value(index + 1, name, value, "all such values together within 1e-38 to 1e38"));
+                return Err(bad_value(index + 1, name, stored, "all such values together within 1e-38 to 1e38"));
             }
         }
         Ok(scale)

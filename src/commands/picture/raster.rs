@@ -76,7 +76,7 @@ impl<R: Read> Pixels<R> {
     /// `primaries`.
     fn new(reader: PictureReader<R>, stops: i32, primaries: &RgbPrimaries) -> Result<Pixels<R>, PictureError> {
         let conversion = match reader.encoding() {
-            Encoding::Xyze => Conversion::IntoGamut(rows_of(primaries.xyz_to_rgb().ok_or(impossible(primaries))?)),
+            Encoding::Xyze => Conversion::IntoGamut(rows_of(primaries.xyz_to_rgb().ok_or(impossible(0, primaries))?)),
             _ => Conversion::None,
         };
         Ok(Pixels::converted(reader, stops, conversion))
@@ -112,10 +112,11 @@ impl<R: Read> Pixels<R> {
             _ if own == *primaries => return Ok(self),
             _ => own.rgb_to_rgb(primaries),
         };
-        let matrix = matrix.ok_or_else(|| match own.rgb_to_xyz() {
-            Some(_) => impossible(primaries),
-            None => impossible_in(self.reader.header(), &own),
-        });
+        let matrix =
+            matrix.ok_or_else(|| match (own.rgb_to_xyz(), self.reader.header().assignments("PRIMARIES").last()) {
+                (None, Some(assignment)) => impossible(assignment.line, &own),
+                _ => impossible(0, primaries),
+            });
         self.conversion = Conversion::Primaries(rows_of(matrix?));
         Ok(self)
     }
@@ -148,18 +149,8 @@ impl Conversion {
     }
 }
 
-/// The error of a header's primaries that make no colour space.
-fn impossible_in(header: &Header, primaries: &RgbPrimaries) -> PictureError {
-    let line = header.lines().enumerate().filter(|(_, line)| line.starts_with(b"PRIMARIES=")).last();
-    impossible_at(line.map_or(0, |(index, _)| index + 1), primaries)
-}
-
-/// The error of primaries that make no colour space.
-fn impossible(primaries: &RgbPrimaries) -> PictureError {
-    impossible_at(0, primaries)
-}
-
-fn impossible_at(line: usize, primaries: &RgbPrimaries) -> PictureError {
+/// The error of primaries that make no colour space; `line` is that of the header that has them, or 0.
+fn impossible(line: usize, primaries: &RgbPrimaries) -> PictureError {
     PictureError::HeaderValue {
         line,
         name: "PRIMARIES",

@@ -62,12 +62,6 @@ impl ViewLocation {
     pub fn is_inside(&self) -> bool {
         self.x > 0.0 && self.x < 1.0 && self.y > 0.0 && self.y < 1.0
     }
-
-    /// Whether the picture shows the point if nothing occludes it.
-    #[must_use]
-    pub fn is_visible(&self) -> bool {
-        self.is_inside() && self.distance > 0.0 && !self.beyond
-    }
 }
 
 /// Radiance's smallest significant length.

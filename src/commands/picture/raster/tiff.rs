@@ -148,9 +148,9 @@ impl Options {
         let are_xyz = pixels.are_xyz();
         let matrix = match (self.depth, are_xyz) {
             _ if self.colors == Colors::Grey => None,
-            (Depth::LogLuv, false) => Some(primaries.rgb_to_xyz().ok_or(impossible(primaries))?),
+            (Depth::LogLuv, false) => Some(primaries.rgb_to_xyz().ok_or(impossible(0, primaries))?),
             (Depth::LogLuv, true) | (_, false) => None,
-            (_, true) => Some(primaries.xyz_to_rgb().ok_or(impossible(primaries))?),
+            (_, true) => Some(primaries.xyz_to_rgb().ok_or(impossible(0, primaries))?),
         };
         let matrix = matrix.map(rows_of);
         let scale = self.scale();
@@ -237,13 +237,13 @@ impl FromTiff {
         let primaries = picture.tags.primaries.unwrap_or(RgbPrimaries::STANDARD);
         match (picture.colors, encoding) {
             (TiffColors::Rgb, Encoding::Xyze) => {
-                Ok(FromTiff::ToXyz(rows_of(primaries.rgb_to_xyz().ok_or(impossible(&primaries))?)))
+                Ok(FromTiff::ToXyz(rows_of(primaries.rgb_to_xyz().ok_or(impossible(0, &primaries))?)))
             }
             (TiffColors::Rgb, _) => Ok(FromTiff::None),
             (TiffColors::Xyz, Encoding::Xyze) => Ok(FromTiff::FromXyz(DMat3::IDENTITY)),
             (TiffColors::Xyz, _) => {
                 let standard = &RgbPrimaries::STANDARD;
-                Ok(FromTiff::FromXyz(standard.xyz_to_rgb().ok_or(impossible(standard))?))
+                Ok(FromTiff::FromXyz(standard.xyz_to_rgb().ok_or(impossible(0, standard))?))
             }
         }
     }
