@@ -11,3 +11,11 @@ mod memory;
 mod outputs;
 #[cfg(unix)]
 mod streams;
+
+/// Runs a script of Bash in which `$R` is the program.
+#[cfg(unix)]
+fn bash(folder: &program::Folder, script: &str) -> program::Run {
+    let mut bash = std::process::Command::new("bash");
+    bash.args(["-c", script]).env("R", env!("CARGO_BIN_EXE_radsight")).env_remove("RAYPATH");
+    program::run_with(bash.current_dir(folder.path("")), b"")
+}

@@ -1,6 +1,7 @@
 //! The memory limit (`--limit-memory`): exceeding it gives a clear message, exit code 3 and no
 //! half-written file.
 
+use crate::bash;
 use crate::program::{Folder, Run, command, run_with};
 
 const INPUT: i32 = 1;
@@ -55,10 +56,7 @@ fn pictures_that_unpack_to_more_than_the_limit_end_the_program() {
 fn a_limit_of_the_caller_is_named() {
     let folder = Folder::new();
     folder.file("bomb.hdr", bomb(6_000));
-    let mut limited = std::process::Command::new("bash");
-    limited.args(["-c", "ulimit -v 512000; \"$RADSIGHT\" pflip -v bomb.hdr > /dev/null"]);
-    limited.env("RADSIGHT", env!("CARGO_BIN_EXE_radsight")).current_dir(folder.path(""));
-    let run = run_with(&mut limited, b"");
+    let run = bash(&folder, "ulimit -v 512000; \"$R\" pflip -v bomb.hdr > /dev/null");
     assert_eq!(run.code, FAULT, "{}", run.messages);
     assert!(run.messages.contains("would exceed the address space of 500 MB (ulimit -v)"), "{}", run.messages);
 }
@@ -208,10 +206,7 @@ fn output_that_was_closed_at_the_start_is_a_fault() {
     let folder = Folder::new();
     folder.file("picture.hdr", bomb(1));
     for words in ["getinfo picture.hdr", "pfilt picture.hdr", "rcalc -n -e '$1=1'", "cnt 3"] {
-        let script = format!("exec \"$RADSIGHT\" {words} >&-");
-        let mut shell = std::process::Command::new("sh");
-        shell.args(["-c", &script]).env("RADSIGHT", env!("CARGO_BIN_EXE_radsight")).current_dir(folder.path(""));
-        let run = run_with(&mut shell, b"");
+        let run = bash(&folder, &format!("exec \"$R\" {words} >&-"));
         assert_eq!(run.code, FAULT, "{words}: {}", run.messages);
         assert!(run.messages.contains("it was closed when the program started"), "{words}: {}", run.messages);
     }

@@ -1,6 +1,7 @@
 //! Files appear whole or not at all, whatever happens to the program, and no output replaces an
 //! input.
 
+use crate::bash;
 use crate::program::{Folder, Run, command, gripps, run_with};
 use nix::sys::signal::{Signal, kill, killpg};
 use nix::unistd::Pid;
@@ -144,10 +145,7 @@ fn a_file_larger_than_allowed_is_a_failure_that_leaves_nothing() {
         "ra_xyze a.hdr new.hdr",
         "gensurf a b s t s+t 50 50 > text",
     ] {
-        let mut limited = Command::new("bash");
-        limited.args(["-c", &format!("ulimit -f 1; \"$RADSIGHT\" {script}")]);
-        limited.env("RADSIGHT", env!("CARGO_BIN_EXE_radsight")).current_dir(folder.path(""));
-        let run = run_with(&mut limited, b"");
+        let run = bash(&folder, &format!("ulimit -f 1; \"$R\" {script}"));
         assert_eq!(run.code, 3, "{script}: {}", run.messages);
         assert!(run.messages.contains("too large"), "{script}: {}", run.messages);
         let left: Vec<String> = folder.names().into_iter().filter(|name| name.contains("new")).collect();
@@ -419,9 +417,7 @@ fn mkillum_replaces_data_that_its_scene_reads_when_asked() {
 
 /// Runs a program with the redirections of a shell.
 fn shell(folder: &Folder, script: &str) -> Run {
-    let mut command = Command::new("bash");
-    command.args(["-c", &format!("\"$RADSIGHT\" {script}")]).env("RADSIGHT", env!("CARGO_BIN_EXE_radsight"));
-    run_with(command.current_dir(folder.path("")), b"")
+    bash(folder, &format!("\"$R\" {script}"))
 }
 
 #[test]
@@ -463,10 +459,7 @@ fn a_file_keeps_its_mode_and_a_new_one_has_that_of_the_umask() {
     folder.file("a.oct", "old");
     fs::set_permissions(folder.path("a.oct"), fs::Permissions::from_mode(0o604)).expect("the mode is set");
     run(&folder, &["oconv", "-o", "a.oct", "room.rad"]).done();
-    let script = "umask 027; \"$RADSIGHT\" oconv -o b.oct room.rad";
-    let mut command = Command::new("bash");
-    command.args(["-c", script]).env("RADSIGHT", env!("CARGO_BIN_EXE_radsight")).current_dir(folder.path(""));
-    run_with(&mut command, b"").done();
+    bash(&folder, "umask 027; \"$R\" oconv -o b.oct room.rad").done();
     let mode = |name: &str| fs::metadata(folder.path(name)).expect("it is there").mode() & 0o777;
     assert_eq!((mode("a.oct"), mode("b.oct")), (0o604, 0o640));
 }

@@ -1,6 +1,7 @@
 //! Inputs are read once, from pipes as well as files, and text programs stream their output.
 
-use crate::program::{Folder, Run, command, gripps, run_with};
+use crate::bash;
+use crate::program::{Folder, command, gripps, run_with};
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -38,13 +39,6 @@ fn bench() -> Folder {
     )
     .done();
     folder
-}
-
-/// Runs a script in which `$R` is the program.
-fn bash(folder: &Folder, script: &str) -> Run {
-    let mut bash = Command::new("bash");
-    bash.args(["-c", script]).env("R", env!("CARGO_BIN_EXE_radsight")).env_remove("RAYPATH");
-    run_with(bash.current_dir(folder.path("")), b"")
 }
 
 /// A script with each `%file` replaced.
