@@ -2,6 +2,7 @@
 //! and `-pt`.
 
 use crate::program::{Folder, command, run_with};
+use std::fmt::Write as _;
 
 const SIDE: usize = 128;
 
@@ -178,6 +179,26 @@ fn silhouettes_are_averaged_over_pixels() {
     assert!((share / expected - 1.0).abs() < 0.003, "{share} instead of {expected}");
     let partial = pixels.iter().filter(|value| **value > 0.01 && **value < 0.99).count();
     assert!(partial > 200, "{partial} pixels on the rim are partly covered");
+}
+
+/// Balls of half a pixel, and a ball out of focus: most rays of their pixels pass beside them.
+#[test]
+fn what_covers_parts_of_pixels_keeps_its_light() {
+    let mut balls = "void glow white 0 0 4 1 1 1 0\n".to_owned();
+    for index in 0..400 {
+        let [x, z] = [0.754_877_666, 0.569_840_291].map(|step| (f64::from(index) * step).fract() * 1.8 - 0.9);
+        let _ = writeln!(balls, "white sphere b{index} 0 0 4 {x:.4} 5 {z:.4} .004");
+    }
+    let blurred = "void glow white 0 0 4 1 1 1 0\nwhite sphere ball 0 0 4 0 2 0 .1\n";
+    let parallel = "-vtl -vp 0 0 0 -vd 0 1 0 -vh 2 -vv 2 -x 128 -y 128 -ff -pj 1";
+    let open = "-vp 0 0 0 -vd 0 6 0 -vh 20 -vv 20 -x 128 -y 128 -ff -pj 1 -pd .2";
+    for (scene, view) in [(balls.as_str(), parallel), (blurred, open)] {
+        let mean = |options: &str| red(scene, &format!("{view} {options}")).iter().sum::<f64>() / (SIDE * SIDE) as f64;
+        let expected = mean("--samples 64");
+        let seeds = 6;
+        let found = (0..seeds).map(|seed| mean(&format!("-ps 1 --seed {seed}"))).sum::<f64>() / f64::from(seeds);
+        assert!((found / expected - 1.0).abs() < 0.08, "{view}: {found} instead of {expected}");
+    }
 }
 
 #[test]

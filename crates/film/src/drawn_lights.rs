@@ -77,7 +77,7 @@ impl DrawnLights {
     /// motion, and where lights are invisible.
     pub(crate) fn find(renderer: &Renderer, camera: &ViewCamera, widest: f64) -> DrawnLights {
         let plan = renderer.plan();
-        if camera.aperture > 0.0 || camera.motion.is_some() || plan.lights_seen() == Lights::Invisible {
+        if camera.is_blurred() || plan.lights_seen() == Lights::Invisible {
             return DrawnLights::default();
         }
         let most = FEW_LIGHTS.max((MOST_LIGHTS * (camera.columns() * camera.rows()) as f64) as usize);

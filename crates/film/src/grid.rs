@@ -70,7 +70,7 @@ pub(crate) fn first_pixels(
         let first = at - at % (2 * stride);
         [steps[first], steps[(first + 2 * stride).min(steps.len() - 1)]]
     };
-    let mut wanted = Vec::new();
+    let mut wanted = Vec::with_capacity(columns.len() * rows.len());
     for (down, row) in rows.iter().enumerate().filter(|(down, _)| on_grid(*down, rows.len(), stride)) {
         for (right, column) in columns.iter().enumerate().filter(|(right, _)| on_grid(*right, columns.len(), stride)) {
             let is_sampled =

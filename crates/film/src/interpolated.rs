@@ -33,28 +33,25 @@ pub struct Interpolation {
 const MAX_CELL_WIDTH: usize = 16;
 const MIN_CELLS: usize = 8;
 
-/// Rays per pixel, initial and maximum: on the coarsest grids, on finer grids where samples are
-/// noisy, and where they are not.
+/// Rays per pixel, initial and maximum: where samples are noisy, on coarse grids and on finer ones,
+/// and where they are not.
 const COARSE_RAYS: (u32, u32) = (2, 4);
 const NOISY_RAYS: (u32, u32) = (2, 2);
-const FINE_RAYS: (u32, u32) = (1, 1);
+const SMOOTH_RAYS: (u32, u32) = (1, 1);
+
+/// The least spacing of a coarse grid, pixels.
+const COARSE_SPACING: usize = 4;
 
 /// Rays that find the surfaces in a silhouette pixel with a single ray, besides that, and the offset
 /// of their ray numbers. Twice as many do not bring more blocks of 8 × 8 pixels near to the truth.
 const SILHOUETTE_PROBES: u32 = 2;
-const PROBES: u64 = 1 << (46 + INDEX_LOG2);
-
-/// Number of rings of glossy cells around a noisy one that are divided with it.
-const HIGHLIGHT_RINGS: u32 = 2;
+pub(crate) const PROBES: u64 = 1 << (46 + INDEX_LOG2);
 
 /// Pixels darker than this fraction of the typical value need no more accuracy.
 const DARK_FRACTION: f64 = 0.03;
 
 /// Factor by which the filter reduces noise.
-const NOISE_REDUCTION: f64 = 3.0;
-
-/// Number of standard errors by which two samples may differ by chance.
-const CHANCE_ERRORS: f64 = 2.0;
+pub(crate) const NOISE_REDUCTION: f64 = 3.0;
 
 /// Where direct light is recorded, the first grid is sampled in grids of up to twice so many times
 /// its spacing, as a power of two: each profits from what the rays of the one before recorded.
@@ -63,6 +60,9 @@ const DOUBLINGS: usize = 2;
 /// Rays of different streams have independent numbers. A grid's stream is its spacing; those of the
 /// first grids with a larger spacing end here.
 const STREAMS: usize = 32;
+
+/// Number of pixels at the corners of the four parts of a cell that are not corners of the cell.
+const PIXELS_OF_PARTS: usize = 5;
 
 /// Number of pixels that are traced together, enough for many threads.
 const TRACED_TOGETHER: usize = 1 << 12;
@@ -73,13 +73,13 @@ const LEAST_SHARE: f64 = 0.01;
 /// Samples of a block of rows, and of the adjacent rows that its interpolation needs.
 #[derive(Debug)]
 pub(crate) struct Block<'b> {
-    renderer: &'b Renderer,
+    pub(crate) renderer: &'b Renderer,
     pub(crate) camera: &'b ViewCamera,
-    lights: &'b DrawnLights,
-    interpolation: Interpolation,
+    pub(crate) lights: &'b DrawnLights,
+    pub(crate) interpolation: Interpolation,
     /// Differences below this are invisible.
-    darkness: f64,
-    first_row: usize,
+    pub(crate) darkness: f64,
+    pub(crate) first_row: usize,
     pub(crate) rows: usize,
     /// The requested rows, from `first_row` on.
     wanted: Range<usize>,
@@ -141,7 +141,8 @@ impl Interpolation {
     /// Maximum number of rays of a pixel of the coarsest grid.
     #[must_use]
     pub fn most_rays(&self) -> u32 {
-        rays_of(self.spacing as usize, Noise::Low).1
+        let noise = if self.spacing as usize >= COARSE_SPACING { Noise::High } else { Noise::Low };
+        rays_of(self.spacing as usize, noise).1
     }
 
     /// The largest width of a light that is drawn, pixels.
@@ -167,9 +168,9 @@ enum Noise {
 /// Number of rays of a pixel of a grid, initial and maximum.
 fn rays_of(spacing: usize, noise: Noise) -> (u32, u32) {
     match (spacing, noise) {
-        (4.., _) => COARSE_RAYS,
+        (COARSE_SPACING.., Noise::High) => COARSE_RAYS,
         (_, Noise::High) => NOISY_RAYS,
-        (_, Noise::Low) => FINE_RAYS,
+        (_, Noise::Low) => SMOOTH_RAYS,
     }
 }
 
@@ -193,24 +194,39 @@ impl Block<'_> {
         };
         let (columns, rows) = (steps(self.camera.columns()), steps(self.rows));
         let doublings = if self.records.is_empty() { 0 } else { DOUBLINGS };
-        for doubling in (0..=doublings).rev() {
-            let stream = if doubling == 0 { spacing } else { STREAMS - doubling };
-            let pixels = first_pixels([&columns, &rows], 1 << doubling, 1 << doublings);
-            let wanted = pixels.into_iter().map(|(pixel, cell)| Wanted { pixel, noise: Noise::Low, cell });
-            self.trace(&wanted.collect::<Vec<_>>(), (spacing, stream));
+        let first: Vec<(Vec<Wanted>, usize)> = (0..=doublings)
+            .rev()
+            .map(|doubling| {
+                let stream = if doubling == 0 { spacing } else { STREAMS - doubling };
+                let pixels = first_pixels([&columns, &rows], 1 << doubling, 1 << doublings);
+                let wanted = |(pixel, cell)| Wanted { pixel, noise: Noise::Low, cell };
+                (pixels.into_iter().map(wanted).collect(), stream)
+            })
+            .collect();
+        for (wanted, stream) in &first {
+            self.trace(wanted, (spacing, *stream));
         }
         self.darkness = DARK_FRACTION * self.interpolation.contrast * self.typical();
+        if spacing >= COARSE_SPACING {
+            let is_noisy = self.noisy_samples([&columns, &rows]);
+            for (wanted, stream) in &first {
+                let noisy = wanted.iter().filter(|wanted| is_noisy[self.at(wanted.pixel)]);
+                let noisy: Vec<Wanted> = noisy.map(|wanted| Wanted { noise: Noise::High, ..*wanted }).collect();
+                self.trace(&noisy, (spacing, *stream));
+            }
+        }
         let pairs = |steps: &[usize]| -> Vec<(usize, usize)> {
             if steps.len() < 2 { vec![(0, 0)] } else { steps.windows(2).map(|pair| (pair[0], pair[1])).collect() }
         };
-        let mut cells: Vec<Cell> = Vec::new();
+        let mut cells: Vec<Cell> = Vec::with_capacity(columns.len() * rows.len());
         for (top, bottom) in pairs(&rows) {
             // Outside the requested rows only the first samples are needed, for the filter.
             if top < self.wanted.end && bottom >= self.wanted.start {
-                cells.extend(pairs(&columns).into_iter().map(|(left, right)| Cell { left, right, top, bottom }));
+                let of_row = pairs(&columns).into_iter().map(|(left, right)| Cell { left, right, top, bottom });
+                cells.extend(of_row.filter(Cell::is_divisible));
             }
         }
-        let mut smooth = Vec::new();
+        let mut smooth = Vec::with_capacity(cells.len());
         let mut finer = spacing;
         while !cells.is_empty() {
             let mut is_smooth: Vec<bool> = cells.par_iter().with_min_len(64).map(|cell| self.is_smooth(cell)).collect();
@@ -233,7 +249,8 @@ impl Block<'_> {
 
     /// The pixels to be sampled at the corners of the parts of cells, each once.
     fn pixels_of_parts(&self, cells: &[Cell]) -> Vec<Wanted> {
-        let mut wanted: Vec<Wanted> = Vec::new();
+        // A buffer that grows is copied.
+        let mut wanted: Vec<Wanted> = Vec::with_capacity(PIXELS_OF_PARTS * cells.len());
         // By pixel: one more than its index in `wanted`, or 0.
         let mut places = vec![0_u32; self.samples.pixels()];
         for cell in cells {
@@ -257,35 +274,6 @@ impl Block<'_> {
             }
         }
         wanted
-    }
-
-    /// Divides glossy cells next to noisy ones. A cell whose corners all missed a rare bright
-    /// reflection looks smooth: interpolating it, but not its neighbours, would lose light.
-    fn spread_noise(&self, cells: &[Cell], is_smooth: &mut [bool]) {
-        let glossy: Vec<usize> = (0..cells.len()).filter(|index| self.is_glossy(&cells[*index])).collect();
-        if glossy.is_empty() {
-            return;
-        }
-        let corners = |index: usize| cells[index].corners().map(|corner| self.at(corner));
-        let mut is_noisy = vec![false; self.samples.pixels()];
-        for _ in 0..HIGHLIGHT_RINGS {
-            for index in glossy.iter().filter(|index| !is_smooth[**index]) {
-                corners(*index).into_iter().for_each(|corner| is_noisy[corner] = true);
-            }
-            for index in &glossy {
-                is_smooth[*index] &= !corners(*index).into_iter().any(|corner| is_noisy[corner]);
-            }
-        }
-    }
-
-    /// Whether all corners of a cell see the same surface and sample its highlight.
-    fn is_glossy(&self, cell: &Cell) -> bool {
-        let [Some(first), Some(second), Some(third), Some(fourth)] = cell.corners().map(|corner| self.sampled(corner))
-        else {
-            return false;
-        };
-        first.is_glossy
-            && [second, third, fourth].into_iter().all(|other| other.is_glossy && first.surface.joins(&other.surface))
     }
 
     /// The median of the samples so far that are not black.
@@ -319,7 +307,7 @@ impl Block<'_> {
                 .collect();
             for (Wanted { pixel, .. }, (sample, record)) in pixels.iter().zip(samples) {
                 let at = self.at(*pixel);
-                self.samples.add(at, sample);
+                self.samples.set(at, sample);
                 self.spacing[at] = spacing as u8;
                 if record.is_some() {
                     self.records[at] = record;
@@ -341,7 +329,7 @@ impl Block<'_> {
         let (first, most) = rays_of(spacing, wanted.noise);
         let near = self.records_around(wanted);
         let mut record = None;
-        let mut tally = Tally::default();
+        let mut tally = self.sampled(wanted.pixel).map_or_else(Tally::default, Tally::of_one_ray);
         let mut wanted = first;
         loop {
             for number in tally.rays..wanted {
@@ -379,64 +367,8 @@ impl Block<'_> {
         Some(near.collect())
     }
 
-    /// Whether all pixels of a cell can be interpolated from its corners.
-    fn is_smooth(&self, cell: &Cell) -> bool {
-        let corners = cell.corners().map(|corner| self.sampled(corner));
-        let [Some(first), Some(second), Some(third), Some(fourth)] = corners else { return false };
-        let corners = [first, second, third, fourth];
-        for (index, one) in corners.iter().enumerate() {
-            for other in &corners[index + 1..] {
-                if !one.surface.joins(&other.surface) || !self.agree(one, other) {
-                    return false;
-                }
-            }
-        }
-        self.probes(cell).all(|pixel| self.probe(pixel, &first.surface))
-    }
-
-    /// Whether two samples differ by no more than the allowed contrast, or than moderate noise.
-    pub(crate) fn agree(&self, one: &Sample, other: &Sample) -> bool {
-        let chance = CHANCE_ERRORS * (one.variance + other.variance).sqrt();
-        (0..3).all(|band| {
-            let [a, b] = [one, other].map(|sample| sample.value[band]);
-            let allowed = self.allowed_difference(a, b);
-            (a - b).abs() <= allowed + chance.min(NOISE_REDUCTION * allowed) + self.darkness
-        })
-    }
-
-    /// Whether two values differ by no more than the allowed contrast.
-    fn is_alike(&self, one: &[f64; 3], other: &[f64; 3]) -> bool {
-        let is_alike = |(a, b): (&f64, &f64)| (a - b).abs() <= self.allowed_difference(*a, *b) + self.darkness;
-        one.iter().zip(other).all(is_alike)
-    }
-
-    /// The allowed contrast of two values, times their mean.
-    fn allowed_difference(&self, a: f64, b: f64) -> f64 {
-        0.5 * self.interpolation.contrast * (a + b)
-    }
-
-    /// Pixels of a cell in which a probe ray looks for other surfaces.
-    fn probes(&self, cell: &Cell) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let quarters = |first: usize, last: usize| {
-            let size = last - first;
-            let (places, count) =
-                if size >= 4 { ([first + size / 4, last - size / 4], 2) } else { ([first + size / 2; 2], 1) };
-            places.into_iter().take(count)
-        };
-        let columns = quarters(cell.left, cell.right);
-        quarters(cell.top, cell.bottom).flat_map(move |row| columns.clone().map(move |column| (column, row)))
-    }
-
-    /// Whether a pixel sees the surface of a corner first, or nothing but drawn lights.
-    fn probe(&self, (column, row): (usize, usize), corner: &Surface) -> bool {
-        let row = row + self.first_row;
-        let ray = self.lights.central_ray_beside(self.camera, column, row);
-        self.lights.cover(self.camera, column, row)
-            || ray.and_then(|ray| self.first_surface(&ray)).is_some_and(|surface| corner.continues(&surface))
-    }
-
     /// The first surface on a ray up to the aft clipping plane, without its radiance.
-    fn first_surface(&self, ray: &CameraRay) -> Option<Surface> {
+    pub(crate) fn first_surface(&self, ray: &CameraRay) -> Option<Surface> {
         let cast = Ray::new(ray.origin, ray.direction)?;
         let hit = self.renderer.plan().cast(&cast);
         let hit = hit.filter(|hit| ray.length.is_none_or(|length| hit.distance <= length));
@@ -484,10 +416,15 @@ impl Block<'_> {
             return own;
         }
         let (column, row) = (at % self.camera.columns(), at / self.camera.columns());
-        let is_edge = self
-            .around((column, row))
-            .any(|(index, near)| !self.is_alike(&own, &averaged[index]) && !sample.surface.continues(&near.surface));
-        if !is_edge {
+        // The pixel's own ray must not decide: if only pixels that met a small body were divided
+        // between it and what is behind, some of its light would be lost.
+        let (mut sees_own, mut sees_other) = (false, false);
+        for (near_index, near) in self.around((column, row)).filter(|(near, _)| *near != index) {
+            let continues = sample.surface.continues(&near.surface);
+            sees_own |= continues;
+            sees_other |= !continues && !self.is_alike(&own, &averaged[near_index]);
+        }
+        if !sees_own || !sees_other {
             return own;
         }
         let mut sum = own;
@@ -497,6 +434,12 @@ impl Block<'_> {
             sum = std::array::from_fn(|band| sum[band] + value[band]);
         }
         sum.map(|band| band / f64::from(SILHOUETTE_PROBES + 1))
+    }
+
+    /// Whether two values differ by no more than the allowed contrast.
+    fn is_alike(&self, one: &[f64; 3], other: &[f64; 3]) -> bool {
+        let is_alike = |(a, b): (&f64, &f64)| (a - b).abs() <= self.allowed_difference(*a, *b) + self.darkness;
+        one.iter().zip(other).all(is_alike)
     }
 
     /// The samples of a pixel and of those adjacent to it, with their indices.

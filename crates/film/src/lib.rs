@@ -24,6 +24,7 @@ mod projection;
 mod residual;
 mod section;
 mod single;
+mod smoothness;
 mod view_camera;
 
 pub use adaptive::{Film, SamplingBudget, TimeLeft};

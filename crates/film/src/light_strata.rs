@@ -43,7 +43,7 @@ impl LightStrata {
     /// Finds them in a part of a film, by columns and rows. There are none without `-pj`, with an
     /// aperture, and in motion.
     pub(crate) fn find(plan: &RenderPlan, camera: &ViewCamera, part: (Range<usize>, Range<usize>)) -> LightStrata {
-        if camera.jitter <= 0.0 || camera.aperture > 0.0 || camera.motion.is_some() {
+        if camera.jitter <= 0.0 || camera.is_blurred() {
             return LightStrata::default();
         }
         let images = images(plan, camera, MAX_EMITTERS);

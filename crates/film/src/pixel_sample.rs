@@ -43,8 +43,12 @@ impl Samples {
         Samples { samples: Vec::with_capacity(pixels), pixels: Vec::with_capacity(pixels), places: vec![0; pixels] }
     }
 
-    /// Adds the sample of a pixel that has none.
-    pub(crate) fn add(&mut self, pixel: usize, sample: Sample) {
+    /// Sets the sample of a pixel.
+    pub(crate) fn set(&mut self, pixel: usize, sample: Sample) {
+        if let Some(index) = self.index(pixel) {
+            self.samples[index] = sample;
+            return;
+        }
         self.samples.push(sample);
         self.pixels.push(pixel as u32);
         self.places[pixel] = self.samples.len() as u32;
@@ -95,6 +99,12 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
+    /// The ray of a sample of a single one.
+    pub(crate) fn of_one_ray(sample: &Sample) -> Tally {
+        let Sample { rays, value, surface, is_glossy, .. } = *sample;
+        Tally { rays, sum: value, squares: mean(&value).powi(2), surface: Some(surface), is_glossy }
+    }
+
     pub(crate) fn add(&mut self, RayValue { value, surface: met, is_glossy }: RayValue) {
         self.rays += 1;
         self.is_glossy |= is_glossy;

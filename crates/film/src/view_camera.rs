@@ -68,6 +68,11 @@ impl ViewCamera {
         &self.view
     }
 
+    /// Whether rays of a pixel start at different points or times.
+    pub(crate) fn is_blurred(&self) -> bool {
+        self.aperture > 0.0 || self.motion.is_some()
+    }
+
     /// The ray through the centre of a pixel and the centre of the aperture; `None` outside the
     /// view. Row 0 is the top.
     #[must_use]
