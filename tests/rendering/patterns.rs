@@ -415,6 +415,9 @@ fn spectral_functions() {
                 .file("own.cal", "of(w) = .5+.1*Px+w/2000;"),
             Case::glowing("specfunc of a wide range", "void specfunc pat 2 of own.cal 0 2 900 300")
                 .file("own.cal", "of(w) = .5+.1*Px+w/2000;"),
+            // Its mean over a band is not its value in the middle.
+            Case::glowing("a curved specfunc", "void specfunc pat 2 of own.cal 0 2 400 700")
+                .file("own.cal", "of(w) = .5+.1*Px+2e-3*((w-540)/20)^2;"),
         ]
     };
     for words in SAMPLINGS {
@@ -437,4 +440,35 @@ fn materials_in_many_bands() {
     for words in SAMPLINGS {
         same_values(cases(), words, 2e-3, 0.0);
     }
+}
+
+/// The number of radiance at the end of rays of `rtrace -h -ab 0`, or with further options.
+fn traced(scene: &str, rays: &str, options: &[&str]) -> Vec<Vec<f64>> {
+    let folder = Folder::new();
+    folder.file("scene.rad", scene);
+    let words = [&["rtrace", "-h"], options, &["scene.rad"]].concat();
+    let run = run_with(command(&words).current_dir(folder.path("")), rays.as_bytes());
+    run.text().lines().map(numbers).collect()
+}
+
+#[test]
+fn a_pattern_on_a_distant_source_sees_where_the_ray_starts() {
+    let scene =
+        "void colorfunc c 4 .5+.1*Px .5+.1*Py .5+.1*Pz . 0 0\nc glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n";
+    let found = traced(scene, "1 2 3 0 0 1\n-1 0 1 .6 0 .8\n", &["-ab", "0"]);
+    for (values, expected) in found.iter().zip([[0.6, 0.7, 0.8], [0.4, 0.5, 0.6]]) {
+        assert!(values.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 1e-5), "{values:?}");
+    }
+}
+
+#[test]
+fn a_negative_pattern_takes_no_light_from_other_surfaces() {
+    let scene = "void brightfunc n 2 if(Px,.5,-.5) . 0 0\nn plastic p 0 0 5 .6 .6 .6 0 0\nvoid plastic q 0 0 5 .5 .5 .5 0 0\n\
+                 void light l 0 0 3 10 10 10\nl sphere lamp 0 0 4 0 0 3 .2\n\
+                 p polygon floor 0 0 12 -2 -2 0 2 -2 0 2 2 0 -2 2 0\nq polygon wall 0 0 12 -2 -2 0 -2 2 0 -2 2 2 -2 -2 2\n";
+    let rays = "-.5 0 1 0 0 -1\n.5 0 1 0 0 -1\n-1 0 .3 -1 0 0\n";
+    let [direct, all] = ["0", "1"].map(|bounces| traced(scene, rays, &["-ab", bounces, "-aa", "0", "-ad", "256"]));
+    assert_eq!([&direct[0], &all[0]], [&vec![0.0; 3]; 2]);
+    assert!(direct[1][0] > 0.005 && direct[2][0] > 0.005, "{direct:?}");
+    assert!(all[2][0] > direct[2][0], "{} with the floor, {} without", all[2][0], direct[2][0]);
 }

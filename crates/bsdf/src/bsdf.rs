@@ -14,7 +14,7 @@ use radsight_ir::Rgb;
 use radsight_light::{LightSampleCount, LobePeak, Reception};
 use radsight_retro::{Paper1991, observation_angle};
 use radsight_sampling::cosine_hemisphere;
-use radsight_texture::{bands, spread, strongest};
+use radsight_texture::{bands, not_negative, spread, strongest};
 use std::f64::consts::FRAC_1_PI;
 
 /// The direction of a glossy highlight.
@@ -164,7 +164,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         let fresnel = if coated { fresnel_estimate(cosine) } else { 0.0 };
         let specularity = kind.specularity + fresnel * (1.0 - kind.specularity);
         let specular: [f64; BANDS] = match kind.metallic {
-            true => color.map(|band| fresnel + band * kind.specularity * (1.0 - fresnel)),
+            true => not_negative(color.map(|band| fresnel + band * kind.specularity * (1.0 - fresnel))),
             false => [specularity; BANDS],
         };
         let highlight = if smooth || kind.specularity <= 0.0 {
@@ -179,7 +179,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
             normal,
             frame: Frame::new(shading_normal),
             diffuse_normal: if shape == HighlightShape::Retro { outgoing } else { shading_normal },
-            diffuse: color.map(|band| band * (1.0 - specularity)),
+            diffuse: not_negative(color.map(|band| band * (1.0 - specularity))),
             coat: if coated { FresnelCoat::Coat } else { FresnelCoat::None },
             highlight,
             below_threshold: BelowThreshold::NOTHING,

@@ -6,7 +6,7 @@ use crate::function_lobe::Surroundings;
 use glam::DVec3;
 use radsight_cal::Scratch;
 use radsight_ir::Scene;
-use radsight_texture::{Appearance, Function, SurfaceInteraction, gathered};
+use radsight_texture::{Appearance, Function, SurfaceInteraction, gathered, not_negative};
 
 /// A ray at a surface of a scattering material.
 #[derive(Clone, Copy, Debug)]
@@ -64,9 +64,9 @@ impl<'a, const BANDS: usize> BsdfContext<'a, BANDS> {
         -self.interaction.direction
     }
 
-    /// Product of the material's own colour and its patterns.
+    /// Product of the material's own colour and its patterns, at least 0.
     pub fn colored(&self, own: [f64; BANDS]) -> [f64; BANDS] {
-        std::array::from_fn(|band| own[band] * self.appearance.color[band])
+        not_negative(std::array::from_fn(|band| own[band] * self.appearance.color[band]))
     }
 
     /// Direction of straight-through transmission. A texture turns it, unless it would come back.

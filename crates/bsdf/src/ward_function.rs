@@ -12,7 +12,7 @@ use glam::DVec3;
 use radsight_brdf::{GaussianTransmission, WardAnisotropic};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
-use radsight_texture::{Function, TextureChain, bands, luminance, shading_normal};
+use radsight_texture::{Function, TextureChain, bands, luminance, not_negative, shading_normal};
 
 /// Parameters of `WGMDfunc`.
 #[derive(Clone, Debug)]
@@ -113,7 +113,7 @@ impl WardFunctionKind {
         let (coat, left) = coat(&mut reflection, outgoing);
         let colored = |color: Rgb, seen: &Seen<BANDS>, left: f64| -> [f64; BANDS] {
             let own: [f64; BANDS] = bands(color);
-            std::array::from_fn(|band| own[band] * seen.color[band] * left)
+            not_negative(std::array::from_fn(|band| own[band] * seen.color[band] * left))
         };
         let [front, back, transmitted] = self.diffuse;
         let reflected = if context.interaction.behind { back } else { front };

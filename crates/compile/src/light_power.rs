@@ -122,7 +122,10 @@ impl RenderPlan {
         let (x, y) = axis.any_orthonormal_pair();
         let (sin_turn, cos_turn) = (TAU * turn).sin_cos();
         let out = (axis * cos + (x * cos_turn + y * sin_turn) * sin).normalize();
-        if light.radius.is_infinite() { SurfaceInteraction::distant(out) } else { self.seen_against(light, out) }
+        if light.radius.is_infinite() {
+            return SurfaceInteraction::distant(&Ray { origin: self.bounding_sphere().0, direction: out });
+        }
+        self.seen_against(light, out)
     }
 
     /// Interaction at the centre of a light at a finite distance, seen against the unit emission

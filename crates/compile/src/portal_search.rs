@@ -130,7 +130,7 @@ fn sky_along(plan: &RenderPlan, mut ray: Ray, own: PrimitiveId, scratch: &mut Sc
             return if is_sampled(plan, surface) {
                 0.0
             } else {
-                plan.strongest_emission(shader, &SurfaceInteraction::distant(ray.direction), scratch)
+                plan.strongest_emission(shader, &SurfaceInteraction::distant(&ray), scratch)
             };
         };
         let shader = plan.shader_at(hit.shader);

@@ -30,6 +30,7 @@ impl Scene {
     pub fn validate(self) -> Result<Validated, Vec<Diagnostic>> {
         let (mut errors, mut warnings) = (Vec::new(), Vec::new());
         let mut is_planar = true;
+        warnings.extend(unknown_mist_sources(&self));
         // Shared scenes are checked once.
         let mut seen = HashSet::new();
         let mut waiting = vec![&self];
@@ -51,6 +52,28 @@ impl Scene {
         }
         Ok(Validated { scene: ValidScene(scene), warnings })
     }
+}
+
+/// A warning for each name of a source in a mist's list that no surface of the scene has. A surface has
+/// a name of its own, besides that of its material.
+fn unknown_mist_sources(scene: &Scene) -> Vec<Diagnostic> {
+    let mut warnings = Vec::new();
+    let mut surfaces: Option<HashSet<&str>> = None;
+    for modifier in scene.modifiers.items() {
+        let ModifierKind::Material(Material::Mist(mist)) = &modifier.kind else { continue };
+        for source in &mist.sources {
+            let name = |surface: &Surface| scene.names.get(surface.name);
+            let known = surfaces.get_or_insert_with(|| scene.surfaces.items().iter().map(name).collect());
+            // `mirror>lamp` is the image of a lamp in a mirror.
+            let lamp = source.rsplit('>').next().unwrap_or(source);
+            if !known.contains(lamp) {
+                let mist = scene.names.get(modifier.name);
+                let message = format!("mist \"{mist}\" names the source \"{lamp}\", but no surface has this name");
+                warnings.push(at(Diagnostic::warning(message), modifier.span));
+            }
+        }
+    }
+    warnings
 }
 
 struct Findings<'a> {
@@ -315,6 +338,20 @@ mod tests {
         let at = |u: f64, v: f64| [1e5 + u, -1e5 + v, 0.3 * u + 0.7 * v];
         let valid = polygon(&[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)]).validate().unwrap();
         assert!(valid.warnings.is_empty(), "{:?}", valid.warnings);
+    }
+
+    #[test]
+    fn a_source_of_mist_that_no_surface_is_called_is_a_warning() {
+        let mut scene = polygon(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        let name = scene.names.add("fog");
+        let sources = ["wall", "mirror>wall", "paint", "wall>paint"].map(str::to_owned).to_vec();
+        let mist = Mist { extinction: Rgb([0.1; 3]), albedo: None, eccentricity: None, sources };
+        let kind = ModifierKind::Material(Material::Mist(mist));
+        scene.modifiers.add(Modifier { name, span: None, modifier: None, kind });
+        let messages: Vec<String> =
+            scene.validate().unwrap().warnings.into_iter().map(|warning| warning.message).collect();
+        let expected = "mist \"fog\" names the source \"paint\", but no surface has this name";
+        assert_eq!(messages, [expected, expected]);
     }
 
     #[test]

@@ -469,7 +469,7 @@ impl DirectSampler<'_> {
     fn interaction(&self, light: &Light, sample: &LightSample) -> SurfaceInteraction {
         let ray = light.real_ray(self.point, sample.direction);
         if matches!(light.form, LightForm::Distant { .. }) {
-            return SurfaceInteraction::distant(ray.direction);
+            return SurfaceInteraction::distant(&ray);
         }
         let normal = light
             .virtual_sources

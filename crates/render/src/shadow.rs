@@ -589,7 +589,7 @@ fn leave<const BANDS: usize>(
         }
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
-        let interaction = SurfaceInteraction::distant(walk.ray.direction);
+        let interaction = SurfaceInteraction::distant(&walk.ray);
         found = given(emission(&plan.scene, shader, emitter, &interaction, &mut tracer.workspace.scratch));
     }
     tracer.note_shadow_found(Some(light.surface), found);

@@ -196,6 +196,14 @@ pub fn luminance<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
     of_red * red + of_green * green + of_blue * blue
 }
 
+/// The reflectance of a surface whose pattern may be negative: it takes no light from others. What is
+/// not a number remains, and is reported.
+#[inline]
+#[must_use]
+pub fn not_negative<const BANDS: usize>(color: [f64; BANDS]) -> [f64; BANDS] {
+    color.map(|band| if band < 0.0 { 0.0 } else { band })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -57,12 +57,13 @@ impl SurfaceInteraction {
         }
     }
 
-    /// Interaction with a distant source.
-    pub fn distant(direction: DVec3) -> SurfaceInteraction {
+    /// Interaction of a ray with a distant source. Patterns see the origin of the ray as its point, as
+    /// in Radiance.
+    pub fn distant(ray: &Ray) -> SurfaceInteraction {
         SurfaceInteraction {
-            direction,
-            normal: -direction,
-            point: direction,
+            direction: ray.direction,
+            normal: -ray.direction,
+            point: ray.origin,
             total_distance: f64::MAX,
             distance: f64::MAX,
             cosine: 1.0,

@@ -19,7 +19,7 @@ mod spectral_pattern;
 mod step;
 
 pub use appearance::Appearance;
-pub use bands::{BandLayout, BandValues, Bands, bands, gathered, luminance, product, spread, strongest};
+pub use bands::{BandLayout, BandValues, Bands, bands, gathered, luminance, not_negative, product, spread, strongest};
 pub use chain::{Home, TextureChain};
 pub use function::Function;
 pub use function_view::FunctionView;

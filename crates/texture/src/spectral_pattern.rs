@@ -40,14 +40,18 @@ impl Receiver {
 pub struct SpectralFunction {
     function: Function,
     receiver: Receiver,
-    /// Centres of the bands in which the function is evaluated, nm, ascending.
-    wavelengths_nm: Vec<f64>,
+    /// Nodes of each band in which the function is evaluated, nm; the bands ascend.
+    wavelengths_nm: Vec<[f64; 3]>,
 }
+
+/// Gauss's rule of three nodes on an interval of the width 1 about 0, with its weights.
+const NODES: [f64; 3] = [-0.387_298_334_620_741_7, 0.0, 0.387_298_334_620_741_7];
+const WEIGHTS: [f64; 3] = [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0];
 
 impl SpectralFunction {
     /// A function of the wavelength between two limits, nm. Radiance evaluates it at random
-    /// wavelengths of up to 24 bands, no narrower than a quarter of the traced bands; this takes
-    /// the bands' centres. `None` if no traced band is in the range.
+    /// wavelengths of up to 24 bands, no narrower than a quarter of the traced bands; this takes its
+    /// mean over each band by Gauss's rule. `None` if no traced band is in the range.
     pub fn new(function: Function, range_nm: [f64; 2], layout: &Arc<BandLayout>) -> Option<SpectralFunction> {
         let [longest, .., shortest] = layout.sampling().splits_nm();
         let (first, last) = (range_nm[0].max(shortest), range_nm[1].min(longest));
@@ -57,7 +61,8 @@ impl SpectralFunction {
         let finest = 0.25 * layout.sampling().step_nm();
         let step = ((last - first) / Sampling::MOST_BANDS as f64).max(finest);
         let count = (((last - first) / step + 0.1) as usize).max(1);
-        let wavelengths_nm = (0..count).rev().map(|back| last - (back as f64 + 0.5) * step).collect();
+        let nodes = |center: f64| NODES.map(|node| center + node * step);
+        let wavelengths_nm = (0..count).rev().map(|back| nodes(last - (back as f64 + 0.5) * step)).collect();
         let conversion = Conversion::new(layout.sampling(), count, [first, last]);
         Some(SpectralFunction { function, receiver: Receiver { layout: layout.clone(), conversion }, wavelengths_nm })
     }
@@ -71,8 +76,13 @@ impl SpectralFunction {
         color: &mut [f64; BANDS],
     ) {
         let view = self.function.view(interaction);
-        let value = |wavelength: &f64| self.function.program.eval(0, &[*wavelength], &view, scratch).ok();
-        self.receiver.multiply(self.wavelengths_nm.iter().map(value), color);
+        let mean = |nodes: &[f64; 3]| {
+            nodes.iter().zip(WEIGHTS).try_fold(0.0, |sum, (wavelength, weight)| {
+                let value = self.function.program.eval(0, &[*wavelength], &view, scratch).ok()?;
+                Some(sum + weight * value)
+            })
+        };
+        self.receiver.multiply(self.wavelengths_nm.iter().map(mean), color);
     }
 }
 

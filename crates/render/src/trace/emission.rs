@@ -17,7 +17,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let view = if path.mis.is_some() { IllumView::Light } else { IllumView::Substitute };
         let Some((surface, shader)) = plan.sky_at(direction, view) else { return };
         let Some(emitter) = shader.kind.emitter() else { return };
-        let interaction = SurfaceInteraction::distant(direction);
+        let interaction = SurfaceInteraction::distant(&path.ray);
         self.note_surface(path, DISTANT);
         if path.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit::distant(surface, direction));
