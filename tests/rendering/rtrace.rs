@@ -432,14 +432,17 @@ fn a_control_file_says_again_what_was_asked() {
     assert_eq!(folder.read("real.per"), b"somewhere 4711 /tmp/in /tmp/out /tmp/err\n", "it is left as it was");
 }
 
-/// A wall beside a large light. Its noise is that of the parts into which `-ds` divides the light.
+/// A wall beside a large light. Where something hides a part of the light, the noise is that of the
+/// parts into which `-ds` divides it; where nothing does, even a single point makes hardly any.
 #[test]
 fn a_large_light_is_sampled_in_parts() {
     let light = "void light l 0 0 3 40 40 40\nl polygon l1 0 0 12 -1 -1 2.5 -1 0 2.5 0 0 2.5 0 -1 2.5\n\
                  w polygon p 0 0 12 -1 0 0 1 0 0 1 0 2 -1 0 2\n";
-    let spread = |material: &str, options: &[&str]| {
+    let screen = "void plastic black 0 0 5 0 0 0 0 0\n\
+                  black polygon s 0 0 12 -.6 -1 2.4 -.6 0 2.4 -.4 0 2.4 -.4 -1 2.4\n";
+    let spread = |material: &str, screen: &str, options: &[&str]| {
         let folder = Folder::new();
-        folder.file("scene.rad", format!("void {material}\n{light}"));
+        folder.file("scene.rad", format!("void {material}\n{light}{screen}"));
         let words = [&["rtrace", "-h", "-ab", "0"], options, &["scene.rad"]].concat();
         let rays = "0 -3 1 0 3 -.45\n".repeat(200);
         let text = run_with(command(&words).current_dir(folder.path("")), rays.as_bytes()).text();
@@ -454,10 +457,31 @@ fn a_large_light_is_sampled_in_parts() {
         "WGMDfunc w 13 void 0 0 0 void .2 .05 .05 void 0 0 1 . 0 9 .5 .5 .5 0 0 0 0 0 0",
     ];
     for material in materials {
-        let [default, fine, whole] = [&[][..], &["-ds", ".1"], &["-ds", "0"]].map(|options| spread(material, options));
+        let [default, fine, whole] =
+            [&[][..], &["-ds", ".1"], &["-ds", "0"]].map(|options| spread(material, screen, options));
         assert!(default < 0.05 && fine < 0.3 * default, "{material}: {default} {fine}");
         assert!((0.2..0.8).contains(&whole), "{material}: {whole}");
+        let unhidden = spread(material, "", &["-ds", "0"]);
+        assert!(unhidden < 0.05, "{material}: {unhidden}");
     }
+}
+
+/// A spotlight may be infinitely far away; the distance of its focus means nothing there.
+#[test]
+fn a_distant_spotlight_is_a_light() {
+    let scene = |light: &str| {
+        format!(
+            "void {light}\nl source sun 0 0 4 0 0 1 5\nvoid plastic p 0 0 5 .5 .5 .5 0 0\np ring floor 0 0 8 0 0 0 0 0 1 0 9\n"
+        )
+    };
+    let folder = Folder::new();
+    let [spot, plain] = ["spotlight l 0 0 7 10 20 30 60 0 0 -1", "light l 0 0 3 10 20 30"].map(|light| {
+        folder.file("scene.rad", scene(light));
+        let words = ["rtrace", "-h", "-ab", "0", "scene.rad"];
+        run_with(command(&words).current_dir(folder.path("")), b"0 0 1 .1 0 -1\n").text()
+    });
+    assert_eq!(spot, plain);
+    assert!(first_values(&spot)[0] > 0.0);
 }
 
 /// As Radiance says: transparent surfaces are ignored, whatever they absorb.

@@ -11,7 +11,7 @@ use glam::DVec3;
 use radsight_brdf::{AshikhminShirley, Brdf, BrdfSample, Density, WardAnisotropic, WardIsotropic};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
-use radsight_light::{LightSampleCount, LobePeak, Reception};
+use radsight_light::{LightSampleCount, LobePeak, ReceiverCosine, Reception};
 use radsight_retro::{Paper1991, observation_angle};
 use radsight_sampling::cosine_hemisphere;
 use radsight_texture::{bands, not_negative, spread, strongest};
@@ -234,14 +234,18 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         let diffuse = strongest(&self.diffuse).max(diffuse_through);
         let through = lobe_through.map_or(0.0, |lobe| strongest(&lobe.shape.transmittance));
         let floor = diffuse.max(through) * FRAC_1_PI;
+        let cosine = match self.transmission {
+            Some(_) => ReceiverCosine::Both(self.diffuse_normal),
+            None => ReceiverCosine::Front(self.diffuse_normal),
+        };
         let about_mirror = |width: f64, specularity: &[f64; BANDS]| {
             let height = strongest(specularity) * width * FRAC_1_PI;
-            LobePeak { axis: self.mirror_direction(), width, height, floor }
+            LobePeak { axis: self.mirror_direction(), width, height, floor, cosine }
         };
         let reflected = match &self.highlight {
             Highlight::Retro(retro) => {
                 let height = strongest(&retro.reflectance) * retro.reflected_density(0.0);
-                LobePeak { axis: self.outgoing, width: 0.25 / (retro.spread * retro.spread), height, floor }
+                LobePeak { axis: self.outgoing, width: 0.25 / (retro.spread * retro.spread), height, floor, cosine }
             }
             // Reflected about the mirror direction, the half vector turns half as fast as the
             // incident direction.
@@ -254,11 +258,13 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
             Highlight::Ashikhmin(lobe) => {
                 about_mirror(0.125 * lobe.exponents[0].min(lobe.exponents[1]), &lobe.specularity)
             }
-            Highlight::None | Highlight::Function(_) | Highlight::Measured(_) | Highlight::Model(_) => LobePeak::NONE,
+            Highlight::None | Highlight::Function(_) | Highlight::Measured(_) | Highlight::Model(_) => {
+                LobePeak { cosine, ..LobePeak::NONE }
+            }
         };
         let Some(lobe) = lobe_through else { return reflected };
         let transmitted = lobe.peak(diffuse.max(self.highlight.strength()) * FRAC_1_PI);
-        if transmitted.height > reflected.height { transmitted } else { reflected }
+        if transmitted.height > reflected.height { LobePeak { cosine, ..transmitted } } else { reflected }
     }
 
     /// Shape of the whole BSDF, for choosing `draws` lights.

@@ -68,7 +68,8 @@ impl<const BANDS: usize> TransmissionLobe<BANDS> {
     pub fn peak(&self, floor: f64) -> LobePeak {
         let [x, y] = self.shape.roughness;
         let height = strongest(&self.shape.transmittance) / (PI * x * y);
-        LobePeak { axis: self.frame.to_scene(self.axis), width: 1.0 / (x * x).max(y * y), height, floor }
+        let width = 1.0 / (x * x).max(y * y);
+        LobePeak { axis: self.frame.to_scene(self.axis), width, height, floor, ..LobePeak::NONE }
     }
 }
 

@@ -10,6 +10,7 @@
 //! probability there. The crate knows no materials, no radiance and no occlusion.
 #![forbid(unsafe_code)]
 
+mod bilinear;
 mod cover;
 mod cubature;
 mod disk_nodes;
@@ -20,6 +21,7 @@ mod glow_radius;
 mod light;
 mod lobe_weighting;
 mod outline;
+mod spherical_rectangle;
 mod tree;
 mod tree_build;
 mod tree_node;
@@ -29,7 +31,7 @@ mod visible_side;
 pub use disk_nodes::{DiskFrame, DiskNodeGroup, DiskNodes, LANES};
 pub use emission_profile::EmissionProfile;
 pub use form::{LightForm, LightSample, coordinates};
-pub use light::{Light, LightCone, LightCubature, LightId};
-pub use lobe_weighting::{DiskWarp, LobePeak};
+pub use light::{Light, LightCone, LightCubature, LightId, LightSampler};
+pub use lobe_weighting::{DiskWarp, LobePeak, ReceiverCosine};
 pub use tree::{Choice, LightSampleCount, LightTree, MOST_SAMPLES, Reception, TreeCut};
 pub use virtual_source::{Redirection, VirtualSource, virtual_form};

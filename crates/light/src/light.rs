@@ -1,11 +1,13 @@
 //! Light sources of finite extent, and points sampled on them.
 
+use crate::bilinear::{Bilinear, by_received_light};
 use crate::cubature::{DiskRule, IntegrandShape};
 use crate::disk_nodes::{DiskFrame, DiskNodes};
-use crate::disk_overlap::Overlap;
+use crate::disk_overlap::{DiskOverlap, Overlap};
 use crate::emission_profile::EmissionProfile;
-use crate::form::{LightForm, LightSample, seen};
-use crate::lobe_weighting::LobePeak;
+use crate::form::{LightForm, LightSample, coordinates, seen};
+use crate::lobe_weighting::{LobePeak, ReceiverCosine};
+use crate::spherical_rectangle::{SphericalRectangle, perpendicular};
 use crate::virtual_source::VirtualSource;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
@@ -98,6 +100,104 @@ fn to_rim(offset: DVec3, radius: f64) -> f64 {
     (offset.length_squared() - radius * radius).max(0.0).sqrt()
 }
 
+/// Samples points of a light, as seen from a receiver.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSampler<'l> {
+    light: &'l Light,
+    receiver: DVec3,
+    gradient: DVec3,
+    sampled: SampledPart<'l>,
+}
+
+/// The part of a light that is sampled, and how.
+#[derive(Clone, Copy, Debug)]
+enum SampledPart<'l> {
+    Nothing,
+    Profile(Mixture<'l>),
+    Polygon(SeenPolygon),
+    /// The part of a disk whose cones contain the receiver.
+    Overlap {
+        overlap: DiskOverlap,
+        center: DVec3,
+        normal: DVec3,
+        away: DVec3,
+    },
+    /// The whole shape.
+    Form,
+}
+
+/// A parallelogram as seen from a diffuse receiver, at the origin.
+#[derive(Clone, Copy, Debug)]
+struct SeenPolygon {
+    map: PolygonMap,
+    /// Unit, on the emitting side.
+    normal: DVec3,
+}
+
+/// A map from the unit square to a parallelogram.
+#[derive(Clone, Copy, Debug)]
+enum PolygonMap {
+    BySolidAngle(SphericalRectangle),
+    ByArea { corner: DVec3, sides: [DVec3; 2], area: f64, density: Bilinear },
+}
+
+impl SeenPolygon {
+    #[inline]
+    fn sample(&self, receiver: DVec3, u: [f64; 2]) -> Option<LightSample> {
+        match &self.map {
+            PolygonMap::BySolidAngle(rectangle) => {
+                let (offset, pdf) = rectangle.sample(u);
+                let distance = offset.length();
+                Some(LightSample { direction: offset / distance, distance, pdf, normal: self.normal })
+            }
+            PolygonMap::ByArea { corner, sides: [x, y], area, density } => {
+                let [a, b] = density.sample(u);
+                let point = receiver + *corner + *x * a + *y * b;
+                seen(receiver, point, self.normal, density.at([a, b]) / area)
+            }
+        }
+    }
+
+    /// The density of a point, 1/sr, for the cosine at the light.
+    fn pdf(&self, point: DVec3, cosine: f64) -> f64 {
+        match &self.map {
+            PolygonMap::BySolidAngle(rectangle) => rectangle.pdf(point),
+            PolygonMap::ByArea { corner, sides: [x, y], area, density } => {
+                let at = coordinates(*x, *y, point - *corner).map(|share| share.clamp(0.0, 1.0));
+                density.at(at) / area * point.length_squared() / cosine
+            }
+        }
+    }
+}
+
+impl<'l> LightSampler<'l> {
+    /// The sampled light.
+    #[inline]
+    #[must_use]
+    pub fn light(&self) -> &'l Light {
+        self.light
+    }
+
+    /// Maps a point of the unit square to a point of the light; `None` if it emits nothing towards
+    /// the receiver.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, u: [f64; 2]) -> Option<LightSample> {
+        let LightSampler { light, receiver, gradient, sampled } = self;
+        match sampled {
+            SampledPart::Nothing => None,
+            SampledPart::Profile(mixture) => light.sample_profile(*mixture, *receiver, u, *gradient),
+            SampledPart::Polygon(polygon) => polygon.sample(*receiver, u),
+            SampledPart::Overlap { overlap, center, normal, away } => {
+                let across = normal.cross(*away);
+                let (x, y, pdf) = overlap.point(u, [gradient.dot(*away), gradient.dot(across)]);
+                seen(*receiver, *center + *away * x + across * y, *normal, pdf)
+            }
+            SampledPart::Form => light.form.sample(*receiver, u, *gradient),
+        }
+    }
+}
+
 /// The nodes of a cubature rule on a light, as seen from a receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct LightCubature {
@@ -120,27 +220,31 @@ const PARALLEL: f64 = 1.0 - 1e-12;
 const MAX_CUBATURE_RADIUS: f64 = 0.1;
 
 impl Light {
-    /// Samples a point that emits towards `receiver`, with a density that follows the receiver's
-    /// lobe.
+    /// Samples points that emit towards `receiver`, with a density that follows the receiver's lobe
+    /// and cosine.
     #[inline]
-    pub fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], peak: &LobePeak) -> Option<LightSample> {
+    pub fn sampler(&self, receiver: DVec3, peak: &LobePeak) -> LightSampler<'_> {
         let gradient = self.gradient(receiver, peak);
-        if let Some(mixture) = self.profile_near(receiver) {
-            return self.sample_profile(mixture, receiver, [u, v], gradient);
-        }
-        let Some((center, normal, radius)) = self.clipped_disk() else {
-            return self.form.sample(receiver, [u, v], gradient);
-        };
-        let (overlap, away) = self.lit_part(center, normal, radius, receiver);
-        match overlap {
-            Overlap::None => None,
-            Overlap::Whole => self.form.sample(receiver, [u, v], gradient),
-            Overlap::Part(overlap) => {
-                let across = normal.cross(away);
-                let (x, y, pdf) = overlap.point([u, v], [gradient.dot(away), gradient.dot(across)]);
-                seen(receiver, center + away * x + across * y, normal, pdf)
+        let sampled = if let Some(mixture) = self.profile_near(receiver) {
+            SampledPart::Profile(mixture)
+        } else if let Some(polygon) = self.diffusely_seen(receiver, peak) {
+            SampledPart::Polygon(polygon)
+        } else if let Some((center, normal, radius)) = self.clipped_disk() {
+            match self.lit_part(center, normal, radius, receiver) {
+                (Overlap::None, _) => SampledPart::Nothing,
+                (Overlap::Whole, _) => SampledPart::Form,
+                (Overlap::Part(overlap), away) => SampledPart::Overlap { overlap, center, normal, away },
             }
-        }
+        } else {
+            SampledPart::Form
+        };
+        LightSampler { light: self, receiver, gradient, sampled }
+    }
+
+    /// A single sample of [`Light::sampler`].
+    #[inline]
+    pub fn sample(&self, receiver: DVec3, u: [f64; 2], peak: &LobePeak) -> Option<LightSample> {
+        self.sampler(receiver, peak).sample(u)
     }
 
     /// A rule for the part of the light that emits towards `receiver`, whose error relative to the
@@ -181,7 +285,7 @@ impl Light {
     fn integrand_shape(&self, receiver: DVec3, peak: &LobePeak, radius: f64) -> IntegrandShape {
         let relative = radius / receiver.distance(self.center);
         // The solid angle of a patch falls with up to the fourth power of the distance.
-        let lobe = LobePeak { floor: 0.0, ..*peak };
+        let lobe = LobePeak { floor: 0.0, cosine: ReceiverCosine::Unknown, ..*peak };
         let gradient = self.gradient(receiver, &lobe).length() * radius + 4.0 * relative;
         IntegrandShape::new(gradient, peak.width * relative * relative)
     }
@@ -193,6 +297,9 @@ impl Light {
         let gradient = self.gradient(receiver, peak);
         if let Some(mixture) = self.profile_near(receiver) {
             return mixture.pdf(direction, self.form.pdf(receiver, direction, distance, cosine, gradient));
+        }
+        if let Some(polygon) = self.diffusely_seen(receiver, peak) {
+            return polygon.pdf(direction * distance, cosine);
         }
         if let Some((center, normal, radius)) = self.clipped_disk()
             && let (Overlap::Part(overlap), away) = self.lit_part(center, normal, radius, receiver)
@@ -235,30 +342,62 @@ impl Light {
         Some(LightSample { pdf: mixture.pdf(sample.direction, sample.pdf), ..sample })
     }
 
-    /// Factor of a spotlight's radiance at a distance.
+    /// Factor of a spotlight's radiance at a distance, which may be infinite.
     #[inline]
     pub fn focal_factor(&self, distance: f64) -> f64 {
-        if self.focal_distance > 0.0 { (distance / (distance + self.focal_distance)).powi(2) } else { 1.0 }
+        if self.focal_distance > 0.0 { (1.0 + self.focal_distance / distance).powi(-2) } else { 1.0 }
     }
 
-    /// Gradient of the logarithm of the lobe at the light's centre: by position, or by direction
-    /// for a distant light.
+    /// Gradient of the logarithm of the density at the light's centre that the receiver's lobe and
+    /// cosine suggest: by position for a flat light, by direction for a round or distant one.
     #[inline]
     fn gradient(&self, receiver: DVec3, peak: &LobePeak) -> DVec3 {
-        if peak.is_constant() {
-            return DVec3::ZERO;
-        }
         match self.form {
-            LightForm::Distant { direction, .. } | LightForm::DistantImage { direction, .. } => {
-                peak.gradient(direction)
+            LightForm::Distant { direction, half_angle_sin_squared_half: cap, .. } => {
+                lobe_gradient(direction, 2.0 * cap.sqrt(), peak, DVec3::ZERO)
             }
-            LightForm::Sphere { center, .. } => peak.gradient((center - receiver).normalize_or_zero()),
+            LightForm::DistantImage { direction, .. } => peak.gradient(direction),
+            LightForm::Sphere { center, radius, .. } => {
+                let offset = center - receiver;
+                let distance = offset.length();
+                lobe_gradient(offset / distance, radius / distance, peak, DVec3::ZERO)
+            }
             _ => {
                 let offset = self.center - receiver;
                 let distance = offset.length();
-                peak.gradient(offset / distance) / distance
+                let towards = offset / distance;
+                // The solid angle of a patch falls with the third power of its distance. So does
+                // that of the cosine, whose denominator is the distance, with the first.
+                let fall_off = if peak.cosine == ReceiverCosine::Unknown { DVec3::ZERO } else { towards * -3.0 };
+                lobe_gradient(towards, self.radius / distance, peak, fall_off) / distance
             }
         }
+    }
+
+    /// How a parallelogram is sampled for a diffuse receiver.
+    #[inline]
+    fn diffusely_seen(&self, receiver: DVec3, peak: &LobePeak) -> Option<SeenPolygon> {
+        let LightForm::Parallelogram { corner, x, y, normal, area } = self.form else { return None };
+        if peak.cosine == ReceiverCosine::Unknown {
+            return None;
+        }
+        let (offset, corner) = (self.center - receiver, corner - receiver);
+        let squared = offset.length_squared();
+        if normal.dot(corner) >= 0.0 || peak.share(offset / squared.sqrt()) > MOST_HIGHLIGHT {
+            return None;
+        }
+        let is_wide = self.radius * self.radius > WIDE * WIDE * squared && perpendicular(x, y);
+        let rectangle = if is_wide { SphericalRectangle::new(corner, [x, y], &peak.cosine) } else { None };
+        let map = match rectangle {
+            Some(rectangle) => PolygonMap::BySolidAngle(rectangle),
+            None => PolygonMap::ByArea {
+                corner,
+                sides: [x, y],
+                area,
+                density: by_received_light(corner, [x, y], &peak.cosine),
+            },
+        };
+        Some(SeenPolygon { map, normal })
     }
 
     /// Centre, normal and radius of a disk with an emission cone about its normal.
@@ -369,6 +508,29 @@ impl LightCubature {
         [self.x, self.y].map(|axis| axis.dot(from_center) / self.radius)
     }
 }
+
+/// Gradient of the logarithm of the receiver's lobe and cosine by the unit direction, at the centre of
+/// a light of this angular radius; `fall_off` is added to that of the cosine. The cosine is left out
+/// where it hardly varies over the light.
+#[inline]
+fn lobe_gradient(towards: DVec3, radius: f64, peak: &LobePeak, fall_off: DVec3) -> DVec3 {
+    let of_lobe = peak.gradient(towards);
+    let of_cosine = peak.cosine.gradient(towards, radius.clamp(f64::MIN_POSITIVE, 1.0)) + fall_off;
+    if of_cosine.length_squared() * radius * radius < LEAST_VARIATION * LEAST_VARIATION {
+        return of_lobe;
+    }
+    of_lobe + of_cosine * (1.0 - peak.share(towards))
+}
+
+/// Variation over the radius of a light, relative to the mean, below which its density is uniform.
+const LEAST_VARIATION: f64 = 0.03;
+
+/// Radius of a rectangle relative to its distance from which it is sampled by solid angle. Below it, the
+/// light that it gives is nearly bilinear over its area.
+const WIDE: f64 = 0.2;
+
+/// Largest share of the highlight at the centre of such a light.
+const MOST_HIGHLIGHT: f64 = 0.5;
 
 /// Mixture of sampling the emission profile with this probability, and the shape otherwise.
 #[derive(Clone, Copy, Debug)]

@@ -20,6 +20,44 @@ pub struct LobePeak {
     pub height: f64,
     /// Constant part, 1/sr.
     pub floor: f64,
+    /// The cosine by which the constant part is multiplied.
+    pub cosine: ReceiverCosine,
+}
+
+/// The cosine between the direction of a light and the normal of a receiver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReceiverCosine {
+    /// There is none, as in mist.
+    Unknown,
+    /// To this unit normal; light from behind is lost.
+    Front(DVec3),
+    /// The same, without its sign.
+    Both(DVec3),
+}
+
+impl ReceiverCosine {
+    /// The cosine of a direction, times its length; 1 if it is unknown.
+    #[inline]
+    pub(crate) fn of(&self, towards: DVec3) -> f64 {
+        match self {
+            ReceiverCosine::Unknown => 1.0,
+            ReceiverCosine::Front(normal) => normal.dot(towards).max(0.0),
+            ReceiverCosine::Both(normal) => normal.dot(towards).abs(),
+        }
+    }
+
+    /// Gradient of its logarithm by the unit direction, at `towards`; `least` is the smallest cosine
+    /// that is distinguished, above zero.
+    #[inline]
+    pub(crate) fn gradient(&self, towards: DVec3, least: f64) -> DVec3 {
+        let normal = match self {
+            ReceiverCosine::Unknown => return DVec3::ZERO,
+            ReceiverCosine::Both(normal) if normal.dot(towards) < 0.0 => -*normal,
+            ReceiverCosine::Front(normal) | ReceiverCosine::Both(normal) => *normal,
+        };
+        let cosine = normal.dot(towards);
+        (normal - towards * cosine) / cosine.max(least)
+    }
 }
 
 /// Largest warp. Beyond it the linear approximation fails, and sampling the lobe itself is better.
@@ -27,7 +65,8 @@ const STRONGEST: f64 = 0.72;
 
 impl LobePeak {
     /// A constant lobe.
-    pub const NONE: LobePeak = LobePeak { axis: DVec3::Z, width: 0.0, height: 0.0, floor: 1.0 };
+    pub const NONE: LobePeak =
+        LobePeak { axis: DVec3::Z, width: 0.0, height: 0.0, floor: 1.0, cosine: ReceiverCosine::Unknown };
 
     #[inline]
     pub(crate) fn is_constant(&self) -> bool {
@@ -41,13 +80,20 @@ impl LobePeak {
             return DVec3::ZERO;
         }
         let off = towards - self.axis;
-        let share = if self.floor > 0.0 {
-            let highlight = self.height * (-self.width * off.length_squared()).exp();
-            highlight / (highlight + self.floor)
-        } else {
-            1.0
-        };
-        (off - towards * towards.dot(off)) * (-2.0 * self.width * share)
+        (off - towards * towards.dot(off)) * (-2.0 * self.width * self.share(towards))
+    }
+
+    /// The share of the lobe without its constant part, in a unit direction.
+    #[inline]
+    pub(crate) fn share(&self, towards: DVec3) -> f64 {
+        if self.is_constant() {
+            return 0.0;
+        }
+        if self.floor <= 0.0 {
+            return 1.0;
+        }
+        let highlight = self.height * (-self.width * towards.distance_squared(self.axis)).exp();
+        highlight / (highlight + self.floor)
     }
 }
 

@@ -417,7 +417,7 @@ mod tests {
         let panel = light(DVec3::new(0.0, 0.0, 4.0), 2.0_f64.sqrt(), form);
         let samples = LightSampleCount { per_lobe: 4.0, most_per_sr: 50.0, ..LightSampleCount::ONE };
         let lobe = |axis: DVec3, width: f64| {
-            let peak = LobePeak { axis, width, height: width, floor: 0.0 };
+            let peak = LobePeak { axis, width, height: width, floor: 0.0, ..LobePeak::NONE };
             Reception { peak, samples, ..Reception::NONE }.samples_on(&panel, DVec3::ZERO)
         };
         // The panel has 1/4 sr, the lobe π/100 sr: four times the quotient is 31.8, and the maximum 12.5.
@@ -435,7 +435,8 @@ mod tests {
             draws: 1,
             samples: LightSampleCount::ONE,
         };
-        let peak = LobePeak { axis: DVec3::new(0.6, 0.0, 0.8), width: 100.0, height: 20.0, floor: 0.1 };
+        let peak =
+            LobePeak { axis: DVec3::new(0.6, 0.0, 0.8), width: 100.0, height: 20.0, floor: 0.1, ..LobePeak::NONE };
         [matte, Reception { peak, floor: 0.01, ..matte }]
     }
 

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use radsight_ir::{Cone, Facing, Ring, Scene, Shape, SolidAngle, Source, Sphere, Surface};
-use radsight_light::{Light, LightForm, LobePeak};
+use radsight_light::{Light, LightForm, LobePeak, ReceiverCosine};
 use std::f64::consts::PI;
 
 /// The R₂ sequence (Roberts 2018).
@@ -70,7 +70,16 @@ fn sun(full_angle: f64) -> Light {
 }
 
 /// A lobe towards a direction beside the light: it changes the density, but not the mean.
-const PEAK: LobePeak = LobePeak { axis: DVec3::new(0.28, 0.0, 0.96), width: 20.0, height: 3.0, floor: 0.1 };
+const PEAK: LobePeak =
+    LobePeak { axis: DVec3::new(0.28, 0.0, 0.96), width: 20.0, height: 3.0, floor: 0.1, ..LobePeak::NONE };
+
+/// A constant lobe, and lobes of a surface that faces +z.
+const PEAKS: [LobePeak; 4] = [
+    LobePeak::NONE,
+    PEAK,
+    LobePeak { cosine: ReceiverCosine::Front(DVec3::Z), ..LobePeak::NONE },
+    LobePeak { cosine: ReceiverCosine::Both(DVec3::Z), ..PEAK },
+];
 
 /// Irradiance at the origin on a surface that faces +z, for a radiance of one.
 fn irradiance(light: &Light, peak: &LobePeak) -> f64 {
@@ -83,7 +92,7 @@ fn irradiance(light: &Light, peak: &LobePeak) -> f64 {
 }
 
 fn agrees(light: &Light, expected: f64) {
-    for peak in [LobePeak::NONE, PEAK] {
+    for peak in PEAKS {
         let found = irradiance(light, &peak);
         assert!((found / expected - 1.0).abs() < 2e-3, "{found} and {expected}");
     }
@@ -139,7 +148,7 @@ fn samples_have_the_density_of_pdf_and_mis_weights_sum_to_one() {
         polygon(&[DVec3::new(0.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 1.3), DVec3::new(1.0, 0.0, 1.1)]),
     ];
     for light in &lights {
-        for peak in [LobePeak::NONE, PEAK] {
+        for peak in PEAKS {
             for sample in points(200).filter_map(|u| light.sample(DVec3::ZERO, u, &peak)) {
                 let cosine = -sample.direction.dot(sample.normal);
                 let pdf = light.pdf(DVec3::ZERO, sample.direction, sample.distance, cosine, &peak);

@@ -8,7 +8,7 @@ use glam::DVec3;
 use radsight_accel::{Beam, PrimitiveId, Shaft};
 use radsight_bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
 use radsight_compile::{RenderPlan, VisibilityClass, VisiblePortals, emission, given, uniform_emission};
-use radsight_light::{Light, LightForm, LightSample, LightTree, MOST_SAMPLES, Reception, TreeCut};
+use radsight_light::{Light, LightForm, LightSample, LightSampler, LightTree, MOST_SAMPLES, Reception, TreeCut};
 use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, product};
 
@@ -44,7 +44,7 @@ pub(crate) struct DirectSampler<'o> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NumberedLight<'p> {
     pub(crate) index: usize,
-    pub(crate) light: &'p Light,
+    pub(crate) sampler: LightSampler<'p>,
     /// Number of points sampled on it.
     pub(crate) samples: u32,
 }
@@ -139,7 +139,7 @@ impl DirectSampler<'_> {
                 }
             }
             self.for_each_point(tracer, &lit, (first_set, drawn), |tracer, light, between, u| {
-                add(self.sample_light(tracer, point, light.light, between, u, f64::from(light.samples)));
+                add(self.sample_light(tracer, point, &light.sampler, between, u, f64::from(light.samples)));
             });
         });
         sum
@@ -152,7 +152,7 @@ impl DirectSampler<'_> {
         &self,
         tracer: &mut PathIntegrator<'p, BANDS>,
         first_set: u32,
-        mut visit: impl FnMut(&mut PathIntegrator<'p, BANDS>, NumberedLight<'p>, &'p VisibilityClass, [f64; 2]),
+        mut visit: impl FnMut(&mut PathIntegrator<'p, BANDS>, &NumberedLight<'p>, &'p VisibilityClass, [f64; 2]),
     ) {
         self.for_each_reaching_light(tracer, |tracer, lit, drawn| {
             self.for_each_point(tracer, &lit, (first_set, drawn), &mut visit);
@@ -190,7 +190,7 @@ impl DirectSampler<'_> {
         tracer: &mut PathIntegrator<'p, BANDS>,
         &ReachingLight { index, light, between }: &ReachingLight<'p>,
         (first_set, drawn): (u32, &mut DrawnSet),
-        mut visit: impl FnMut(&mut PathIntegrator<'p, BANDS>, NumberedLight<'p>, &'p VisibilityClass, [f64; 2]),
+        mut visit: impl FnMut(&mut PathIntegrator<'p, BANDS>, &NumberedLight<'p>, &'p VisibilityClass, [f64; 2]),
     ) {
         let samples = self.reception.samples_on(light, self.point);
         tracer.samples_highlight |= samples > 1 && self.reception.highlight_samples(light, self.point) > 1.0;
@@ -200,9 +200,10 @@ impl DirectSampler<'_> {
         } else {
             (between, samples)
         };
+        let numbered = NumberedLight { index, sampler: light.sampler(self.point, &self.reception.peak), samples };
         if samples == 1 {
             let u = drawn.point(tracer, index, first_set);
-            return visit(tracer, NumberedLight { index, light, samples }, between, u);
+            return visit(tracer, &numbered, between, u);
         }
         let sampler = tracer.sampler;
         let (set, half) = DrawnSet::of(index, first_set);
@@ -210,7 +211,7 @@ impl DirectSampler<'_> {
             let u = sampler
                 .branch(DimensionSet::render(set), light_sample, samples)
                 .take(DimensionSet::render(half as u32));
-            visit(tracer, NumberedLight { index, light, samples }, between, [u[0], u[1]]);
+            visit(tracer, &numbered, between, [u[0], u[1]]);
         }
     }
 
@@ -291,7 +292,8 @@ impl DirectSampler<'_> {
                 continue;
             }
             let (u, expected) = ([samples[half], samples[half + 1]], f64::from(draws) * choice.chance);
-            let given = self.sample_light(tracer, point, &plan.lights[index], between, u, expected);
+            let sampler = plan.lights[index].sampler(self.point, &self.reception.peak);
+            let given = self.sample_light(tracer, point, &sampler, between, u, expected);
             for (sum, given) in sum.iter_mut().zip(given) {
                 *sum += given;
             }
@@ -305,15 +307,15 @@ impl DirectSampler<'_> {
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
         point: &Bsdf<'_, BANDS>,
-        light: &Light,
+        sampler: &LightSampler<'_>,
         between: &VisibilityClass,
         u: [f64; 2],
         expected: f64,
     ) -> [f64; BANDS] {
-        let Some(sample) = self.light_sample(tracer, light, u) else { return [0.0; BANDS] };
+        let Some(sample) = self.light_sample(tracer, sampler, u) else { return [0.0; BANDS] };
         let scratch = &mut tracer.workspace.scratch;
         let bsdf_value = point.eval(sample.direction, sample.pdf, self.pdf_request(), scratch);
-        self.gather(tracer, light, &sample, between, expected, &bsdf_value)
+        self.gather(tracer, sampler.light(), &sample, between, expected, &bsdf_value)
     }
 
     /// Whether light samples are weighted against sampled rays.
@@ -327,13 +329,14 @@ impl DirectSampler<'_> {
     pub(crate) fn light_sample<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
-        light: &Light,
+        sampler: &LightSampler<'_>,
         u: [f64; 2],
     ) -> Option<LightSample> {
+        let light = sampler.light();
         let redirected = if light.is_redirected() { self.connect_through_prism(tracer, light, u) } else { None };
         let sample = match redirected {
             Some(sample) => sample,
-            None => light.sample(self.point, u, &self.reception.peak)?,
+            None => sampler.sample(u)?,
         };
         (light.fraction_in_radius(self.point, sample.direction, sample.distance) > 0.0).then_some(sample)
     }
@@ -428,7 +431,8 @@ impl DirectSampler<'_> {
         if light.misses(self.point) {
             return dark;
         }
-        let Some(sample) = self.light_sample(tracer, light, u) else { return dark };
+        let sampler = light.sampler(self.point, &self.reception.peak);
+        let Some(sample) = self.light_sample(tracer, &sampler, u) else { return dark };
         let focal = light.focal_factor(sample.distance);
         let radiance = self.radiance(tracer, light, &sample);
         if radiance.iter().all(|band| *band == 0.0) {

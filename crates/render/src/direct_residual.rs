@@ -321,7 +321,7 @@ mod tests {
 
     #[test]
     fn highlights_reach_as_far_as_they_are_notable() {
-        let peak = LobePeak { axis: glam::DVec3::Z, width: 50.0, height: 2.0, floor: 0.0 };
+        let peak = LobePeak { axis: glam::DVec3::Z, width: 50.0, height: 2.0, floor: 0.0, ..LobePeak::NONE };
         let cone = HighlightCone::new(&peak, 0.5);
         let at_edge = peak.height * (-peak.width * cone.radius * cone.radius).exp();
         assert!((at_edge / (NOTABLE_HIGHLIGHT * 0.5 * FRAC_1_PI) - 1.0).abs() < 1e-9);

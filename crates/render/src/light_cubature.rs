@@ -56,7 +56,8 @@ impl DirectSampler<'_> {
         if u >= SAMPLED_SHARE {
             return Some(sum);
         }
-        let Some(sample) = self.light_sample(tracer, light, [u / SAMPLED_SHARE, v]) else { return Some(sum) };
+        let sampler = light.sampler(self.point, &self.reception.peak);
+        let Some(sample) = self.light_sample(tracer, &sampler, [u / SAMPLED_SHARE, v]) else { return Some(sum) };
         let value = lobe.value(sample.direction);
         let fit = plane.at(cubature.coordinates(&sample));
         let radiance = self.radiance(tracer, light, &sample);

@@ -22,7 +22,7 @@ impl DirectSampler<'_> {
         batch.samples.clear();
         batch.incident.clear();
         self.for_each_light(tracer, first_set, |tracer, light, _, u| {
-            let Some(sample) = self.light_sample(tracer, light.light, u) else { return };
+            let Some(sample) = self.light_sample(tracer, &light.sampler, u) else { return };
             batch.samples.push(BatchSample { light: light.index, sample, of: light.samples });
             batch.incident.push(point.frame.to_local(sample.direction));
         });

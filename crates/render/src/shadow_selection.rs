@@ -59,14 +59,15 @@ impl DirectSampler<'_> {
         &self,
         tracer: &mut PathIntegrator<'p, BANDS>,
         point: &Bsdf<'_, BANDS>,
-        NumberedLight { light, samples, .. }: NumberedLight<'p>,
+        numbered: &NumberedLight<'p>,
         between: &'p VisibilityClass,
         u: [f64; 2],
     ) -> Option<UnshadowedSample<'p, BANDS>> {
-        let sample = self.light_sample(tracer, light, u)?;
+        let light = numbered.sampler.light();
+        let sample = self.light_sample(tracer, &numbered.sampler, u)?;
         let scratch = &mut tracer.workspace.scratch;
         let value = point.eval(sample.direction, sample.pdf, self.pdf_request(), scratch);
-        let [weight, radiance] = self.unshadowed(tracer, light, &sample, f64::from(samples), &value)?;
+        let [weight, radiance] = self.unshadowed(tracer, light, &sample, f64::from(numbered.samples), &value)?;
         let strength = product(weight, radiance).iter().sum();
         Some(UnshadowedSample { light, between, sample, weight, radiance, strength })
     }
