@@ -369,4 +369,24 @@ fn broken_wavefront_text_is_an_error_with_its_line() {
     assert_eq!(message("v 1 2 3\nf 1 2 3"), "obj2rad: <stdin>: line 2: \"2\" names point 2, of 1 so far");
     assert_eq!(message("v 1 2"), "obj2rad: <stdin>: line 1: v is followed by 2 numbers, expected 3");
     assert_eq!(message("f 1"), "obj2rad: <stdin>: line 1: \"1\" names point 1, of 0 so far");
+    let nan = "obj2rad: <stdin>: line 1: number 2 of v is \"nan\", expected a finite number";
+    assert_eq!(message("v 1 nan .2"), nan);
+    assert_eq!(message("v 1 nan .2 \\"), nan);
+}
+
+#[test]
+fn a_backslash_at_the_end_of_wavefront_text_keeps_the_face() {
+    let Some(radiance) = Radiance::find() else { return };
+    for end in ["\\", "\\\n", "\\\n\\", "\n\\"] {
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 {end}");
+        for line in ["obj2rad", "obj2rad -n"] {
+            let output = ours(&words(line), text.as_bytes(), &TestLoader::default()).unwrap();
+            let text_out = String::from_utf8(output.standard_output).unwrap();
+            assert!(text_out.contains("polygon") || text_out.contains("[1:1]"), "{end:?}: {text_out}");
+            // Real obj2rad counts the empty line after the backslash.
+            if end != "\\\n" {
+                oracle::expect_same(&radiance, &words(line), text.as_bytes(), &TestLoader::default());
+            }
+        }
+    }
 }

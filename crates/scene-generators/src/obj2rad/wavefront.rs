@@ -25,7 +25,10 @@ impl<'a> Statements<'a> {
         loop {
             let mut words = Vec::new();
             loop {
-                let line = self.lines.next()?;
+                let Some(line) = self.lines.next() else {
+                    // The text ends in a backslash.
+                    return Some(words).filter(|words| !words.is_empty());
+                };
                 self.line += 1;
                 let (line, goes_on) = match line.strip_suffix('\\') {
                     Some(line) => (line, true),
@@ -43,6 +46,14 @@ impl<'a> Statements<'a> {
                 return Some(words);
             }
         }
+    }
+}
+
+/// The mistake of a statement with fewer than three numbers.
+fn missing_number(keyword: &str, words: &[String], numbers: usize) -> String {
+    match words.get(numbers) {
+        Some(word) => format!("number {} of {keyword} is \"{word}\", expected a finite number", numbers + 1),
+        None => format!("{keyword} is followed by {numbers} numbers, expected 3"),
     }
 }
 
@@ -79,7 +90,7 @@ impl Vertices {
             }
             ("vt", [u, v, ..]) => self.textures.push([*u, *v]),
             ("vt", _) => return Ok(false),
-            (keyword, _) => return Err(format!("{keyword} is followed by {} numbers, expected 3", numbers.len())),
+            (keyword, _) => return Err(missing_number(keyword, &words[1..], numbers.len())),
         }
         Ok(true)
     }
