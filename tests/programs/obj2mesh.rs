@@ -84,6 +84,55 @@ fn meshes_render_as_those_of_the_real_program() {
     }
 }
 
+/// A face of each number of corners, from above, from below and from the side, none of them planar.
+fn bent_faces() -> String {
+    let mut text = String::new();
+    let mut random = (0..).map(|number| f64::from(number) * 0.754_877_666 % 1.0);
+    let mut between = |low: f64, high: f64| low + (high - low) * random.next().unwrap_or_default();
+    for face in 0..90 {
+        let corners = 4 + face % 3;
+        let (first, sign) = (between(0.0, 6.0), if face % 2 == 0 { 1.0 } else { -1.0 });
+        let deepest = if face % 5 == 0 { 0.08 } else { 0.35 };
+        for corner in 0..corners {
+            let angle = first + sign * std::f64::consts::TAU * f64::from(corner) / f64::from(corners);
+            let radius = between(deepest, 0.42);
+            let [x, y] = [f64::from(face % 10) + radius * angle.cos(), f64::from(face / 10) + radius * angle.sin()];
+            let _ = writeln!(text, "v {x:.6} {y:.6} {:.6}\nvt {x:.6} {y:.6}", between(-0.1, 0.1));
+        }
+        let words: Vec<String> = (1..=corners).map(|back| format!("-{0}/-{0}", corners + 1 - back)).collect();
+        let _ = writeln!(text, "f {}", words.join(" "));
+    }
+    text
+}
+
+#[test]
+fn bent_faces_are_cut_as_by_the_real_program() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    folder.file("bent.obj", bent_faces());
+    let real = run_with(radiance.command("obj2mesh", &["bent.obj"]).current_dir(folder.path("")), b"").done();
+    folder.file("real.rtm", real);
+    folder.file("ours.rtm", run_with(command(&["obj2mesh", "bent.obj"]).current_dir(folder.path("")), b"").done());
+    let mut text = String::new();
+    for at in 0..4000 {
+        let [x, y] = [f64::from(at) * 0.618_034 % 1.0, f64::from(at) * 0.414_214 % 1.0];
+        let _ = writeln!(text, "{:.6} {:.6} 2 0 0 -1", 10.0 * x - 0.5, 9.0 * y - 0.5);
+    }
+    let [real, ours] = ["real", "ours"].map(|mesh| {
+        let scene = folder.file(&format!("{mesh}.rad"), format!("void mesh it 1 {mesh}.rtm 0 0\n"));
+        let program = &mut command(&["rtrace", "-h", "-w", "-oLNc", &scene]);
+        run_with(program.current_dir(folder.path("")), text.as_bytes()).text()
+    });
+    let numbers = |line: &str| line.split_whitespace().filter_map(|word| word.parse().ok()).collect::<Vec<f64>>();
+    let (mut apart, mut hits) = (0, 0);
+    for (real, ours) in real.lines().zip(ours.lines()).map(|(real, ours)| (numbers(real), numbers(ours))) {
+        hits += usize::from(real[0] < 9.0);
+        apart += usize::from(real.iter().zip(&ours).any(|(real, ours)| (real - ours).abs() > 1e-4));
+    }
+    // Rays that meet an edge may find either of its triangles.
+    assert!(apart <= 4 && hits > 1000, "{apart} of {hits} rays differ");
+}
+
 #[test]
 fn large_meshes_are_read_by_the_real_program() {
     let Some(radiance) = Radiance::find() else { return };

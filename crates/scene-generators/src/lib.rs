@@ -28,6 +28,7 @@ mod calibration_target;
 mod cat;
 mod cie;
 mod cnt;
+mod ear_clipping;
 mod echo;
 mod epw2wea;
 mod error;

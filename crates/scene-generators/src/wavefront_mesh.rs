@@ -1,5 +1,6 @@
 //! Wavefront text as triangles, for `obj2mesh`.
 
+use crate::ear_clipping::{clip_ears, doubled_area};
 use crate::facets::{cross, dot, subtract};
 use crate::obj2rad::wavefront::{Corner, Statements, Vertices};
 use crate::obj2rad::{CornerNormals, classify_normals};
@@ -9,8 +10,9 @@ use std::collections::HashMap;
 /// Squared lengths below the square of this count as zero, in scene units.
 const TINY: f64 = 1e-6;
 
-/// Largest number of corners of a face, as in Radiance; triangulation takes quadratic time.
-const MOST_CORNERS: usize = 511;
+/// Largest number of corners of a face that is cut exactly as in Radiance, which has no more. The time for that grows
+/// with the third power of the number.
+const MOST_CLIPPED: usize = 511;
 
 /// The triangles of a Wavefront file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -83,9 +85,6 @@ impl Reader {
     }
 
     fn face(&mut self, words: &[String]) -> Result<(), String> {
-        if words.len() > MOST_CORNERS {
-            return Err(format!("a face of {} corners, expected at most {MOST_CORNERS}", words.len()));
-        }
         let corners: Vec<Corner> = words.iter().map(|word| self.vertices.corner(word)).collect::<Result<_, _>>()?;
         match corners[..] {
             [] | [_] | [_, _] => return Err(format!("a face of {} corners", corners.len())),
@@ -99,8 +98,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Triangulates a face by ear clipping in its projection along the largest component of its
-    /// normal.
+    /// Triangulates a face in its projection along the largest component of its normal.
     fn cut(&mut self, corners: &[Corner]) -> Vec<[Corner; 3]> {
         let points: Vec<[f64; 3]> = corners.iter().map(|corner| self.vertices.point(corner)).collect();
         let normal = points.windows(3).map(|p| cross(subtract(p[1], p[0]), subtract(p[2], p[1])));
@@ -110,19 +108,22 @@ impl Reader {
         let largest = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
         let [x, y] = [(largest + 1) % 3, (largest + 2) % 3];
         let flat: Vec<[f64; 2]> = points.iter().map(|point| [point[x], point[y]]).collect();
-        let next = |at: usize| flat[(at + 1) % flat.len()];
-        let area: f64 = (0..flat.len()).map(|at| flat[at][0] * next(at)[1] - flat[at][1] * next(at)[0]).sum();
+        let clipped = if corners.len() <= MOST_CLIPPED { clip_ears(&flat) } else { None };
+        let triangles = clipped.unwrap_or_else(|| self.cut_anyhow(&flat));
+        triangles.into_iter().map(|triangle| triangle.map(|index| corners[index])).collect()
+    }
+
+    /// Triangulates also outlines that intersect themselves, and large ones faster.
+    fn cut_anyhow(&mut self, flat: &[[f64; 2]]) -> Vec<[usize; 3]> {
         let mut indices: Vec<u32> = Vec::new();
         self.earcut.earcut(flat.iter().copied(), &[], &mut indices);
-        let triangle = |corner: &[u32; 3]| corner.map(|index| index as usize);
-        let turned = |[a, b, c]: [usize; 3]| {
-            let [a_flat, b_flat, c_flat] = [flat[a], flat[b], flat[c]];
-            let own =
-                (b_flat[0] - a_flat[0]) * (c_flat[1] - a_flat[1]) - (c_flat[0] - a_flat[0]) * (b_flat[1] - a_flat[1]);
-            if own * area < 0.0 { [c, b, a] } else { [a, b, c] }
-        };
+        let area = doubled_area(flat);
         let (triangles, _) = indices.as_chunks::<3>();
-        triangles.iter().map(|indices| turned(triangle(indices)).map(|index| corners[index])).collect()
+        let oriented = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|index| index as usize);
+            if doubled_area(&[a, b, c].map(|index| flat[index])) * area < 0.0 { [c, b, a] } else { [a, b, c] }
+        };
+        triangles.iter().map(oriented).collect()
     }
 
     fn triangle(&mut self, corners: [Corner; 3]) {
@@ -186,6 +187,24 @@ mod tests {
     }
 
     #[test]
+    fn faces_of_many_corners_keep_their_area() {
+        let corners = 600;
+        let mut text = String::new();
+        for corner in 0..corners {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(corner) / f64::from(corners)).sin_cos();
+            text += &format!("v {cos} {sin} 0\n");
+        }
+        let words: Vec<String> = (1..=corners).map(|corner| corner.to_string()).collect();
+        let mesh = WavefrontMesh::read(&format!("{text}f {}\n", words.join(" "))).unwrap();
+        let area = |triangle: &WavefrontTriangle| {
+            let [a, b, c] = triangle.points;
+            0.5 * cross(subtract(b, a), subtract(c, b))[2]
+        };
+        let expected = 0.5 * f64::from(corners) * (std::f64::consts::TAU / f64::from(corners)).sin();
+        assert!((mesh.triangles.iter().map(area).sum::<f64>() - expected).abs() < 1e-9);
+    }
+
+    #[test]
     fn backward_normals_reverse_a_triangle() {
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nvn .6 0 -.8\nvt .25 .5\nf 1/1/1 2/1/1 3/1/2\n";
         let mesh = WavefrontMesh::read(text).unwrap();
@@ -200,7 +219,5 @@ mod tests {
         assert!(WavefrontMesh::read("v 0 0\n").unwrap_err().starts_with("line 1: "));
         assert!(WavefrontMesh::read("v 0 0 0\n\nf 1 2 3\n").unwrap_err().starts_with("line 3: "));
         assert!(WavefrontMesh::read("v 0 0 0\nf 1 1\n").unwrap_err().contains("2 corners"));
-        let large = format!("v 0 0 0\nf{}\n", " 1".repeat(512));
-        assert!(WavefrontMesh::read(&large).unwrap_err().contains("a face of 512 corners, expected at most 511"));
     }
 }
