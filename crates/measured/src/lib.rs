@@ -56,3 +56,4 @@ pub use mistake::{Mistake, Place};
 pub use read::Reading;
 pub use resolution::Resolution;
 pub use scattering::{Sample, Scattering};
+pub use xml::xml_text;

@@ -7,10 +7,47 @@ use std::borrow::Cow;
 /// Maximum number of elements of a BSDF file.
 const MOST_NODES: u32 = 1 << 20;
 
-/// A file as text. Bytes that are not UTF-8 are decoded as Latin-1, which is common in makers'
-/// names.
+/// The XML of a BSDF file as text, decoded as for [`crate::MeasuredBsdf::read`], without text around it.
+///
+/// # Errors
+/// If there is no XML in it.
+pub fn xml_text(bytes: &[u8]) -> Result<Cow<'_, str>, Mistake> {
+    let Text { text, xml, .. } = Text::decode(bytes)?;
+    Ok(match text {
+        Cow::Borrowed(text) => Cow::Borrowed(&text[xml]),
+        Cow::Owned(text) => Cow::Owned(text[xml].to_owned()),
+    })
+}
+
+/// How the bytes of a file stand for characters.
+#[derive(Clone, Copy, PartialEq)]
+enum Encoding {
+    Utf8,
+    /// Of bytes that are not UTF-8, which is common in makers' names.
+    Latin1,
+    /// After a byte order mark.
+    Utf16,
+}
+
+impl Encoding {
+    /// Number of bytes of a text before an index.
+    fn bytes_before(self, text: &str, index: usize) -> usize {
+        let Some(before) = text.get(..index) else { return index };
+        match self {
+            Encoding::Utf8 => index,
+            Encoding::Latin1 => before.chars().count(),
+            Encoding::Utf16 => BYTE_ORDER_MARK + 2 * before.encode_utf16().count(),
+        }
+    }
+}
+
+/// Length of the byte order mark of UTF-16.
+const BYTE_ORDER_MARK: usize = 2;
+
+/// A file as text.
 pub(crate) struct Text<'b> {
     text: Cow<'b, str>,
+    encoding: Encoding,
     /// Range of the XML: the pipeline that made the file may have added text around it, as
     /// `genBSDF` does with its command line. Radiance ignores such text.
     xml: Place,
@@ -18,16 +55,13 @@ pub(crate) struct Text<'b> {
 
 impl<'b> Text<'b> {
     pub(crate) fn decode(bytes: &'b [u8]) -> Result<Self, Mistake> {
-        let text = match std::str::from_utf8(bytes) {
-            Ok(text) => Cow::Borrowed(text),
-            Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
-        };
+        let (text, encoding) = decoded(bytes);
         let Some(start) = first_tag(&text) else {
             let first_line = text.lines().next().unwrap_or("").len();
-            return Err(Mistake::NoXml { place: 0..first_line });
+            return Err(Mistake::NoXml { place: 0..encoding.bytes_before(&text, first_line) });
         };
         let end = text.rfind('>').map_or(text.len(), |last| last + 1);
-        Ok(Text { text, xml: start..end.max(start) })
+        Ok(Text { text, encoding, xml: start..end.max(start) })
     }
 
     fn xml(&self) -> &str {
@@ -38,10 +72,25 @@ impl<'b> Text<'b> {
     pub(crate) fn in_bytes(&self, mistake: &mut Mistake) {
         let place = mistake.place_mut();
         *place = self.xml.start + place.start..self.xml.start + place.end;
-        if let Cow::Owned(text) = &self.text {
-            let bytes = |at: usize| text.get(..at).map_or(at, |before| before.chars().count());
-            *place = bytes(place.start)..bytes(place.end);
-        }
+        let bytes = |index: usize| self.encoding.bytes_before(&self.text, index);
+        *place = bytes(place.start)..bytes(place.end);
+    }
+}
+
+/// The characters of a file. Wrong UTF-16 becomes the replacement character, which no number contains.
+fn decoded(bytes: &[u8]) -> (Cow<'_, str>, Encoding) {
+    let utf16 = |from_bytes: fn([u8; 2]) -> u16| {
+        let (units, _) = bytes[BYTE_ORDER_MARK..].as_chunks::<2>();
+        let units = units.iter().map(|unit| from_bytes(*unit));
+        char::decode_utf16(units).map(|found| found.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+    };
+    match bytes {
+        [0xff, 0xfe, ..] => (Cow::Owned(utf16(u16::from_le_bytes)), Encoding::Utf16),
+        [0xfe, 0xff, ..] => (Cow::Owned(utf16(u16::from_be_bytes)), Encoding::Utf16),
+        _ => match std::str::from_utf8(bytes) {
+            Ok(text) => (Cow::Borrowed(text), Encoding::Utf8),
+            Err(_) => (Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()), Encoding::Latin1),
+        },
     }
 }
 

@@ -101,6 +101,22 @@ fn names_in_latin_1_are_read_and_later_positions_are_right() {
 }
 
 #[test]
+fn utf_16_is_read_and_positions_are_right() {
+    let encodings: [fn(u16) -> [u8; 2]; 2] = [u16::to_le_bytes, u16::to_be_bytes];
+    for to_bytes in encodings {
+        let encoded = |text: &str| text.encode_utf16().flat_map(to_bytes).collect::<Vec<u8>>();
+        let file =
+            |numbers: &str| encoded(&format!("\u{feff}{}", quarter(numbers).replace("nobody", "M\u{fc}\u{1f600}")));
+        let mistake = MeasuredBsdf::read(&file("1, x")).unwrap_err();
+        assert_eq!(file("1, x")[mistake.place()], encoded("\n1, x\n"));
+        let reading = MeasuredBsdf::read(&file(&vec!["0.1"; 41 * 41].join(","))).unwrap();
+        assert_eq!(reading.bsdf.maker, "M\u{fc}\u{1f600}");
+        assert!(MeasuredBsdf::read(&to_bytes(0xfeff)).is_err());
+        assert!(MeasuredBsdf::read(&[&to_bytes(0xfeff)[..], &to_bytes(0xd800), b"<"].concat()).is_err());
+    }
+}
+
+#[test]
 fn bombs_are_refused() {
     let entities = "<!DOCTYPE a [<!ENTITY b \"xxxxxxxx\">]><WindowElement>&b;</WindowElement>";
     assert!(mistake(entities).starts_with("this is not XML that can be read"));

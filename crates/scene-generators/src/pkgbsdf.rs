@@ -11,7 +11,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::arguments::Arguments;
 use crate::mgf::{Converter, MaterialWriter};
-use crate::text::{Exponential, Text, general};
+use crate::text::{Exponential, Quoted, Text, general};
 use crate::{Error, Invocation, Output};
 
 const TINY: f64 = 1e-6;
@@ -56,6 +56,11 @@ fn file_of(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
 }
 
+/// A word of a comment, which ends with its line.
+fn in_a_line(word: &str) -> String {
+    word.replace(['\n', '\r'], " ")
+}
+
 /// The name of a BSDF file without its folder and ending.
 fn stem_of(name: &str) -> &str {
     let file = file_of(name);
@@ -67,17 +72,17 @@ fn scene(invocation: &Invocation<'_>, name: &str, place: Geometry, output: &mut 
     let loaded = invocation.loader.load(name, FileKind::Bsdf)?;
     let mistake =
         |mistake: String| Error::Input { program: "pkgBSDF".to_owned(), source_name: name.to_owned(), mistake };
-    let xml = std::str::from_utf8(&loaded.bytes).map_err(|error| mistake(error.to_string()))?;
+    let xml = radsight_measured::xml_text(&loaded.bytes).map_err(|error| mistake(error.to_string()))?;
     // Document types allow entity expansion attacks; BSDF files have none.
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(xml, options).map_err(|error| mistake(error.to_string()))?;
+    let document = Document::parse_with_options(&xml, options).map_err(|error| mistake(error.to_string()))?;
     let sample = Sample::read(&document).map_err(mistake)?;
 
     let stem = stem_of(name);
     let mut text = Text::default();
-    writeln!(text, "# Produced by: pkgBSDF {}", file_of(name))?;
+    writeln!(text, "# Produced by: pkgBSDF {}", in_a_line(file_of(name)))?;
     if !sample.material.is_empty() && !sample.maker.is_empty() {
-        writeln!(text, "# Material '{}' by '{}'\n", sample.material, sample.maker)?;
+        writeln!(text, "# Material '{}' by '{}'\n", in_a_line(&sample.material), in_a_line(&sample.maker))?;
     }
     let Some(geometry) = &sample.geometry else {
         write_face(&mut text, stem, &sample, 0.0)?;
@@ -97,7 +102,8 @@ fn scene(invocation: &Invocation<'_>, name: &str, place: Geometry, output: &mut 
         None => return Err(mistake("option -i makes an octree, which needs the program oconv".to_owned())),
     };
     output.files.push((format!("{stem}.oct"), octree));
-    write!(text, "void instance {stem}_g\n1 {stem}.oct\n0\n0\n\n")?;
+    let [instance, octree] = [format!("{stem}_g"), format!("{stem}.oct")];
+    write!(text, "void instance {}\n1 {}\n0\n0\n\n", Quoted(&instance), Quoted(&octree))?;
     Ok(text.into_bytes())
 }
 
@@ -231,8 +237,10 @@ fn write_face(text: &mut Text, stem: &str, sample: &Sample, offset: f64) -> Resu
     } else {
         ""
     };
-    writeln!(text, "void BSDF m_{stem}{suffix}\n6 {} {stem}.xml 0 1 0 .\n0\n0\n", general(offset * 1.00004, 6))?;
-    writeln!(text, "m_{stem}{suffix} polygon {stem}{suffix}\n0\n0\n12")?;
+    let [material, face, file] = [format!("m_{stem}{suffix}"), format!("{stem}{suffix}"), format!("{stem}.xml")];
+    let [material, face, file] = [&material, &face, &file].map(|name| Quoted(name));
+    writeln!(text, "void BSDF {material}\n6 {} {file} 0 1 0 .\n0\n0\n", general(offset * 1.00004, 6))?;
+    writeln!(text, "{material} polygon {face}\n0\n0\n12")?;
     let z = if offset < 0.0 { offset * 1.00002 } else { offset * 0.00002 };
     let (x, y) = (0.5 * sample.width, 0.5 * sample.height);
     for [x, y] in [[-x, -y], [x, -y], [x, y], [-x, y]] {

@@ -185,6 +185,24 @@ fn bsdf(geometry: &str, reflection: &str) -> String {
 }
 
 #[test]
+fn a_bsdf_is_decoded_from_latin_1_and_utf_16() {
+    let text = bsdf("", "1, 1").replace("<Name>N<", "<Name>B\u{fc}ro<");
+    let little: Vec<u8> = "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    let big: Vec<u8> = "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(u16::to_be_bytes).collect();
+    let latin: Vec<u8> = text.chars().map(|character| character as u8).collect();
+    for bytes in [text.clone().into_bytes(), latin, little, big, format!("genBSDF <x.rad>\n{text}\n").into_bytes()] {
+        let mut loader = TestLoader::default();
+        loader.files.insert("pane.xml".into(), bytes);
+        let output = ours(&words("pkgBSDF -s pane.xml"), b"", &loader).unwrap().standard_output;
+        let output = String::from_utf8(output).unwrap();
+        assert!(
+            output.contains("# Material 'B\u{fc}ro' by 'M'\n") && output.contains("void BSDF m_pane\n"),
+            "{output}"
+        );
+    }
+}
+
+#[test]
 fn a_bsdf_becomes_its_surfaces() {
     let geometry = "<Geometry format=\"MGF\"><MGFblock unit=\"inch\">v a =\np 0 0 0\nv b =\np 1 0 0\nv c =\np 0 1 0\nf a b c\n</MGFblock></Geometry>";
     let mut loader = TestLoader::default();
@@ -197,6 +215,13 @@ fn a_bsdf_becomes_its_surfaces() {
     let both = text("pkgBSDF -s both.xml");
     assert!(both.contains("m_both_f polygon both_f") && both.contains("m_both_b polygon both_b"));
     assert!(both.contains("\n            0.0254                  0                  0\n"), "{both}");
+    loader.files.insert("a b.xml".into(), bsdf("", "1, 1").into_bytes());
+    let spaced = String::from_utf8(
+        ours(&["pkgBSDF", "-s", "a b.xml"].map(str::to_owned), b"", &loader).unwrap().standard_output,
+    )
+    .unwrap();
+    assert!(spaced.contains("void BSDF \"m_a b\"\n6 0 \"a b.xml\" 0 1 0 .\n"), "{spaced}");
+    assert!(spaced.contains("\n\"m_a b\" polygon \"a b\"\n"), "{spaced}");
     loader.files.insert("bomb.xml".into(), b"<!DOCTYPE a [<!ENTITY b \"c\">]><WindowElement/>".to_vec());
     assert!(ours(&words("pkgBSDF -s bomb.xml"), b"", &loader).is_err());
 }
