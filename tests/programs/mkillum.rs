@@ -205,6 +205,17 @@ fn light_between_walls_is_what_rays_that_share_nothing_find() {
 }
 
 #[test]
+fn the_seed_changes_the_rays_of_a_window() {
+    let folder = folder();
+    folder.file("lit.rad", "#@mkillum m=lit l+ s=4 d=4\npane polygon w 0 0 12 .5 0 1 .5 0 2.5 3.5 0 2.5 3.5 0 1\n");
+    let [first, again, other] = ["0", "0", "1"].map(|seed| {
+        ours(&folder, &format!("-ab 0 --seed {seed} outside.rad lamps.rad lit.rad < lit.rad")).text();
+        folder.read("lit.dat")
+    });
+    assert!(first == again && first != other);
+}
+
+#[test]
 fn a_scene_on_standard_input_is_read_once() {
     let folder = folder();
     let window = "#@mkillum m=lit c=a l+ s=16 d=6\npane polygon w 0 0 12 .5 0 1 .5 0 2.5 3.5 0 2.5 3.5 0 1\n";
@@ -259,6 +270,9 @@ fn what_was_there_is_kept_and_what_is_named_is_replaced() {
     // The result is a scene, which a second run leaves unchanged.
     let again = ours(&folder, "outside.rad made.rad < made.rad");
     assert!(again.messages.contains("made.rad was processed before"), "{}", again.messages);
+    let mut program = command(&["mkillum", "outside.rad", "made.rad"]);
+    let piped = run_with(program.current_dir(folder.path("")), &folder.read("made.rad"));
+    assert!(piped.messages.contains("standard input was processed before"), "{}", piped.messages);
     let again = again.text();
     assert_eq!(again.matches(" illum ").count(), 3, "{again}");
 }

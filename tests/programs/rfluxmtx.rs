@@ -112,6 +112,20 @@ fn rays_of_others_pass_through() {
 }
 
 #[test]
+fn the_seed_changes_the_rays_of_a_sender() {
+    let folder = Folder::new();
+    folder.file("sender.rad", window("u"));
+    folder.file("receiver.rad", wall("r1"));
+    folder.file("outside.rad", OUTSIDE);
+    let [unsaid, first, other, again] = ["", "--seed 0", "--seed 1", "--seed 1"].map(|seed| {
+        let words = format!("rfluxmtx {seed} -h -ab 0 -c 50 sender.rad receiver.rad outside.rad");
+        let words: Vec<&str> = words.split_whitespace().collect();
+        run_with(command(&words).current_dir(folder.path("")), b"").text()
+    });
+    assert!(unsaid == first && other == again && first != other);
+}
+
+#[test]
 fn mistakes_are_reported() {
     let folder = Folder::new();
     folder.file("outside.rad", OUTSIDE);

@@ -17,6 +17,7 @@ pub struct IllumSurface {
     outline: Outline,
     cells: [usize; 2],
     samples: usize,
+    seed: u64,
 }
 
 #[derive(Clone, Debug)]
@@ -107,7 +108,13 @@ impl IllumSurface {
         if cells[0] * cells[1] * samples > MOST_RAYS as f64 {
             return Err(FluxError::Surface { surface: name.to_owned(), what: "needs too many rays" });
         }
-        Ok(IllumSurface { outline, cells: cells.map(|count| count as usize), samples: samples as usize })
+        Ok(IllumSurface { outline, cells: cells.map(|count| count as usize), samples: samples as usize, seed: SEED })
+    }
+
+    /// Samples with the seed of a command; 0 is the one of a new surface.
+    #[must_use]
+    pub fn with_seed(self, seed: u64) -> IllumSurface {
+        IllumSurface { seed: SEED ^ seed, ..self }
     }
 
     /// Number of rows and columns of directions.
@@ -141,7 +148,7 @@ impl IllumSurface {
     /// crosses it, against the future light.
     #[must_use]
     pub fn ray(&self, number: usize) -> [DVec3; 2] {
-        let [a, b, c, d] = RaySampler::new(SEED, number as u64).take(DimensionSet::CAMERA);
+        let [a, b, c, d] = RaySampler::new(self.seed, number as u64).take(DimensionSet::CAMERA);
         let cell = number / self.samples;
         let row = ((cell / self.cells[1]) as f64 + a) / self.cells[0] as f64;
         let around = TAU * ((cell % self.cells[1]) as f64 + b - 0.5) / self.cells[1] as f64;
@@ -169,7 +176,7 @@ impl IllumSurface {
     #[must_use]
     pub fn ray_to_light(&self, light: &Toward, number: usize) -> Option<LightRay> {
         let Outline::Flat { surface, axes: [u, v, normal], lift } = &self.outline else { return None };
-        let [a, b, c, d] = RaySampler::new(!SEED, number as u64).take(DimensionSet::CAMERA);
+        let [a, b, c, d] = RaySampler::new(!self.seed, number as u64).take(DimensionSet::CAMERA);
         let place = surface.point([a, b]);
         let (direction, solid_angle) = light.sample(place, [c, d])?;
         let cosine = -normal.dot(direction);

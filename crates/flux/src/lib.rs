@@ -8,7 +8,7 @@
 //! data files with which `mkillum` turns the window into a light source.
 //!
 //! Guarantees: directions are numbered as in Radiance's function files; a ray is a function of its
-//! number alone; no input makes a function panic. The crate knows neither scene text nor files.
+//! number and the seed; no input makes a function panic. The crate knows neither scene text nor files.
 //!
 //! ```
 //! use radsight_flux::{FluxSurface, Group, ReceiverWords, Sender, Shape};

@@ -14,6 +14,7 @@ pub struct Sender {
     /// Unit vectors u, v and the mean normal.
     axes: [DVec3; 3],
     samples: u64,
+    seed: u64,
 }
 
 impl Sender {
@@ -35,7 +36,13 @@ impl Sender {
             up.cross(normal).try_normalize().ok_or_else(|| FluxError::Up { modifier: group.modifier.clone() })?;
         let v = normal.cross(across);
         let u = if group.parameters.hand == Hand::Left { -across } else { across };
-        Ok(Sender { group: group.clone(), directions, axes: [u, v, normal], samples: samples.max(1) })
+        Ok(Sender { group: group.clone(), directions, axes: [u, v, normal], samples: samples.max(1), seed: SEED })
+    }
+
+    /// Samples with the seed of a command; 0 is the one of [`Sender::new`].
+    #[must_use]
+    pub fn with_seed(self, seed: u64) -> Sender {
+        Sender { seed: SEED ^ seed, ..self }
     }
 
     /// Number of patches of the basis.
@@ -55,7 +62,7 @@ impl Sender {
     /// # Errors
     /// If no surface faces that direction.
     pub fn ray(&self, number: u64) -> Result<([f64; 3], [f64; 3]), FluxError> {
-        let [a, b, c, d] = RaySampler::new(SEED, number).take(DimensionSet::CAMERA);
+        let [a, b, c, d] = RaySampler::new(self.seed, number).take(DimensionSet::CAMERA);
         let [along_u, along_v, along_normal] = self.directions.sample(number / self.samples, [a, b]);
         let [u, v, normal] = self.axes;
         let direction = -(u * along_u + v * along_v + normal * along_normal);

@@ -23,6 +23,7 @@ use radsight_flux::{FluxError, IllumDetail, IllumSurface, Shape};
 use radsight_parse::syntax::{Item, Items, Primitive, SyntaxError};
 use radsight_parse::{Kind, Role};
 use radsight_render::{Lights, Ray, RayWorker, RenderOptions, Renderer};
+use radsight_scene_generators::source_name;
 use rayon::prelude::*;
 
 /// Prefix of comments for this program.
@@ -77,7 +78,7 @@ impl Work<'_> {
         let text = expanded_scene_text("mkillum", path, &self.options.reading.trust)?;
         let mistake = |error: SyntaxError| {
             let mut sources = SourceMap::default();
-            let source = sources.add(path, text.clone(), None);
+            let source = sources.add(source_name(path), text.clone(), None);
             Failure::diagnostics(&[error.diagnostic(source)], &sources)
         };
         let mut items = Items::new(&text).map_err(mistake)?;
@@ -88,7 +89,7 @@ impl Work<'_> {
                     let named = self.comment(comment.trim_end(), path)?;
                     named.map_err(|refusal| {
                         let mut sources = SourceMap::default();
-                        let source = sources.add(path, text.clone(), None);
+                        let source = sources.add(source_name(path), text.clone(), None);
                         let end = place.start + comment.trim_end().len() as u32;
                         let span = Span { source, start: place.start, end: end.min(place.end) };
                         Failure::diagnostics(&[refusal.at(span)], &sources)
@@ -129,7 +130,7 @@ impl Work<'_> {
             }
         }
         if result.is_processed {
-            self.warn(&format!("{path} was processed before and is copied unchanged"));
+            self.warn(&format!("{} was processed before and is copied unchanged", source_name(path)));
             return Ok(Ok(()));
         }
         self.output.put_header();
@@ -177,7 +178,7 @@ impl Work<'_> {
             }
         };
         match surface {
-            Ok(surface) => self.light(&modifier, &written, &surface),
+            Ok(surface) => self.light(&modifier, &written, &surface.with_seed(self.options.render.seed)),
             Err(error @ FluxError::Surface { what: "has no area", .. }) => {
                 self.warn(&format!("{error}; it does not become a light source"));
                 self.output.primitive(&modifier, &written);

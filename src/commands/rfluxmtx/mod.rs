@@ -31,7 +31,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         return rcontrib::run_on(words, &options.trust, options.existing, io::stdin().lock());
     };
     let group = surfaces::sender(&options, path)?;
-    let sender = Sender::new(&group, options.samples).map_err(|error| wrong(path, &error))?;
+    let sender = Sender::new(&group, options.samples).map_err(|error| wrong(path, &error))?.with_seed(options.seed);
     if group.parameters.output.is_some() {
         options.warn("the output file of the sender is ignored");
     }

@@ -17,6 +17,8 @@ pub(super) struct Options {
     pub(super) jitter: Option<String>,
     /// Rays per direction of the sender, or per record.
     pub(super) samples: u64,
+    /// Seed of the rays of a sender, and of those that follow them.
+    pub(super) seed: u64,
     /// Options passed to `rcontrib` unchanged.
     pub(super) passed: CommandWords,
     /// Permissions that the command line gives to files.
@@ -65,6 +67,7 @@ impl Options {
             no_warnings: false,
             jitter: None,
             samples: 0,
+            seed: 0,
             passed: CommandWords::default(),
             trust: trust.clone(),
             existing: Existing::Kept,
@@ -159,6 +162,7 @@ impl Options {
             "-w" | "-w-" => self.no_warnings = true,
             "-ad" => self.divisions = number(words, word, "a number of rays")?,
             "--samples" => self.says_paths = true,
+            "--seed" => self.seed = number(words, word, "a whole number")?,
             _ => {}
         }
         self.passed.extend(taken.iter().cloned(), self.trust.word_origin());
