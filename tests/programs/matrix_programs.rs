@@ -515,7 +515,7 @@ fn wrong_command_lines_and_input_are_reported() {
     check("gendaymtx -m 91 day.wea", 2, "expected a subdivision (-m) of 1 to 90");
     check("gendaymtx -m 90 -x day.wea", 2, "unknown option \"-x\"");
     check("gendaymtx -m 90 day.wea", 1, "the output exceeds");
-    check("gendaymtx odd.wea", 1, "odd.wea: line 43: no such date or time");
+    check("gendaymtx odd.wea", 1, "odd.wea: line 43: there is no hour 12.5 of day 30 in month 2");
     check("gendaymtx a.mtx", 1, "expected \"place\" or \"LOCATION,\"");
     check("gendaymtx none.wea", 1, "none.wea");
     check("gendaymtx -r", 2, "missing rotation in degrees (-r)");

@@ -46,8 +46,10 @@ const EPW_HEADER_LINES: usize = 8;
 
 /// Columns of an EPW record, and their values for missing data.
 const DEW_POINT: (usize, f64) = (7, 99.9);
-const DIRECT: (usize, f64) = (14, 9999.0);
-const DIFFUSE: (usize, f64) = (15, 9999.0);
+pub(crate) const DIRECT: (usize, f64) = (14, 9999.0);
+pub(crate) const DIFFUSE: (usize, f64) = (15, 9999.0);
+/// The mistake of such a record.
+pub(crate) const MISSING: &str = "direct or diffuse irradiance is missing";
 
 /// Largest light, W/m² or lux: more than the sun's surface emits. The limit keeps skies within
 /// single precision.
@@ -78,7 +80,7 @@ impl Weather {
     }
 }
 
-fn check_light(direct: f64, diffuse: f64) -> Result<(), String> {
+pub(crate) fn check_light(direct: f64, diffuse: f64) -> Result<(), String> {
     let light = direct.abs().max(diffuse.abs());
     if light <= MOST_LIGHT { Ok(()) } else { Err(format!("light of {light:e}, expected at most {MOST_LIGHT:e}")) }
 }
@@ -101,12 +103,13 @@ fn read_wea(text: &str) -> Result<Weather, String> {
     };
     let mut records = Vec::new();
     for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+        let wrong = |what: &str| format!("line {}: {what}", number + 1);
         let numbers: Vec<f64> = line.split_whitespace().take(5).map_while(finite).collect();
         let [month, day, hour, direct, diffuse] = numbers[..] else {
-            return Err(format!("line {}: expected month, day, hour, direct and diffuse light", number + 1));
+            return Err(wrong("expected month, day, hour, direct and diffuse light"));
         };
-        let date = date(month, day, hour).ok_or_else(|| format!("line {}: no such date or time", number + 1))?;
-        check_light(direct, diffuse).map_err(|what| format!("line {}: {what}", number + 1))?;
+        let date = date([month, day, hour]).map_err(|what| wrong(&what))?;
+        check_light(direct, diffuse).map_err(|what| wrong(&what))?;
         records.push(Record { direct, diffuse, ..date });
     }
     Ok(Weather { latitude, longitude: -west, time_zone: -meridian_west / 15.0, quantity, records })
@@ -117,7 +120,7 @@ fn read_epw(text: &str) -> Result<Weather, String> {
     let mut place: [f64; 3] = [0.0; 3];
     let mut an_hour = 1.0;
     for (number, line) in lines.by_ref().take(EPW_HEADER_LINES) {
-        let fields: Vec<&str> = line.split(',').collect();
+        let fields = fields(line);
         let field = |index: usize| fields.get(index).copied().and_then(finite);
         let wrong = |what: &str| format!("line {}: expected {what}", number + 1);
         match number {
@@ -136,17 +139,18 @@ fn read_epw(text: &str) -> Result<Weather, String> {
     }
     let mut records = Vec::new();
     for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let fields: Vec<&str> = line.split(',').collect();
+        let fields = fields(line);
         let field = |index: usize| fields.get(index).copied().and_then(finite);
         let measured = |(index, missing): (usize, f64)| field(index).filter(|value| *value != missing);
         let wrong = |what: &str| format!("line {}: {what}", number + 1);
         let [Some(month), Some(day), Some(hour), Some(minute)] = [1, 2, 3, 4].map(field) else {
             return Err(wrong("expected year, month, day, hour and minute"));
         };
+        whole_numbers([("hour", hour), ("minute", minute)]).map_err(|what| wrong(&what))?;
         let within = if an_hour == 1.0 { 0.5 } else { minute / 60.0 };
-        let date = date(month, day, hour - 1.0 + within).ok_or_else(|| wrong("no such date or time"))?;
+        let date = date([month, day, hour - 1.0 + within]).map_err(|what| wrong(&what))?;
         let (Some(direct), Some(diffuse)) = (measured(DIRECT), measured(DIFFUSE)) else {
-            return Err(wrong("direct or diffuse irradiance is missing"));
+            return Err(wrong(MISSING));
         };
         check_light(direct, diffuse).map_err(|what| wrong(&what))?;
         records.push(Record { direct, diffuse, dew_point: measured(DEW_POINT), ..date });
@@ -160,11 +164,45 @@ fn finite(text: &str) -> Option<f64> {
     leading_number(text.trim()).map(|(value, _)| value).filter(|value| value.is_finite())
 }
 
-fn date(month: f64, day: f64, hour: f64) -> Option<Record> {
-    let month_index = if (1.0..=12.0).contains(&month) { month as usize - 1 } else { return None };
+/// The fields of a line of an EPW file. Commas between quotation marks are part of their field.
+pub(crate) fn fields(line: &str) -> Vec<&str> {
+    let (mut found, mut rest) = (Vec::new(), Some(line));
+    while let Some(text) = rest {
+        let (field, after) = quoted_field(text).unwrap_or_else(|| match text.split_once(',') {
+            Some((field, after)) => (field, Some(after)),
+            None => (text, None),
+        });
+        found.push(field);
+        rest = after;
+    }
+    found
+}
+
+/// The text of a quoted field, and what follows its comma; `None` if it is not quoted as a whole.
+fn quoted_field(text: &str) -> Option<(&str, Option<&str>)> {
+    let (field, after) = text.trim_start().strip_prefix('"')?.split_once('"')?;
+    let after = after.trim_start();
+    match after.strip_prefix(',') {
+        Some(after) => Some((field, Some(after))),
+        None => after.is_empty().then_some((field, None)),
+    }
+}
+
+/// The time step of a month, a day and an hour, without light.
+pub(crate) fn date([month, day, hour]: [f64; 3]) -> Result<Record, String> {
+    whole_numbers([("month", month), ("day", day)])?;
+    let nowhere = || format!("there is no hour {hour} of day {day} in month {month}");
+    let month_index = if (1.0..=12.0).contains(&month) { month as usize - 1 } else { return Err(nowhere()) };
     let exists = day >= 1.0 && day as i64 <= DAYS[month_index] && (0.0..=24.0).contains(&hour);
     let date = Record { month: month_index + 1, day: day as i64, hour, direct: 0.0, diffuse: 0.0, dew_point: None };
-    exists.then_some(date)
+    if exists { Ok(date) } else { Err(nowhere()) }
+}
+
+fn whole_numbers(numbers: [(&str, f64); 2]) -> Result<(), String> {
+    match numbers.into_iter().find(|(_, value)| value.fract() != 0.0) {
+        Some((name, value)) => Err(format!("the {name} is {value}, expected a whole number")),
+        None => Ok(()),
+    }
 }
 
 #[cfg(test)]
@@ -185,6 +223,19 @@ mod tests {
     }
 
     #[test]
+    fn quoted_fields_hold_commas() {
+        for (line, expected) in [
+            ("a,\"b, c\" ,d", &["a", "b, c", "d"][..]),
+            ("\"a,b\"", &["a,b"]),
+            ("a \"b, c\",\"", &["a \"b", " c\"", "\""]),
+            ("\"a\"b,c,", &["\"a\"b", "c", ""]),
+            ("", &[""]),
+        ] {
+            assert_eq!(fields(line), expected, "{line}");
+        }
+    }
+
+    #[test]
     fn mistakes_have_their_line() {
         let wea = "place A_B\nlatitude 37.42\nlongitude 122.05\ntime_zone 120\nsite_elevation 12.0\nweather_data_file_units 1\n";
         for (text, message) in [
@@ -192,9 +243,12 @@ mod tests {
             ("place x\nlatitude north\n".to_owned(), "line 2: expected \"latitude\" and a number"),
             ("place x\n".to_owned(), "the header ends before \"latitude\""),
             (wea.to_owned(), "no record follows the header"),
-            (format!("{wea}13 1 1 1 1\n"), "line 7: no such date"),
+            (format!("{wea}13 1 1 1 1\n"), "line 7: there is no hour 1 of day 1 in month 13"),
             (format!("{wea}1 1 1 1e40 1\n"), "line 7: light of 1e40, expected at most 1e12"),
-            (format!("{wea}2 29 1 1 1\n2 30 1 1 1\n"), "line 8: no such date"),
+            (format!("{wea}2 29 1 1 1\n2 30 1 1 1\n"), "line 8: there is no hour 1 of day 30 in month 2"),
+            (format!("{wea}3.5 21 12.5 600 100\n"), "line 7: the month is 3.5, expected a whole number"),
+            (format!("{wea}3 21.7 12.5 600 100\n"), "line 7: the day is 21.7, expected a whole number"),
+            (format!("{wea}3 21 24.5 600 100\n"), "line 7: there is no hour 24.5 of day 21 in month 3"),
             (format!("{wea}1 1 1 1\n"), "line 7: expected month"),
             (wea.replace("units 1", "units 7"), "expected 1, 2 or 3"),
             (format!("{}1 1 1 1 1\n", wea.replace("37.42", "99")), "not on earth"),

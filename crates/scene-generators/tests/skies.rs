@@ -168,6 +168,17 @@ fn weather_files_are_those_of_the_real_program() {
 }
 
 #[test]
+fn a_quoted_city_holds_a_comma() {
+    let text = weather(24).replace("S\u{e3}o Paulo", "\"S\u{e3}o, Paulo\"");
+    let loader = TestLoader::default();
+    let made = ours(&words("epw2wea -"), text.as_bytes(), &loader).unwrap().standard_output;
+    let made = String::from_utf8(made).unwrap();
+    assert!(made.starts_with("place S\u{e3}o, Paulo_BRA\nlatitude -23.62\nlongitude 46.65"), "{made}");
+    let sky = |input: &str| ours(&words("gendaymtx -m 1 -h"), input.as_bytes(), &loader).unwrap().standard_output;
+    assert_eq!(sky(&text), sky(&weather(24)));
+}
+
+#[test]
 fn invalid_weather_is_reported_with_its_line() {
     let text = weather(3);
     let cut = |lines: usize| text.lines().take(lines).collect::<Vec<_>>().join("\n");
@@ -182,6 +193,14 @@ fn invalid_weather_is_reported_with_its_line() {
             text.replace(",0.000,0,88", ""),
             "line 9: expected cloud cover and aerosol optical depth (-a)",
         ),
+        (
+            "epw2wea -",
+            text.replace("1999,1,1,2,", "1999,13,1,2,"),
+            "line 10: there is no hour 1.5 of day 1 in month 13",
+        ),
+        ("epw2wea -", text.replace("1999,1,1,2,", "1999,1,1,26,"), "line 10: there is no hour 25.5 of day 1"),
+        ("epw2wea -", text.replace("1999,1,1,2,", "1999,1,1.5,2,"), "line 10: the day is 1.5, expected a whole number"),
+        ("epw2wea -", text.replace(",300,37,", ",300,9999,"), "line 10: direct or diffuse irradiance is missing"),
         ("epw2wea -q -", String::new(), "unknown option \"-q\""),
         ("epw2wea", String::new(), "missing file-name.epw"),
         ("epw2wea - a b", String::new(), "unexpected argument \"b\""),
