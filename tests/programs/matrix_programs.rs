@@ -195,6 +195,27 @@ fn functions_of_elements_are_those_of_the_real_program() {
 }
 
 #[test]
+fn values_of_different_kinds_are_combined_with_a_warning() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = folder(&radiance);
+    let run = |words: &str| run_with(command(&split(words)).current_dir(folder.path("")), b"");
+    let warning = "a picture of X, Y and Z (XYZE) combined with a picture of red, green and blue (RGBE)\n";
+    for (words, expected) in [
+        ("rmtxop -fa a.hdr + a.xyz", format!("rmtxop: warning - a.xyz: {warning}")),
+        ("rcomb -fa a.hdr a.xyz", format!("rcomb: warning - a.xyz: {warning}")),
+        ("rcomb -w -fa a.hdr a.xyz", String::new()),
+        ("rmtxop -fa a.hdr + a.hdr", String::new()),
+        ("rmtxop -fa a.mtx + c.dbl", String::new()),
+        ("rcomb -fa -C RGB a.hdr a.xyz", String::new()),
+    ] {
+        let run = run(words);
+        assert_eq!((run.code, &run.messages), (0, &expected), "{words}");
+        let has_line = String::from_utf8_lossy(&run.output).contains("\nWARNING: data type mismatch\n");
+        assert_eq!(has_line, words.starts_with("rmtxop") && !expected.is_empty(), "{words}");
+    }
+}
+
+#[test]
 fn daylight_is_that_of_the_real_program() {
     let Some(radiance) = Radiance::find() else { return };
     let folder = folder(&radiance);

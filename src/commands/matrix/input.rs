@@ -37,6 +37,21 @@ pub(super) fn wrong(program: &str, source: &str, error: &MatrixError) -> Failure
     Failure::input(format!("{program}: {}: {error}", source_name(source)))
 }
 
+/// The warning that values of different kinds are combined as they are.
+pub(super) fn mismatch(program: &str, source: &str, [before, own]: [Stored; 2]) -> String {
+    let [before, own] = [before, own].map(kind);
+    format!("{program}: warning - {}: {own} combined with {before}\n", source_name(source))
+}
+
+fn kind(stored: Stored) -> &'static str {
+    match stored {
+        Stored::Rgbe => "a picture of red, green and blue (RGBE)",
+        Stored::Xyze => "a picture of X, Y and Z (XYZE)",
+        Stored::Spectra => "a picture of spectra",
+        Stored::Float | Stored::Ascii | Stored::Double => "a matrix of numbers",
+    }
+}
+
 /// Reads a picture or a float matrix.
 pub(super) fn read_matrix(program: &str, source: &str, commands: Commands) -> Result<Matrix, Failure> {
     Matrix::read(&read_bytes(source, commands)?).map_err(|error| wrong(program, source, &error))

@@ -6,11 +6,11 @@
 //! `nfiles nrows ncols ncomp R G B PI`. `-s` and `-c` apply to the next matrix, or to the result if
 //! after the last one. `-m` multiplies the result by a matrix, `-mt` by a transposed one.
 
-use super::input::{Change, format, read_matrix, result_format, wrong};
+use super::input::{Change, format, mismatch, read_matrix, result_format, wrong};
 use crate::clock::push_date;
 use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Failure, Outcome, say};
 use crate::input::use_default_threads;
 use crate::output::write_standard_output;
 use radsight_diag::SourceMap;
@@ -28,6 +28,7 @@ struct Request {
     factor: Option<Factor>,
     format: Option<Stored>,
     leaves_headers_out: bool,
+    no_warnings: bool,
 }
 
 enum Definition {
@@ -51,6 +52,9 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let mut inputs = Vec::new();
     for (source, change) in &request.inputs {
         inputs.push(change.apply(program, source, read_matrix(program, source, commands)?, commands)?);
+    }
+    if !request.no_warnings {
+        warn_of_kinds(program, &request, &inputs);
     }
     let header = header(&request, &words, &inputs);
     let failed = |(index, error): (usize, MatrixError)| {
@@ -80,7 +84,7 @@ impl Request {
             }
             match word {
                 "-h" => request.leaves_headers_out = !request.leaves_headers_out,
-                "-w" => {}
+                "-w" => request.no_warnings = !request.no_warnings,
                 "-n" => drop(words.integer(word)?),
                 "-e" => request.definitions.push(Definition::Text(words.value(word, "definitions")?.to_owned())),
                 "-f" => request.definitions.push(Definition::File(words.value(word, "a file")?.to_owned())),
@@ -104,6 +108,18 @@ impl Request {
             return Err(Failure::usage("rcomb: no matrix is given"));
         }
         Ok(request)
+    }
+}
+
+/// Warns of inputs of another kind, such as a picture of X, Y and Z among pictures of red, green and blue.
+fn warn_of_kinds(program: &str, request: &Request, inputs: &[Matrix]) {
+    let [first, others @ ..] = inputs else { return };
+    let mut stored = first.stored;
+    for ((source, _), input) in request.inputs[1..].iter().zip(others) {
+        match stored.with(input.stored) {
+            Some(joint) => stored = joint,
+            None => say(&mismatch(program, source, [stored, input.stored])),
+        }
     }
 }
 

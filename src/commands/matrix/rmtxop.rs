@@ -6,7 +6,7 @@
 //! scales, `-c` transforms components. A BSDF file (`.xml`) is read as its transmission, with `-rf`
 //! and `-rb` for its front and back reflection.
 
-use super::input::{Change, format, read_factor, result_format, wrong};
+use super::input::{Change, format, mismatch, read_factor, result_format, wrong};
 use crate::commands::words::Words;
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, say};
@@ -15,6 +15,9 @@ use crate::output::write_standard_output;
 use radsight_matrix::{Matrix, MatrixError, Stored, Wanted, product_of_chain};
 use radsight_measured::Side;
 use radsight_picture::Header;
+
+/// The header line of Radiance about values of different kinds.
+const MISMATCH_LINE: &str = "WARNING: data type mismatch";
 
 /// A matrix with its changes.
 struct Operand {
@@ -116,6 +119,7 @@ impl Operation {
 
 impl ElementOperation {
     fn join(self, program: &str, source: &str, mut left: Matrix, right: &Matrix) -> Result<Matrix, Failure> {
+        let kinds = [left.stored, right.stored];
         let done = match self {
             ElementOperation::Sum => left.add(right),
             ElementOperation::Multiplication => left.multiply(right),
@@ -126,6 +130,10 @@ impl ElementOperation {
             }),
         };
         done.map_err(|error: MatrixError| wrong(program, source, &error))?;
+        if kinds[0].with(kinds[1]).is_none() {
+            say(&mismatch(program, source, kinds));
+            left.header.push_line(MISMATCH_LINE);
+        }
         Ok(left)
     }
 }
@@ -156,5 +164,13 @@ fn combined(program: &str, operands: &[Operand], commands: Commands) -> Result<M
 
 fn product(program: &str, chain: Vec<(&str, Matrix)>) -> Result<Matrix, Failure> {
     let (sources, matrices): (Vec<&str>, Vec<Matrix>) = chain.into_iter().unzip();
-    product_of_chain(matrices).map_err(|(index, error)| wrong(program, sources[index], &error))
+    let kinds: Vec<Stored> = matrices.iter().map(|matrix| matrix.stored).collect();
+    let mut product = product_of_chain(matrices).map_err(|(index, error)| wrong(program, sources[index], &error))?;
+    for (source, pair) in sources[1..].iter().zip(kinds.windows(2)) {
+        if pair[0].with(pair[1]).is_none() {
+            say(&mismatch(program, source, [pair[0], pair[1]]));
+            product.header.push_line(MISMATCH_LINE);
+        }
+    }
+    Ok(product)
 }
