@@ -6,7 +6,7 @@ use crate::option_table::{options_of, parse_option, unknown_option};
 use crate::output::{Output, write_file, write_standard_output};
 use crate::render_args::number;
 use crate::trust::{Existing, Origin, Refusal, Trust, own_program};
-use crate::view_args;
+use crate::view_args::{self, ViewOrigin};
 use radsight_diag::{SourceMap, Span};
 use radsight_output::interrupt::{ActionGuard, at_signal};
 use radsight_output::leftovers;
@@ -295,12 +295,12 @@ fn words(command: &str) -> Result<Vec<String>, Failure> {
 /// All options of a view.
 fn whole_view(options: &str) -> Result<String, Failure> {
     let words = words(&format!("view {options}"))?;
-    let mut view = ViewOptions::default();
+    let (mut view, mut origin) = (ViewOptions::default(), ViewOrigin::default());
     let mut at = 1;
     while at < words.len() {
-        at += view_args::take_one(&words[at..], &mut view)?.max(1);
+        at += view_args::take_one(&words[at..], &mut view, &mut origin)?.max(1);
     }
-    Ok(view_args::checked(view)?.options().to_full_string())
+    Ok(view_args::checked(view, &origin)?.options().to_full_string())
 }
 
 /// Suffix of unfinished pictures.

@@ -5,7 +5,7 @@ use crate::input::read_file;
 use crate::option_table::{check_words, options_of, parse_option};
 use crate::output::{StandardOutput, standard_output, write_standard_output};
 use crate::render_args::number;
-use crate::view_args;
+use crate::view_args::{self, ViewOrigin};
 use glam::DVec3;
 use radsight_film::{CameraRay, ViewCamera};
 use radsight_picture::{Header, Resolution, View, ViewOptions, put_scientific};
@@ -23,6 +23,7 @@ const LONGEST_LINE: usize = 4096;
 #[derive(Debug)]
 struct Options {
     view: ViewOptions,
+    view_origin: ViewOrigin,
     size: [usize; 2],
     pixel_aspect: f64,
     jitter: f64,
@@ -41,7 +42,7 @@ struct Options {
 pub(crate) fn run(words: &[String]) -> Outcome {
     let mut options = Options::parse(words)?;
     let resolution = options.picture_resolution()?;
-    let view = view_args::checked(options.view)?;
+    let view = view_args::checked(options.view, &options.view_origin)?;
     let resolution = resolution.unwrap_or_else(|| {
         let (columns, rows) = view.fit(options.size[0], options.size[1], options.pixel_aspect);
         Resolution::standard(columns, rows)
@@ -59,6 +60,7 @@ impl Options {
     fn parse(words: &[String]) -> Result<Options, Failure> {
         let mut options = Options {
             view: ViewOptions::default(),
+            view_origin: ViewOrigin::default(),
             size: [512, 512],
             pixel_aspect: 1.0,
             jitter: 0.0,
@@ -94,7 +96,7 @@ impl Options {
     }
 
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        let used = view_args::take_one(words, &mut self.view)?;
+        let used = view_args::take_one(words, &mut self.view, &mut self.view_origin)?;
         if used > 0 {
             return Ok(used);
         }
@@ -136,6 +138,7 @@ impl Options {
         let (_, start) = Header::read(&bytes).map_err(|error| wrong(&error))?;
         let (resolution, _) = Resolution::read(&bytes, start).map_err(|error| wrong(&error))?;
         self.view.apply_file(&bytes).map_err(|error| wrong(&error))?;
+        self.view_origin = ViewOrigin::input(format!("picture \"{path}\""));
         Ok(Some(resolution))
     }
 }

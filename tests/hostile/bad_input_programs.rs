@@ -108,6 +108,35 @@ fn options_that_are_wrong() {
 }
 
 #[test]
+fn impossible_views_name_their_file_and_line() {
+    let folder = bench();
+    folder.file("parallel.vf", "# a view\nrvu -vp 1 2 3 -vd 0 0 1 -vu 0 0 1\n");
+    folder.file("cut.vf", "rvu -vp 1 2 3\0 -vd 0 1 0\n");
+    folder.file("kind.vf", "rvu -vtv\nVIEW= -vtz\n");
+    folder.file("good.vf", "rvu -vp 1 2 3\n");
+    folder
+        .file("wide.hdr", "#?RADIANCE\nVIEW= -vtv -vh 500\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\u{1}\u{1}\u{1}\u{1}");
+    for program in ["vwrays -x 1 -y 1 VIEW", "rpict -x 1 -y 1 VIEW scene.rad"] {
+        let refuses = |view: &str, code: i32, parts: &[&str]| {
+            refuses(&folder, &program.replace("VIEW", view), b"", code, parts);
+        };
+        refuses("-vf parallel.vf", INPUT, &["view file \"parallel.vf\": line 2: bad view: ", "parallel"]);
+        refuses("-vf cut.vf", INPUT, &["view file \"cut.vf\": line 1: a zero byte"]);
+        refuses("-vf kind.vf", INPUT, &["view file \"kind.vf\": line 2: unknown view type \"z\""]);
+        refuses("-vf wide.hdr", INPUT, &["view file \"wide.hdr\": line 2: bad view: -vh is 500"]);
+        // The command line is to blame.
+        refuses("-vf good.vf -vh 500", USAGE, &["bad view: -vh is 500"]);
+        refuses("-vf parallel.vf -vu 0 1 0 -vh 500", USAGE, &["bad view: -vh is 500"]);
+    }
+    refuses(&folder, "vwrays wide.hdr", b"", INPUT, &["picture \"wide.hdr\": bad view: -vh is 500"]);
+    let views = b"VIEW= -vp 0 0 0 -vd 0 0 1\n";
+    refuses(&folder, "rpict -x 1 -y 1 -S 1 -o out%d.hdr scene.rad", views, INPUT, &["standard input: bad view: "]);
+    // Later options make the view possible.
+    let mended = run(&folder, "vwrays -x 1 -y 1 -vf parallel.vf -vu 0 1 0", b"");
+    assert_eq!(mended.code, 0, "{}", mended.messages);
+}
+
+#[test]
 fn files_that_are_missing_or_none_at_all() {
     let folder = bench();
     for program in ["rpict", "rtrace", "oconv", "rcontrib -m white", "getbbox"] {

@@ -55,6 +55,9 @@ pub enum ViewError {
     /// A crop without area, or one that leaves the hemisphere.
     #[error("the crop is empty or leaves the hemisphere")]
     Crop,
+    /// A line holds a zero byte, at which Radiance stops reading it.
+    #[error("a zero byte is in the line of the view, expected text")]
+    ZeroByte,
     /// The file has no line with a view.
     #[error("there is no view in the file, expected a line such as VIEW= -vtv -vp 0 0 0 -vd 0 1 0")]
     Missing,

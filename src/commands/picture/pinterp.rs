@@ -16,7 +16,7 @@ use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, read_standard_input};
 use crate::output::{write_file, write_standard_output};
 use crate::trust::OutputName;
-use crate::view_args;
+use crate::view_args::{self, ViewOrigin};
 use radsight_picture::{Header, Image, Picture, Resolution, View, ViewOptions, leading_number};
 use radsight_picture_ops::interpolate::{Distances, Filling, InterpolateOptions, Interpolation};
 use radsight_render::Ray;
@@ -27,6 +27,7 @@ const MOST_PIXELS: usize = 1 << 28;
 /// The parsed options.
 struct Request {
     view: ViewOptions,
+    view_origin: ViewOrigin,
     size: [usize; 2],
     pixel_aspect: f64,
     interpolate: InterpolateOptions,
@@ -125,6 +126,7 @@ impl Request {
     fn read(words: &mut Words<'_>) -> Result<Request, Failure> {
         let mut request = Request {
             view: ViewOptions::default(),
+            view_origin: ViewOrigin::default(),
             size: [512, 512],
             pixel_aspect: 1.0,
             interpolate: InterpolateOptions::default(),
@@ -139,7 +141,7 @@ impl Request {
             if option.starts_with("-v") {
                 let all: Vec<String> =
                     std::iter::once(option).chain(words.rest().iter().map(String::as_str)).map(str::to_owned).collect();
-                let used = view_args::take_one(&all, &mut request.view)?;
+                let used = view_args::take_one(&all, &mut request.view, &mut request.view_origin)?;
                 for _ in 1..used {
                     words.value(option, "a number")?;
                 }
@@ -191,7 +193,7 @@ impl Request {
     /// The requested views, at least one.
     fn views(&self) -> Result<Vec<View>, Failure> {
         if !self.blurs {
-            return Ok(vec![view_args::checked(self.view)?]);
+            return Ok(vec![view_args::checked(self.view, &self.view_origin)?]);
         }
         let text = read_standard_input()?;
         let (mut view, mut views) = (self.view, Vec::new());

@@ -16,7 +16,7 @@ use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::run_record::Stopwatch;
 use crate::trust::{OutputName, PROJECT, Trust};
-use crate::view_args;
+use crate::view_args::{self, ViewOrigin};
 use options::Options;
 use output::{PictureWriter, Recovered, Replaces, Start};
 use radsight::Image;
@@ -97,15 +97,21 @@ impl Picture {
         let goes_over = recovered.is_some() && recover.as_deref() == output.as_deref();
         let replaces = if goes_over { Replaces::Recovered } else { Replaces::Nothing };
         let ([columns, rows], aspect);
+        let mut origin = match &frame {
+            Some(_) => ViewOrigin::input("standard input".to_owned()),
+            None => options.view_origin.clone(),
+        };
         if let Some(recovered) = &recovered {
             if let Ok(Some(seen)) = ViewOptions::from_header(&recovered.header) {
                 view = seen;
+                let name = recover.as_deref().unwrap_or_default();
+                origin = ViewOrigin::input(format!("picture \"{name}\""));
             }
             ([columns, rows], aspect) = ([recovered.columns, recovered.rows], 0.0);
         } else {
             ([columns, rows], aspect) = (options.size, options.pixel_aspect);
         }
-        let view = view_args::checked(view)?;
+        let view = view_args::checked(view, &origin)?;
         let (columns, rows) = view.fit(columns, rows, aspect);
         Image::check_size(columns, rows).map_err(|error| Failure::usage(format!("rpict: {error}")))?;
         let mut lens = ViewCamera::new(view, columns, rows);

@@ -15,7 +15,7 @@ use crate::render_args::{number, take_definition, take_highlight_samples, take_i
 use crate::sampling_args;
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
-use crate::view_args;
+use crate::view_args::{self, ViewOrigin};
 use radsight::{ErrorBudget, ErrorTarget, Interpolation, SamplingBudget};
 use radsight_options::Settings;
 use radsight_picture::ViewOptions;
@@ -31,6 +31,7 @@ pub(super) struct Options {
     pub(super) render: RenderOptions,
     pub(super) reading: Reading,
     pub(super) view: ViewOptions,
+    pub(super) view_origin: ViewOrigin,
     /// Largest number of columns and rows.
     pub(super) size: [usize; 2],
     /// The components of pixels. Primaries other than Radiance's are those of the scene's colours.
@@ -80,6 +81,7 @@ impl Default for Options {
             render: RenderOptions { source_sampling: SOURCE_SAMPLING, ..radsight::Renderer::picture_options() },
             reading: Reading::default(),
             view: ViewOptions::default(),
+            view_origin: ViewOrigin::default(),
             size: [512, 512],
             color: OutputColor::Rgb,
             format: OutputFormat::Pixels,
@@ -194,7 +196,7 @@ impl Options {
         const TAKERS: [Taker; 10] = [
             |options, words| take_highlight_samples(words, &mut options.render),
             |options, words| take_one(words, &mut options.render),
-            |options, words| view_args::take_one(words, &mut options.view),
+            |options, words| view_args::take_one(words, &mut options.view, &mut options.view_origin),
             |options, words| take_own(words, &mut options.reading, &mut options.render),
             |options, words| sampling_args::take_one(words, ErrorBudget::MOST_SAMPLES, &mut options.sampling_budget),
             |options, words| Ok(take_irradiance(words, &mut options.render)),

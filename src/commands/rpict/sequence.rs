@@ -2,7 +2,6 @@
 
 use super::options::Options;
 use crate::failure::{Failure, reason};
-use crate::view_args;
 use radsight_picture::{View, ViewOptions};
 use std::io::{self, BufRead};
 use std::path::Path;
@@ -57,7 +56,7 @@ impl<'o> Sequence<'o> {
 
     /// The view of the previous frame; `None` for the first.
     pub(super) fn view_before(&self) -> Option<View> {
-        self.before.and_then(|view| view_args::checked(view).ok())
+        self.before.and_then(|view| View::new(view).ok())
     }
 
     fn next_view(&mut self) -> Result<Option<ViewOptions>, Failure> {

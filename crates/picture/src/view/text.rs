@@ -61,6 +61,9 @@ impl ViewOptions {
     /// # Errors
     /// [`ViewError::UnknownKind`] for `-vt` with an unknown letter.
     pub fn apply_line(&mut self, line: &str) -> Result<usize, ViewError> {
+        if line.contains('\0') {
+            return Err(ViewError::ZeroByte);
+        }
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         let (mut at, mut options) = (0, 0);
         while at < words.len() {
@@ -217,6 +220,7 @@ mod tests {
         assert_eq!(view.apply_line("rpict -vf x -vtlx -vd 1e0 .5 -2.").unwrap(), 1);
         assert_eq!(view.direction, DVec3::new(1.0, 0.5, -2.0));
         assert_eq!(view.apply_line("VIEW= -vtz"), Err(ViewError::UnknownKind('z')));
+        assert_eq!(view.apply_line("VIEW= -vp 1 2 3\0 -vd 0 1 0"), Err(ViewError::ZeroByte));
     }
 
     #[test]
