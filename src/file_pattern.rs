@@ -8,7 +8,7 @@ pub(crate) fn holds_number(pattern: &str) -> bool {
 }
 
 /// Expands a pattern, and returns whether it contains the modifier's name and the bin's number:
-/// `%s`, `%d` (also `%03d`, `%o`, `%x`), `%%`.
+/// `%s`, `%d` (also `%03d`, `%o`, `%x`), `%%`. As in Radiance, a pattern with neither is the name.
 pub(crate) fn named(program: &str, pattern: &str, modifier: &str, bin: usize) -> Result<(String, bool, bool), Failure> {
     let wrong = || {
         Failure::usage(format!(
@@ -45,5 +45,23 @@ pub(crate) fn named(program: &str, pattern: &str, modifier: &str, bin: usize) ->
         rest = &rest[digits + letter.len_utf8()..];
     }
     name.push_str(rest);
+    if !has_modifier && !has_bin {
+        pattern.clone_into(&mut name);
+    }
     Ok((name, has_modifier, has_bin))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percent_signs_are_halved_only_beside_a_format() {
+        for (pattern, expected) in
+            [("%%.mtx", "%%.mtx"), ("%%%s", "%glow"), ("%%%03d", "%007"), ("%s%%%d", "glow%7"), ("plain", "plain")]
+        {
+            assert_eq!(named("rcontrib", pattern, "glow", 7).expect("a name").0, expected);
+        }
+        assert!(named("rcontrib", "%%%q", "glow", 7).is_err());
+    }
 }
