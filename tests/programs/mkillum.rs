@@ -206,9 +206,9 @@ fn light_between_walls_is_what_rays_that_share_nothing_find() {
 
 #[test]
 fn the_seed_changes_the_rays_of_a_window() {
-    let folder = folder();
-    folder.file("lit.rad", "#@mkillum m=lit l+ s=4 d=4\npane polygon w 0 0 12 .5 0 1 .5 0 2.5 3.5 0 2.5 3.5 0 1\n");
     let [first, again, other] = ["0", "0", "1"].map(|seed| {
+        let folder = folder();
+        folder.file("lit.rad", "#@mkillum m=lit l+ s=4 d=4\npane polygon w 0 0 12 .5 0 1 .5 0 2.5 3.5 0 2.5 3.5 0 1\n");
         ours(&folder, &format!("-ab 0 --seed {seed} outside.rad lamps.rad lit.rad < lit.rad")).text();
         folder.read("lit.dat")
     });

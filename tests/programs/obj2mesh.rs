@@ -84,7 +84,8 @@ fn meshes_render_as_those_of_the_real_program() {
     }
 }
 
-/// A face of each number of corners, from above, from below and from the side, none of them planar.
+/// Faces of four to six corners, convex and not, from above and from below, none of them planar. Deeper notches are
+/// flatter: the real program loses parts of faces whose outlines intersect themselves in its projection.
 fn bent_faces() -> String {
     let mut text = String::new();
     let mut random = (0..).map(|number| f64::from(number) * 0.754_877_666 % 1.0);
@@ -92,12 +93,12 @@ fn bent_faces() -> String {
     for face in 0..90 {
         let corners = 4 + face % 3;
         let (first, sign) = (between(0.0, 6.0), if face % 2 == 0 { 1.0 } else { -1.0 });
-        let deepest = if face % 5 == 0 { 0.08 } else { 0.35 };
+        let [deepest, height] = if face % 5 == 0 { [0.08, 0.01] } else { [0.35, 0.1] };
         for corner in 0..corners {
             let angle = first + sign * std::f64::consts::TAU * f64::from(corner) / f64::from(corners);
             let radius = between(deepest, 0.42);
             let [x, y] = [f64::from(face % 10) + radius * angle.cos(), f64::from(face / 10) + radius * angle.sin()];
-            let _ = writeln!(text, "v {x:.6} {y:.6} {:.6}\nvt {x:.6} {y:.6}", between(-0.1, 0.1));
+            let _ = writeln!(text, "v {x:.6} {y:.6} {:.6}\nvt {x:.6} {y:.6}", between(-height, height));
         }
         let words: Vec<String> = (1..=corners).map(|back| format!("-{0}/-{0}", corners + 1 - back)).collect();
         let _ = writeln!(text, "f {}", words.join(" "));

@@ -98,18 +98,18 @@ impl Reader {
         Ok(())
     }
 
-    /// Triangulates a face in its projection along the largest component of its normal.
+    /// Triangulates a face in a projection along an axis: as in Radiance that of the last corner, or that of the whole
+    /// face if the outline intersects itself there.
     fn cut(&mut self, corners: &[Corner]) -> Vec<[Corner; 3]> {
         let points: Vec<[f64; 3]> = corners.iter().map(|corner| self.vertices.point(corner)).collect();
-        let normal = points.windows(3).map(|p| cross(subtract(p[1], p[0]), subtract(p[2], p[1])));
-        let Some(normal) = normal.into_iter().rfind(|normal| dot(*normal, *normal) > TINY.powi(4)) else {
+        let normals = points.windows(3).map(|p| cross(subtract(p[1], p[0]), subtract(p[2], p[1])));
+        let Some(last) = normals.into_iter().rfind(|normal| dot(*normal, *normal) > TINY.powi(4)) else {
             return Vec::new();
         };
-        let largest = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
-        let [x, y] = [(largest + 1) % 3, (largest + 2) % 3];
-        let flat: Vec<[f64; 2]> = points.iter().map(|point| [point[x], point[y]]).collect();
-        let clipped = if corners.len() <= MOST_CLIPPED { clip_ears(&flat) } else { None };
-        let triangles = clipped.unwrap_or_else(|| self.cut_anyhow(&flat));
+        let outlines = [last, area_normal(&points)].map(|normal| projected(&points, normal));
+        let clipped =
+            if corners.len() <= MOST_CLIPPED { outlines.iter().find_map(|flat| clip_ears(flat)) } else { None };
+        let triangles = clipped.unwrap_or_else(|| self.cut_anyhow(&outlines[1]));
         triangles.into_iter().map(|triangle| triangle.map(|index| corners[index])).collect()
     }
 
@@ -165,6 +165,22 @@ impl Reader {
     }
 }
 
+/// Twice the vector area of a face.
+fn area_normal(points: &[[f64; 3]]) -> [f64; 3] {
+    let origin = points[0];
+    points.windows(2).fold([0.0; 3], |sum, pair| {
+        let part = cross(subtract(pair[0], origin), subtract(pair[1], origin));
+        std::array::from_fn(|axis| sum[axis] + part[axis])
+    })
+}
+
+/// Points along the largest component of a normal.
+fn projected(points: &[[f64; 3]], normal: [f64; 3]) -> Vec<[f64; 2]> {
+    let largest = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
+    let [x, y] = [(largest + 1) % 3, (largest + 2) % 3];
+    points.iter().map(|point| [point[x], point[y]]).collect()
+}
+
 fn all<T: Copy>([a, b, c]: [Option<T>; 3]) -> Option<[T; 3]> {
     Some([a?, b?, c?])
 }
@@ -184,6 +200,18 @@ mod tests {
         };
         assert!(mesh.triangles.iter().all(|triangle| area(triangle) > 0.0));
         assert!((mesh.triangles.iter().map(area).sum::<f64>() - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_face_whose_last_corner_stands_upright_is_whole() {
+        // Seen along x, as the normal of the last corner is, the outline intersects itself.
+        let text = "v 0 0 0\nv 1 0 .2\nv 1 1 -.1\nv 0 1 .1\nv -.02 .3 -.5\nf 1 2 3 4 5\n";
+        let mesh = WavefrontMesh::read(text).unwrap();
+        let area = |triangle: &WavefrontTriangle| {
+            let [a, b, c] = triangle.points;
+            0.5 * cross(subtract(b, a), subtract(c, b))[2]
+        };
+        assert!((mesh.triangles.iter().map(area).sum::<f64>() - 1.01).abs() < 1e-12);
     }
 
     #[test]
