@@ -86,7 +86,7 @@ fn meshes_render_as_those_of_the_real_program() {
 
 /// Faces of four to six corners, convex and not, from above and from below, none of them planar. Deeper notches are
 /// flatter: the real program loses parts of faces whose outlines intersect themselves in its projection.
-fn bent_faces() -> String {
+fn faces_not_planar() -> String {
     let mut text = String::new();
     let mut random = (0..).map(|number| f64::from(number) * 0.754_877_666 % 1.0);
     let mut between = |low: f64, high: f64| low + (high - low) * random.next().unwrap_or_default();
@@ -107,13 +107,13 @@ fn bent_faces() -> String {
 }
 
 #[test]
-fn bent_faces_are_cut_as_by_the_real_program() {
+fn faces_not_planar_are_cut_as_by_the_real_program() {
     let Some(radiance) = Radiance::find() else { return };
     let folder = Folder::new();
-    folder.file("bent.obj", bent_faces());
-    let real = run_with(radiance.command("obj2mesh", &["bent.obj"]).current_dir(folder.path("")), b"").done();
+    folder.file("faces.obj", faces_not_planar());
+    let real = run_with(radiance.command("obj2mesh", &["faces.obj"]).current_dir(folder.path("")), b"").done();
     folder.file("real.rtm", real);
-    folder.file("ours.rtm", run_with(command(&["obj2mesh", "bent.obj"]).current_dir(folder.path("")), b"").done());
+    folder.file("ours.rtm", run_with(command(&["obj2mesh", "faces.obj"]).current_dir(folder.path("")), b"").done());
     let mut text = String::new();
     for at in 0..4000 {
         let [x, y] = [f64::from(at) * 0.618_034 % 1.0, f64::from(at) * 0.414_214 % 1.0];

@@ -87,7 +87,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("report", &["picture"]),
     ("retro", &["brdf"]),
     ("sampling", &[]),
-    ("scene-generators", &["cal", "diag", "loader", "options", "sky", "units"]),
+    ("scene-generators", &["cal", "diag", "loader", "measured", "options", "sky", "units"]),
     ("sensor", &[]),
     ("sky", &[]),
     ("spectrum", &["units"]),
