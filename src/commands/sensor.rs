@@ -31,11 +31,8 @@ pub(crate) fn run(arguments: &Sensor, trust: &Trust) -> Outcome {
         let found = read.image.components();
         return Err(Failure::input(format!("the exposure has {found} components, expected 1 (J/m²)")));
     }
-    if let Some(bad) = read.image.data().iter().find(|value| !(value.is_finite() && **value >= 0.0)) {
-        return Err(Failure::input(format!(
-            "the exposure has the value {bad}, expected finite values of at least 0 (J/m²)"
-        )));
-    }
+    SensorModel::check_exposures(read.image.data().iter().copied())
+        .map_err(|error| Failure::input(error.to_string()))?;
     let mut header = read.header.map(|header| header.history()).unwrap_or_default();
     let own = history();
     own.lines().for_each(|line| header.push_line(&String::from_utf8_lossy(line)));

@@ -1,7 +1,7 @@
 //! Captures.
 
 use crate::array_view::array_view;
-use crate::errors::{exception, wrong};
+use crate::errors::{RadsightError, exception};
 use crate::png;
 use crate::scene::{Files, Materials, Scene, Text, files_first, texts_of};
 use crate::sensor::Sensor;
@@ -22,8 +22,8 @@ use std::time::Instant;
 /// ----------
 /// path : path-like
 ///     The camera file (TOML).
-/// error : float
-///     Requested error of the exposure: rms over the pixels, relative to the mean.
+/// error : float, optional
+///     Requested error of the exposure: rms over the pixels, relative to the mean. Without it and ``samples``: 0.005.
 /// samples : int, optional
 ///     Rays through every pixel instead.
 /// seed : int
@@ -42,11 +42,14 @@ pub(crate) struct Capture {
     options: CaptureOptions,
 }
 
+/// The error where neither it nor a number of samples is given.
+const DEFAULT_ERROR: f64 = 0.005;
+
 /// The options of a capture, as they were given.
 #[derive(Clone, Copy)]
 struct CaptureOptions {
-    /// Relative error of the exposure.
-    error: f64,
+    /// Relative error of the exposure, if one was given.
+    error: Option<f64>,
     /// Rays through every pixel, instead of an error.
     samples: Option<u32>,
     seed: u64,
@@ -55,7 +58,7 @@ struct CaptureOptions {
 
 impl CaptureOptions {
     fn apply_to(&self, capture: radsight::Capture) -> radsight::Capture {
-        let mut capture = capture.error(self.error).seed(self.seed);
+        let mut capture = capture.error(self.error.unwrap_or(DEFAULT_ERROR)).seed(self.seed);
         if let Some(samples) = self.samples {
             capture = capture.samples(samples);
         }
@@ -81,6 +84,9 @@ impl Capture {
         options: CaptureOptions,
         threads: Option<usize>,
     ) -> PyResult<Capture> {
+        if options.error.is_some() && options.samples.is_some() {
+            return Err(RadsightError::new_err("both error and samples are given, expected one"));
+        }
         let capture = radsight::Capture::from_text(&text.0, &text.1, &loader).map_err(exception)?;
         let capture = options.apply_to(capture);
         Ok(Capture { capture, threads, text, files: loader.named_files().into_iter().collect(), options })
@@ -113,10 +119,10 @@ impl Capture {
 #[pymethods]
 impl Capture {
     #[new]
-    #[pyo3(signature = (path, *, error=0.005, samples=None, seed=0, ambient_bounces=0, threads=None))]
+    #[pyo3(signature = (path, *, error=None, samples=None, seed=0, ambient_bounces=0, threads=None))]
     fn new(
         path: PathBuf,
-        error: f64,
+        error: Option<f64>,
         #[pyo3(from_py_with = whole_argument::optional::samples)] samples: Option<u32>,
         #[pyo3(from_py_with = whole_argument::seed)] seed: u64,
         #[pyo3(from_py_with = whole_argument::ambient_bounces)] ambient_bounces: u32,
@@ -139,8 +145,8 @@ impl Capture {
     ///     For messages; files that the text names are looked for beside it.
     /// files : dict of str to bytes, optional
     ///     Files that it names, instead of those of the disk.
-    /// error : float
-    ///     Requested error of the exposure: rms over the pixels, relative to the mean.
+    /// error : float, optional
+    ///     Requested error of the exposure: rms over the pixels, relative to the mean. Without it and ``samples``: 0.005.
     /// samples : int, optional
     ///     Rays through every pixel instead.
     /// seed : int
@@ -160,13 +166,13 @@ impl Capture {
     /// SceneError
     ///     With every mistake in the text: line, caret and hint.
     #[staticmethod]
-    #[pyo3(signature = (text, *, name="<text>", files=None, error=0.005, samples=None, seed=0, ambient_bounces=0, threads=None))]
+    #[pyo3(signature = (text, *, name="<text>", files=None, error=None, samples=None, seed=0, ambient_bounces=0, threads=None))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn from_text(
         text: &str,
         name: &str,
         files: Option<Files>,
-        error: f64,
+        error: Option<f64>,
         #[pyo3(from_py_with = whole_argument::optional::samples)] samples: Option<u32>,
         #[pyo3(from_py_with = whole_argument::seed)] seed: u64,
         #[pyo3(from_py_with = whole_argument::ambient_bounces)] ambient_bounces: u32,
@@ -256,7 +262,8 @@ impl Capture {
     pub(crate) fn with_keys(&self, keys: BTreeMap<String, String>) -> PyResult<Capture> {
         let mut text = String::from_utf8_lossy(&self.text.1).into_owned();
         for (key, value) in &keys {
-            text = with_key(&text, key, value).map_err(|error| wrong("key", key, &error.to_string()))?;
+            let refused = |error| RadsightError::new_err(format!("key \"{key}\": {error}"));
+            text = with_key(&text, key, value).map_err(refused)?;
         }
         let loader = RecordingLoader::new(files_first(&self.files, FileLoader::default()));
         Capture::read((self.text.0.clone(), text.into_bytes()), loader, self.options, self.threads)

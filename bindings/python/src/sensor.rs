@@ -27,6 +27,11 @@ impl Sensor {
     /// -------
     /// array of uint16
     ///     Of the same shape.
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If an exposure is not finite or below 0.
     #[pyo3(signature = (exposure_j_per_m2, *, seed=0))]
     fn grey<'py>(
         &self,
@@ -39,6 +44,8 @@ impl Sensor {
         let shape = exposures.shape().to_vec();
         // A copy: another thread may change the array meanwhile.
         let exposures: Vec<f64> = exposures.iter().copied().collect();
+        radsight_sensor::Sensor::check_exposures(exposures.iter().copied())
+            .map_err(|error| RadsightError::new_err(error.to_string()))?;
         let greys = py.detach(|| self.0.greys(&exposures, seed));
         PyArray1::from_vec(py, greys).reshape(shape)
     }

@@ -29,6 +29,14 @@ macro_rules! arguments {
             $(pub(crate) fn $name(given: &Bound<'_, PyAny>) -> PyResult<Option<$kind>> {
                 if given.is_none() { Ok(None) } else { super::$name(given).map(Some) }
             })*
+
+            /// Not 0, which would be as many as there are cores.
+            pub(crate) fn threads(given: &Bound<'_, PyAny>) -> PyResult<Option<usize>> {
+                match given.is_none() {
+                    true => Ok(None),
+                    false => super::threads(given).map(Some),
+                }
+            }
         }
     };
 }
@@ -45,7 +53,14 @@ arguments! {
     rows: usize,
     samples: u32,
     seed: u64,
-    threads: usize,
+}
+
+/// A number of threads.
+fn threads(given: &Bound<'_, PyAny>) -> PyResult<usize> {
+    match whole("threads", given)? {
+        0 => Err(wrong("threads", 0, "at least 1, or None for all cores")),
+        threads => Ok(threads),
+    }
 }
 
 /// Columns and rows, or `None`.

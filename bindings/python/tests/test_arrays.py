@@ -178,6 +178,9 @@ def test_other_arguments_are_named_too(holders):
     assert sensor.grey(exposure.astype(np.float32)).shape == exposure.shape and sensor.grey(1e-5).shape == ()
     with pytest.raises(TypeError, match="exposure_j_per_m2 is str"):
         sensor.grey("bright")
+    for wrong in (np.nan, np.inf, -1.0):
+        with pytest.raises(radsight.RadsightError, match="expected finite values of at least 0"):
+            sensor.grey([1e-6, wrong])
     with pytest.raises(ValueError, match=r"grey has shape \(3,\), expected \(4,\), that of exposure"):
         radsight.calibrate(np.ones(4), np.ones(3))
     with pytest.raises(ValueError, match=r"entrance_deg has shape \(1, 2\), expected \(2,\)"):

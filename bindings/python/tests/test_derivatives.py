@@ -95,6 +95,15 @@ def test_a_dark_picture_tells_nothing():
 
 
 def test_mistakes_name_what_was_expected(scene):
+    for names, expected in (([], "at least 1"), (["disk.x", "disk.x"], "given twice")):
+        with pytest.raises(radsight.RadsightError, match=expected):
+            radsight.CaptureDerivatives(scene).expose(camera(), names)
+    with pytest.raises(radsight.RadsightError, match="both error and samples are given"):
+        camera(samples=3)
+    with pytest.raises(radsight.RadsightError, match="threads is 0, expected at least 1"):
+        camera(threads=0)
+    with pytest.raises(radsight.RadsightError, match='^key "foo": expected a table and a key'):
+        camera().with_keys({"foo": "1"})
     derivatives = radsight.CaptureDerivatives(scene)
     with pytest.raises(radsight.RadsightError, match='did you mean "distance"'):
         derivatives.expose(camera(), ["distanse"])

@@ -331,6 +331,11 @@ fn parameters_that_a_capture_does_not_have_are_errors() {
     let parameters = ["distance".parse::<Parameter>().unwrap()];
     let wrong = CaptureDerivatives::new(scene()).expose(&ringed, &parameters, 0.0);
     assert!(matches!(wrong, Err(Error::Option { option: "derivative error", .. })));
+    let none = CaptureDerivatives::new(scene()).expose(&ringed, &[], 0.1);
+    assert!(matches!(none, Err(Error::Option { option: "number of parameters", .. })));
+    let twice = [parameters[0].clone(), parameters[0].clone()];
+    let twice = CaptureDerivatives::new(scene()).expose(&ringed, &twice, 0.1).unwrap_err().to_string();
+    assert!(twice.contains("distance") && twice.contains("it is given twice"), "{twice}");
     let exposed = derivatives(&ringed, BOX, &["distance"], 0.5);
     assert!(matches!(FisherInformation::new(&exposed, None), Err(Error::NoSensor)));
 }

@@ -42,6 +42,12 @@ pub enum SensorError {
         /// Last wavelength of the table.
         last_nm: f64,
     },
+    /// An exposure that no pixel can have.
+    #[error("the exposure has the value {value}, expected finite values of at least 0 (J/m²)")]
+    Exposure {
+        /// The value as text.
+        value: String,
+    },
     /// The bit depth is not supported.
     #[error("bits must be 8, 10, 12, 14 or 16, not {bits}")]
     Bits {

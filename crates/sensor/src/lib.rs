@@ -76,10 +76,36 @@ impl Sensor {
         }
     }
 
-    /// Grey values of a picture's exposures (J/m²), from pixel 0.
+    /// Grey values of a picture's exposures (J/m²), from pixel 0. They must be finite and at least 0, as
+    /// [`Sensor::check_exposures`] checks.
     #[must_use]
     pub fn greys(&self, exposures: &[f64], seed: u64) -> Vec<u16> {
         (0..).zip(exposures).map(|(pixel, &exposure)| self.grey(exposure, seed, pixel)).collect()
+    }
+
+    /// Checks exposures that come from outside before they become grey values.
+    ///
+    /// # Errors
+    /// [`SensorError::Exposure`] for the first that is not finite or below 0.
+    ///
+    /// ```
+    /// use radsight_sensor::Sensor;
+    /// assert!(Sensor::check_exposures([0.0, 1e-6]).is_ok());
+    /// let error = Sensor::check_exposures([0.0, f64::NAN]).unwrap_err();
+    /// assert_eq!(error.to_string(), "the exposure has the value NaN, expected finite values of at least 0 (J/m²)");
+    /// ```
+    pub fn check_exposures<T>(exposures: impl IntoIterator<Item = T>) -> Result<(), SensorError>
+    where
+        T: Copy + Into<f64> + std::fmt::Display,
+    {
+        let is_wrong = |value: &T| {
+            let value: f64 = (*value).into();
+            !(value.is_finite() && value >= 0.0)
+        };
+        match exposures.into_iter().find(is_wrong) {
+            Some(value) => Err(SensorError::Exposure { value: value.to_string() }),
+            None => Ok(()),
+        }
     }
 
     /// The same sensor with another number of pixels per row, which determines each pixel's row and column

@@ -19,13 +19,13 @@ impl QuantumEfficiencyTable {
     pub fn new(rows: &[[f64; 2]]) -> Result<Self, SensorError> {
         let mut rows = rows.to_vec();
         for [wavelength, efficiency] in &rows {
-            within("wavelength_nm", wavelength * 1e9, "positive and finite", |value| value > 0.0)?;
+            within("wavelength_nm", nanometres(*wavelength), "positive and finite", |value| value > 0.0)?;
             within("quantum_efficiency", *efficiency, "from 0 to 1", |value| (0.0..=1.0).contains(&value))?;
         }
         rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
         if let Some(pair) = rows.windows(2).find(|pair| pair[0][0] == pair[1][0]) {
             let (quantity, expected) = ("wavelength_nm", "different in each row");
-            return Err(SensorError::OutOfRange { quantity, expected, value: pair[0][0] * 1e9 });
+            return Err(SensorError::OutOfRange { quantity, expected, value: nanometres(pair[0][0]) });
         }
         if rows.is_empty() {
             let (quantity, expected) = ("rows of the quantum efficiency", "at least 1");
@@ -76,7 +76,8 @@ mod tests {
         let message = table.at(601e-9).unwrap_err().to_string();
         assert!(message.starts_with("the quantum efficiency is known from 500 to 600 nm"), "{message}");
         assert!(QuantumEfficiencyTable::new(&[[5e-7, 60.0]]).is_err());
-        assert!(QuantumEfficiencyTable::new(&[[5e-7, 0.6], [5e-7, 0.5]]).is_err());
+        let twice = QuantumEfficiencyTable::new(&[[400.0 * 1e-9, 0.6], [400.0 * 1e-9, 0.5]]).unwrap_err().to_string();
+        assert_eq!(twice, "wavelength_nm must be different in each row, not 400");
         assert!(QuantumEfficiencyTable::new(&[]).is_err());
     }
 

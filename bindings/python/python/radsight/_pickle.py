@@ -13,7 +13,7 @@ def scene(texts: Sequence[tuple[str, bytes]], files: Mapping[str, bytes], materi
 
 
 class _CaptureOptions(TypedDict):
-    error: float
+    error: float | None
     samples: int | None
     seed: int
     ambient_bounces: int

@@ -11,6 +11,7 @@ use radsight_capture::{Derivative, DerivativeSamples, Exposer, Exposure, Motion,
 use radsight_ir::{Scene, ValidScene};
 use radsight_pinhole::{BandWeights, PinholeModel, Rays};
 use radsight_render::{Ray, RenderPlan, Renderer};
+use std::collections::BTreeSet;
 
 /// Largest number of parameters of one study.
 const MOST_PARAMETERS: usize = 1 << 16;
@@ -80,6 +81,14 @@ fn check(capture: &Capture, parameters: &[Parameter], error: f64) -> Result<(), 
     if parameters.len() > MOST_PARAMETERS {
         let (option, expected) = ("number of parameters", "at most 65536");
         return Err(Error::Option { option, value: parameters.len().to_string(), expected });
+    }
+    if parameters.is_empty() {
+        let (option, expected) = ("number of parameters", "at least 1");
+        return Err(Error::Option { option, value: "0".to_owned(), expected });
+    }
+    let mut seen = BTreeSet::new();
+    if let Some(twice) = parameters.iter().find(|parameter| !seen.insert(parameter.name())) {
+        return Err(twice.wrong("it is given twice"));
     }
     match parameters.first() {
         Some(first) if capture.camera_file().camera.pinhole_model() == PinholeModel::Diffraction => {
