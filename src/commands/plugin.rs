@@ -133,7 +133,11 @@ fn check(arguments: &PluginCheck) -> Outcome {
     if report.passed() {
         return Ok(());
     }
-    Err(Failure::input(format!("\"{}\" failed: {}", report.library.display(), report.failures().join(", "))))
+    let failures = report.failures();
+    let (first, more) = (failures.first().copied().unwrap_or_default(), failures.len().saturating_sub(1));
+    // The report on standard output has all of them.
+    let more = if more == 0 { String::new() } else { format!("; and {more} more") };
+    Err(Failure::input(format!("\"{}\" failed: {first}{more}", report.library.display())))
 }
 
 /// A model as typed: `MODEL` or `MODEL(number,…)`.

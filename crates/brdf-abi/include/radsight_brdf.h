@@ -239,7 +239,9 @@ typedef struct RadsightBrdfEntry {
     /* [one thread] Description of the model with this index, or NULL; constant. */
     const RadsightBrdfModel *(*describe)(uint32_t index);
     /* [one thread] Makes an instance. After any status but OK there is none, and `destroy` is not called. Parameters are within
-       their ranges, but may contradict each other. An index that does not exist gives RADSIGHT_BRDF_BAD_ARGUMENT. */
+       their ranges, but may contradict each other. `create` checks number_count, word_count and band_count before it reads them:
+       `plugin check` also calls it with wrong ones. Wrong counts, and an index that does not exist, give
+       RADSIGHT_BRDF_BAD_ARGUMENT. */
     RadsightBrdfStatus (*create)(uint32_t index, const RadsightBrdfCreate *call, RadsightBrdfInstance *instance);
     /* since 1.1. [any thread] The library's function table or text of this name and revision, or NULL.
        May itself be NULL. Known to this host: "radsight.manual" revision 1, a const char * with the manual page of the library. */

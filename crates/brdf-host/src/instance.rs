@@ -352,6 +352,10 @@ impl Brdf for PluginBrdf {
             sample_kind::ABSORBED => return None,
             sample_kind::DELTA => Density::Delta,
             sample_kind::CONTINUOUS if sampled.pdf > 0.0 && sampled.pdf <= f64::MAX => Density::Continuous(sampled.pdf),
+            kind if kind > sample_kind::DELTA => {
+                self.faults.bad_sample(&format!("sample of the unknown kind {kind}"), outgoing, incident);
+                return None;
+            }
             _ => {
                 self.faults.bad_sample("sampled direction with a density that is not above zero", outgoing, incident);
                 return None;

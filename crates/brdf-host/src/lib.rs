@@ -30,6 +30,7 @@ mod library;
 mod object_file;
 pub mod plot;
 mod registry;
+mod sample_kind_check;
 mod scratch;
 mod search;
 mod self_check;

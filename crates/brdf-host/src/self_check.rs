@@ -2,6 +2,7 @@
 
 use crate::PluginBrdf;
 use crate::faults::FaultCounts;
+use crate::sample_kind_check::unknown_kind;
 use radsight_brdf::check::{self, Check, CheckLevel, CheckOptions};
 use radsight_brdf_abi::flags;
 
@@ -33,6 +34,9 @@ pub(crate) fn check_options(brdf: &PluginBrdf, level: CheckLevel, seed: u64) -> 
 pub(crate) fn self_check(brdf: &PluginBrdf, mode: SelfCheck) -> Vec<String> {
     if mode == SelfCheck::Off {
         return Vec::new();
+    }
+    if let Some(finding) = unknown_kind(brdf) {
+        return vec![finding];
     }
     let options = check_options(brdf, CheckLevel::Quick, 1);
     let raw = brdf.unfiltered();

@@ -60,7 +60,7 @@ fn the_plugin_in_c_of_the_plugins_folder_passes() {
 #[test]
 fn each_broken_plugin_is_caught_with_the_right_message() {
     let folder = tempfile::tempdir().unwrap();
-    let cases: [(&str, Stage, &str); 14] = [
+    let cases: [(&str, Stage, &str); 15] = [
         ("PDF", Stage::Sampling, "samples do not have the density of eval_pdf"),
         ("WEIGHT", Stage::Sampling, "the weight of a sample is"),
         ("ENERGY", Stage::Energy, "% at outgoing angle"),
@@ -69,6 +69,7 @@ fn each_broken_plugin_is_caught_with_the_right_message() {
         ("NEGATIVE", Stage::Finite, "value -1 at outgoing angle"),
         ("INFINITE", Stage::Finite, "value inf at outgoing angle"),
         ("LENGTH", Stage::Finite, "sample returns a direction of length"),
+        ("KIND", Stage::Finite, "sample returns the unknown kind 9 at the outgoing angle 0°, expected 0 to 2"),
         ("ANISOTROPY", Stage::Isotropy, "when both directions are rotated about the normal"),
         ("BATCH", Stage::Purity, "in a single call but"),
         ("STATE", Stage::Purity, "numbers differ when 4 threads evaluate the same batches at once"),
@@ -106,6 +107,15 @@ fn a_crash_names_plugin_model_parameters_and_function() {
     assert!(aborted.contains("signal 6") && aborted.contains("function eval_pdf: SIGABRT, abort"), "{aborted}");
     let careless = check::run(&options(&broken(folder.path(), "ARGUMENTS").unwrap())).failures().join("\n");
     assert!(careless.contains("function create: SIGSEGV"), "{careless}");
+}
+
+/// NaN is a finding of one check, not of all.
+#[test]
+fn a_value_that_is_always_nan_does_not_depend_on_its_batch() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(library) = broken(folder.path(), "GRAZING") else { return };
+    let report = check::run(&options(&library));
+    assert!(!failed_stages(&report).contains(&Stage::Purity), "{}", report.text());
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::CHECK_BANDS;
 use super::example::{Example, generated};
 use super::probe::{self, Origin};
+use crate::sample_kind_check::unknown_kind;
 use crate::self_check::{SelfCheck, check_options, self_check};
 use crate::{Band, Label, Library, PluginBrdf, Request as Instantiation};
 use radsight_brdf::check::{self, Check, CheckLevel};
@@ -190,6 +191,13 @@ fn physics(library: &Arc<Library>, stage: Stage, examples: &[Example], most: usi
         response.skipped = not_claimed(stage, &options);
         if response.skipped.is_some() {
             return response;
+        }
+        // An unknown kind has no density, which `check` would call NaN.
+        if stage == Stage::Finite
+            && let Some(finding) = unknown_kind(&brdf)
+        {
+            response.findings.push(format!("{example}: {finding}"));
+            continue;
         }
         let findings = check(&brdf.unfiltered(), &options);
         response.findings.extend(findings.into_iter().map(|finding| format!("{example}: {}", finding.message)));

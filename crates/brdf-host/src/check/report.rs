@@ -92,7 +92,8 @@ impl Report {
                 Verdict::Failed => "FAILED",
             };
             let more = outcome.messages.len().saturating_sub(MESSAGES_SHOWN);
-            let more = (more > 0).then(|| format!("… and the same with {more} more parameter sets"));
+            let sets = if more == 1 { "set" } else { "sets" };
+            let more = (more > 0).then(|| format!("… and the same with {more} more parameter {sets}"));
             let mut lines = outcome.messages.iter().take(MESSAGES_SHOWN).chain(&more).chain(&outcome.notes);
             let first = lines.next().map(|line| format!("  {line}")).unwrap_or_default();
             let _ = writeln!(out, "  {:<22} {word:<7}{first}", outcome.check.name());

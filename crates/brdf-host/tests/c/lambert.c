@@ -94,6 +94,9 @@ static RadsightBrdfStatus sample(const void *data, const RadsightBrdfSample *cal
         const double in[3] = {r * cos(azimuth), r * sin(azimuth), z};
         const int lit = z > 0 && call->outgoing[2] > 0;
         call->kinds[i] = lit ? RADSIGHT_BRDF_CONTINUOUS : RADSIGHT_BRDF_ABSORBED;
+#if defined(BROKEN_KIND)
+        call->kinds[i] = 9;
+#endif
         call->incident_x[i] = in[0];
         call->incident_y[i] = in[1];
         call->incident_z[i] = in[2];
