@@ -3,6 +3,7 @@
 use crate::Found;
 use crate::Shutter;
 use crate::flicker_section;
+use crate::inapplicable::{self, OF_A_LENS, OF_A_PINHOLE, OF_DIFFRACTION, OF_NO_MATRIX};
 use crate::matrix_file::{self, MatrixFile};
 use crate::parallel_section::{self, PARALLEL};
 use crate::section::{Range, Section, load_beside};
@@ -14,6 +15,23 @@ use radsight_pinhole::{
 
 /// The most columns or rows that are accepted one way.
 const MOST_PIXELS_ACROSS: i64 = 1_000_000;
+
+/// Exposure per radiance of a camera whose pictures can be held in single precision.
+const EXPOSURES: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+
+/// The keys that give the exposure per radiance.
+const OF_EXPOSURE: [&str; 10] = [
+    "focal_distance_mm",
+    "pinhole_diameter_mm",
+    "pixel_pitch_um",
+    "exposure_ms",
+    "lens_focal_length_mm",
+    "f_number",
+    "focus_distance_m",
+    "field_width_mm",
+    "aperture_half_angle_deg",
+    "wavelength_nm",
+];
 
 pub(crate) fn read(
     section: Section<'_>,
@@ -43,7 +61,10 @@ fn read_keys(
     let pixels = pixels(section, matrix.as_ref(), sources, found);
     let pitch_um = match section.has("camera_matrix") {
         // The focal distances of the matrix, in pixels, give the pitch.
-        true => Some([1.0; 2]),
+        true => {
+            inapplicable::refuse(section, &OF_NO_MATRIX, "camera_matrix", sources, found);
+            Some([1.0; 2])
+        }
         false => section.numbers::<2>("pixel_pitch_um", Range::Positive, "[13.75, 16.0]", sources, found),
     };
     let is_parallel = parallel_section::is_parallel(section);
@@ -60,6 +81,7 @@ fn read_keys(
         // Of a pinhole, which the lens replaces.
         _ if is_parallel => (Some(1.0), Some(1.0), Some(PinholeModel::Finite)),
         true => {
+            inapplicable::refuse(section, &OF_A_PINHOLE, "lens_focal_length_mm", sources, found);
             let lens = lens.as_ref();
             let distance = lens.map(|lens| lens.image_distance_m() * 1e3);
             (distance, lens.map(|lens| lens.aperture_m * 1e3), Some(PinholeModel::Finite))
@@ -70,6 +92,7 @@ fn read_keys(
             pinhole_model(section, sources, found),
         ),
     };
+    let diffracting = diffraction(section, model, sources, found);
     let exposure_ms = section.number("exposure_ms", Range::Positive, "10.0", sources, found);
     let wavelength_nm = section.optional_number("wavelength_nm", Range::Positive, sources, found);
     let scene_unit_m = section.optional_number("scene_unit_m", Range::Positive, sources, found);
@@ -90,7 +113,6 @@ fn read_keys(
         return None;
     }
     warn(&asked, section, sources, found);
-    let diffracting = diffraction(section, model?, sources, found);
     PinholeCamera::new(&asked)
         .and_then(|camera| telecentric.map_or(Ok(camera.clone()), |lens| camera.with_telecentric_lens(lens)))
         .and_then(|camera| lens.map_or(Ok(camera.clone()), |lens| camera.with_lens(lens)))
@@ -105,9 +127,8 @@ fn read_keys(
                 CameraError::NoWavelength => "pinhole_model",
                 CameraError::BandsApart { .. } => "band_wavelengths_nm",
                 CameraError::TooWide { .. } => "f_number",
-                // The remaining case is an underflow: a quantity above 0 in its own unit that is 0 in the
-                // SI unit.
-                _ => "",
+                // The remaining case is a quantity that is 0 or infinite in the SI unit.
+                _ => section.most_extreme(&OF_EXPOSURE),
             };
             let hint =
                 matches!(error, CameraError::NoWavelength).then(|| "for example wavelength_nm = 650.0".to_owned());
@@ -115,6 +136,20 @@ fn read_keys(
             found.errors.push(message.maybe_hint(hint));
         })
         .ok()
+        .filter(|camera| has_exposures(camera, section, sources, found))
+}
+
+/// Whether pictures of the camera can be held in single precision.
+fn has_exposures(camera: &PinholeCamera, section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> bool {
+    let per_radiance = camera.exposure_per_radiance();
+    let holds = EXPOSURES.contains(&per_radiance);
+    if !holds {
+        let key = section.most_extreme(&OF_EXPOSURE);
+        let message =
+            format!("{key} is out of range: a radiance of 1 W/sr/m2 would expose a pixel by {per_radiance:.1e} J/m2");
+        found.errors.push(Diagnostic::error(message).at(section.span_of(key, sources)));
+    }
+    holds
 }
 
 /// The calibrated camera, if one is named.
@@ -184,6 +219,7 @@ fn pixels(
 fn lens(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> Option<ThinLens> {
     if !section.has("lens_focal_length_mm") {
         section.optional_number("lens_focal_length_mm", Range::Positive, sources, found);
+        inapplicable::refuse(section, &OF_A_LENS, "a pinhole", sources, found);
         return None;
     }
     let focal_mm = section.number("lens_focal_length_mm", Range::Positive, "8.0", sources, found);
@@ -218,9 +254,22 @@ impl Diffracting {
     }
 }
 
-/// Read only where it matters, so that it is an unknown key elsewhere.
-fn diffraction(section: &Section<'_>, model: PinholeModel, sources: &SourceMap, found: &mut Found) -> Diffracting {
-    if model != PinholeModel::Diffraction {
+/// Refused where it does not matter. Nothing tells this for an unknown model.
+fn diffraction(
+    section: &Section<'_>,
+    model: Option<PinholeModel>,
+    sources: &SourceMap,
+    found: &mut Found,
+) -> Diffracting {
+    let other = match model {
+        Some(PinholeModel::Diffraction) | None => None,
+        Some(_) if section.has("lens_focal_length_mm") => Some("lens_focal_length_mm"),
+        Some(_) if parallel_section::is_parallel(section) => Some("projection = \"parallel\""),
+        Some(PinholeModel::Point) => Some("pinhole_model = \"point\""),
+        Some(_) => Some("pinhole_model = \"finite\""),
+    };
+    if let Some(other) = other {
+        inapplicable::refuse(section, &OF_DIFFRACTION, other, sources, found);
         return Diffracting::default();
     }
     let bands = section.optional_numbers("band_wavelengths_nm", None, Range::Positive, sources, found);

@@ -1,15 +1,24 @@
 //! `[flicker.MODIFIER]`, and the shutter of `[camera]`.
 
 use crate::Found;
+use crate::inapplicable::{self, OF_A_ROLLING_SHUTTER, OF_A_SQUARE_WAVE};
 use crate::section::{Range, Section, shorten};
 use crate::shutter::{Flicker, FlickeringLamp, Shutter, Waveform};
 use radsight_diag::{Diagnostic, SourceMap, hint_nearest};
 
 /// `shutter` and, where it is rolling, `line_time_us`.
 pub(crate) fn shutter(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> Shutter {
+    let global = |found: &mut Found| {
+        inapplicable::refuse(section, &OF_A_ROLLING_SHUTTER, "shutter = \"global\"", sources, found);
+        Shutter::Global
+    };
+    if !section.has("shutter") {
+        section.optional_string("shutter", sources, found);
+        return global(found);
+    }
     let Some(name) = section.optional_string("shutter", sources, found) else { return Shutter::Global };
     match name.value {
-        "global" => Shutter::Global,
+        "global" => global(found),
         "rolling" => {
             let line_time_us = section.number("line_time_us", Range::Positive, "15.0", sources, found);
             line_time_us.map_or(Shutter::Global, |time| Shutter::Rolling { line_time_s: time * 1e-6 })
@@ -50,9 +59,17 @@ pub(crate) fn read(
 }
 
 fn waveform(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> Option<Waveform> {
-    let Some(name) = section.optional_string("waveform", sources, found) else { return Some(Waveform::Sine) };
+    let sine = |found: &mut Found| {
+        inapplicable::refuse(section, &OF_A_SQUARE_WAVE, "waveform = \"sine\"", sources, found);
+        Some(Waveform::Sine)
+    };
+    if !section.has("waveform") {
+        section.optional_string("waveform", sources, found);
+        return sine(found);
+    }
+    let name = section.optional_string("waveform", sources, found)?;
     match name.value {
-        "sine" => Some(Waveform::Sine),
+        "sine" => sine(found),
         "square" => {
             let duty = section.number("duty", Range::Positive, "0.5", sources, found);
             duty.map(|duty| Waveform::Square { duty })

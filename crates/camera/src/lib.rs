@@ -36,6 +36,8 @@ mod alignment_section;
 mod angular_table;
 mod camera_section;
 mod flicker_section;
+mod inapplicable;
+mod key_place;
 mod lobe_pattern;
 mod matrix_file;
 mod number_table;
@@ -50,6 +52,7 @@ mod summary;
 
 pub use alignment::{Alignment, LedAlignment, Tolerances};
 pub use angular_table::AngularTable;
+pub use key_place::place_of;
 pub use number_table::{NumberTable, NumberTableRow, read_measurements};
 pub use replaced_keys::{KeyError, with_key};
 pub use rig::{LedEmission, Rig};
@@ -183,13 +186,24 @@ fn syntax_errors(errors: &[toml::de::Error], text: &str, source: SourceId, sourc
         let line_start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
         if lines_seen.insert(line_start) {
             let message = error.message().lines().collect::<Vec<_>>().join(", ");
-            diagnostics.push(Diagnostic::error(shorten(&message)).at(sources.span(source, span.start, span.end)));
+            let line = text[line_start..].lines().next().unwrap_or_default();
+            let error = Diagnostic::error(shorten(&message)).at(sources.span(source, span.start, span.end));
+            diagnostics.push(error.maybe_hint(number_hint(line)));
         }
         if diagnostics.len() == MOST_MESSAGES {
             break;
         }
     }
     in_file_order(diagnostics, source)
+}
+
+/// How a number without a digit on one side of its point is written in TOML.
+fn number_hint(line: &str) -> Option<String> {
+    let (_, value) = line.split('#').next()?.split_once('=')?;
+    let lacks_digit = |word: &&str| word.trim_start_matches(['+', '-']).starts_with('.') || word.ends_with('.');
+    let mut words = value.split(|letter: char| letter.is_whitespace() || "[],".contains(letter)).filter(lacks_digit);
+    let number: f64 = words.find_map(|word| word.parse().ok())?;
+    Some(format!("write {number:?}"))
 }
 
 /// Messages of the file itself by their place in it, then those of other files, at most
@@ -215,7 +229,10 @@ fn read_document(
     for (key, value) in document.iter().filter(|(key, _)| !SECTIONS.contains(&key.get_ref().as_ref())) {
         let place = sources.span(source, key.span().start, key.span().end);
         let kind = if matches!(value.get_ref(), DeValue::Table(_)) { "table" } else { "key" };
-        let message = format!("unknown {kind} \"{}\", expected [camera], [rig] and [sensor]", shorten(key.get_ref()));
+        let message = format!(
+            "unknown {kind} \"{}\", expected [camera], [rig], [sensor], [alignment], [tolerances] and [flicker]",
+            shorten(key.get_ref())
+        );
         found.errors.push(Diagnostic::error(message).at(place).maybe_hint(hint_nearest(key.get_ref(), SECTIONS)));
     }
     let camera_section = Section::open(document, "camera", source, sources, found);

@@ -7,6 +7,9 @@ use radsight_loader::Loader;
 use radsight_pinhole::PinholeCamera;
 use std::f64::consts::PI;
 
+/// The largest radiance of an LED, W/sr/m²: what it lights is finite in single precision.
+const LARGEST_RADIANCE: f64 = 1e30;
+
 /// The most LEDs of a ring.
 const MOST_LEDS: i64 = 10_000;
 
@@ -45,9 +48,11 @@ fn read_keys(
         emission: emission?,
         alignment: None,
     };
-    if !rig.axial_radiance().is_finite() {
-        let span = section.span_of("led_diameter_mm", sources);
-        found.errors.push(Diagnostic::error("the LEDs are too small: their radiance is not finite").at(span));
+    let radiance = rig.axial_radiance();
+    if radiance > LARGEST_RADIANCE || !radiance.is_finite() {
+        let span = section.span_of(section.most_extreme(&["led_diameter_mm", "led_intensity_w_per_sr"]), sources);
+        let message = format!("the LEDs are too bright: their radiance is {radiance:.1e} W/sr/m2");
+        found.errors.push(Diagnostic::error(message).at(span));
         return None;
     }
     warn(&rig, section, sources, found);

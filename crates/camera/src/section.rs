@@ -11,6 +11,12 @@ use toml::de::{DeTable, DeValue};
 /// The longest piece of a file's own text that a message repeats, characters.
 const LONGEST_QUOTE: usize = 80;
 
+/// The largest number of a camera file. Products of several such numbers are still finite.
+const LARGEST: f64 = 1e30;
+
+/// The smallest positive number of a camera file. Quotients by products of such numbers are finite.
+const SMALLEST: f64 = 1e-60;
+
 /// The allowed range of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Range {
@@ -25,7 +31,8 @@ pub(crate) enum Range {
 /// A table of the file while it is read.
 #[derive(Debug)]
 pub(crate) struct Section<'a> {
-    name: &'static str,
+    /// Such as `camera`, or `flicker.tube` for a table inside another one.
+    name: String,
     table: &'a DeTable<'a>,
     source: SourceId,
     header: std::ops::Range<usize>,
@@ -52,7 +59,7 @@ impl<'a> Section<'a> {
         let (key, value) = document.get_key_value(name)?;
         if let DeValue::Table(table) = value.get_ref() {
             return Some(Section {
-                name,
+                name: name.to_owned(),
                 table,
                 source,
                 header: key.span(),
@@ -81,6 +88,7 @@ impl<'a> Section<'a> {
             match value.get_ref() {
                 DeValue::Table(table) => {
                     let (asked, missing) = (RefCell::default(), RefCell::default());
+                    let name = format!("{name}.{}", shorten(key.get_ref()));
                     inner.push((
                         key.get_ref().as_ref(),
                         Section { name, table, source, header: key.span(), asked, missing },
@@ -116,6 +124,22 @@ impl<'a> Section<'a> {
             DeValue::String(text) => Some(text.as_ref()),
             _ => None,
         }
+    }
+
+    /// The key among these whose number is farthest from 1, by orders of magnitude.
+    pub(crate) fn most_extreme(&self, keys: &[&'static str]) -> &'static str {
+        let orders = |key: &str| {
+            let numbers = self.table.get(key).map_or(&[][..], |value| match value.get_ref() {
+                DeValue::Array(list) => list,
+                _ => std::slice::from_ref(value),
+            });
+            let sizes = numbers.iter().filter_map(|number| match number.get_ref() {
+                DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
+                number => whole_of(number).map(|whole| whole as f64),
+            });
+            sizes.map(|size| size.abs().log10().abs()).fold(0.0, f64::max)
+        };
+        keys.iter().copied().max_by(|a, b| orders(a).total_cmp(&orders(b))).unwrap_or_default()
     }
 
     /// Refuses a key for a reason of its own.
@@ -350,7 +374,17 @@ impl<'a> Section<'a> {
             Range::Positive => ("positive", |number| number > 0.0),
             Range::NotNegative => ("at least 0", |number| number >= 0.0),
         };
+        let is_too_small = |number: f64| range != Range::Finite && number > 0.0 && number < SMALLEST;
         match parsed {
+            Some(number) if number.is_finite() && (number.abs() > LARGEST || is_too_small(number)) => {
+                let message = format!(
+                    "\"{key}\" is {}, expected a size from {} to {}",
+                    shown(number),
+                    shown(SMALLEST),
+                    shown(LARGEST)
+                );
+                found.errors.push(Diagnostic::error(message).at(self.span(value, sources)));
+            }
             Some(number) if number.is_finite() && holds(number) => return Some(number),
             Some(number) => {
                 let expected = if number.is_finite() { expected } else { "finite" };

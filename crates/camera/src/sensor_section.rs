@@ -1,5 +1,6 @@
 //! `[sensor]`.
 
+use crate::inapplicable::{self, OF_A_MOSAIC, OF_A_POWER_LAW, OF_EMVA1288};
 use crate::section::{Placed, Range, Section, load_beside, shorten};
 use crate::{Found, NumberTable};
 use radsight_diag::{Diagnostic, SourceMap, hint_nearest};
@@ -42,10 +43,19 @@ pub(crate) fn read(
         (Some(mosaic), Some(camera)) => filtered(weights, mosaic, camera, &section, sources, found),
         _ => weights,
     };
+    if !section.has("mosaic") {
+        inapplicable::refuse(&section, &OF_A_MOSAIC, "a sensor without mosaic", sources, found);
+    }
     let response = section.string("response", "\"power-law\"", sources, found);
     let sensor = match response.as_ref().map(|name| name.value) {
-        Some("power-law") => power_law(&section, sources, found),
-        Some("emva1288") => emva1288(&section, camera, file, sources, loader, found),
+        Some("power-law") => {
+            inapplicable::refuse(&section, &OF_EMVA1288, "response = \"power-law\"", sources, found);
+            power_law(&section, sources, found)
+        }
+        Some("emva1288") => {
+            inapplicable::refuse(&section, &OF_A_POWER_LAW, "response = \"emva1288\"", sources, found);
+            emva1288(&section, camera, file, sources, loader, found)
+        }
         Some(other) => {
             let message = format!("unknown response \"{}\", expected \"power-law\" or \"emva1288\"", shorten(other));
             let error = Diagnostic::error(message).at(section.span_of("response", sources));

@@ -26,6 +26,9 @@ impl Shutter {
     }
 }
 
+/// Exposures of fewer periods see one moment of a waveform.
+const INSTANT: f64 = 1e-9;
+
 /// The course of a lamp's radiance over one period. Its mean is that of the scene's text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Waveform {
@@ -65,6 +68,8 @@ impl Flicker {
                 let blurred = if half > 0.0 { half.sin() / half } else { 1.0 };
                 blurred * (TAU * (start + 0.5 * periods)).cos()
             }
+            // An instant, of which the difference below would keep no digit.
+            Waveform::Square { duty } if periods < INSTANT => f64::from(u8::from(start < duty)) / duty - 1.0,
             Waveform::Square { duty } => {
                 (time_on(start + periods, duty) - time_on(start, duty)) / (duty * periods) - 1.0
             }
@@ -133,5 +138,16 @@ mod tests {
         let pulsed = Flicker { modulation: 1.0, phase_deg: 0.0, ..flicker(Waveform::Square { duty: 0.25 }) };
         assert_eq!(pulsed.mean(0.004, 0.002), 0.0);
         assert!((pulsed.mean(0.0005, 0.001) - 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_exposure_of_almost_no_time_sees_one_moment() {
+        for flicker in WAVEFORMS.map(flicker) {
+            for start in [0.0, 0.0017, 0.0043, 0.0091] {
+                let mean = Flicker { frequency_hz: 1e-30, phase_deg: 3.6e4 * start, ..flicker }.mean(0.0, 0.01);
+                let moment = Flicker { phase_deg: 0.0, ..flicker };
+                assert!((mean - at(&moment, start)).abs() < 1e-9, "{mean}");
+            }
+        }
     }
 }

@@ -297,7 +297,7 @@ fn a_mosaic_has_its_filters_in_the_band_weights() {
     let errors = read(&format!("{CAMERA}{LINEAR}mosaic = \"RGBG\"\n")).unwrap_err();
     assert!(errors.contains("unknown mosaic \"RGBG\""), "{errors}");
     let errors = read(&format!("{CAMERA}{LINEAR}filter_red = [1, 0, 0]\n")).unwrap_err();
-    assert!(errors.contains("unknown key \"filter_red\""), "{errors}");
+    assert!(errors.contains("filter_red does not apply with a sensor without mosaic: "), "{errors}");
 }
 
 #[test]
@@ -308,7 +308,10 @@ fn diffraction_takes_its_wavelength_and_distance() {
     let errors = read(&text.replace("wavelength_nm = 650.0", "")).unwrap_err();
     assert!(errors.contains("needs the wavelength") && errors.contains("hint: for example"), "{errors}");
     let errors = read(&format!("{CAMERA}object_distance_m = 0.48\n")).unwrap_err();
-    assert!(errors.contains("unknown key \"object_distance_m\""), "{errors}");
+    assert!(
+        errors.contains("object_distance_m does not apply with pinhole_model = \"finite\": only pinhole_model"),
+        "{errors}"
+    );
 }
 
 #[test]
@@ -323,7 +326,10 @@ fn a_lens_stands_in_the_place_of_the_hole() {
     let errors = read(&format!("{without}{}", lens.replace("0.48", "0.005"))).unwrap_err();
     assert!(errors.contains("cannot focus at 0.005 m"), "{errors}");
     let errors = read(&format!("{CAMERA}{lens}")).unwrap_err();
-    assert!(errors.contains("unknown key \"pinhole_diameter_mm\""), "{errors}");
+    for key in ["focal_distance_mm", "pinhole_diameter_mm", "pinhole_model"] {
+        assert!(errors.contains(&format!("{key} does not apply with lens_focal_length_mm: ")), "{key}: {errors}");
+    }
+    assert_eq!(errors.matches("error: ").count(), 3, "{errors}");
 }
 
 const TELECENTRIC: &str = r#"[camera]
@@ -480,4 +486,79 @@ fn hostile_calibrations_end_in_errors_or_in_cameras_that_have_rays() {
         }
     }
     assert!(read_well > 300, "{read_well}");
+}
+
+#[test]
+fn keys_that_do_not_apply_are_told_from_unknown_ones() {
+    let flicker = "\n[flicker.tube]\nfrequency_hz = 100.0\nmodulation = 0.4\n";
+    let cases = [
+        (CAMERA, "f_number = 2.0\n", "f_number does not apply with a pinhole: pinhole_diameter_mm gives its aperture"),
+        (
+            CAMERA,
+            "band_wavelengths_nm = [600]\n",
+            "band_wavelengths_nm does not apply with pinhole_model = \"finite\": ",
+        ),
+        (CAMERA, "line_time_us = 15.0\n", "line_time_us does not apply with shutter = \"global\": "),
+        (flicker, "duty = 0.5\n", "duty does not apply with waveform = \"sine\": "),
+        (SENSOR, "gain_dn_per_e = 0.5\n", "gain_dn_per_e does not apply with response = \"power-law\": "),
+    ];
+    for (table, key, expected) in cases {
+        let camera = if table == CAMERA { "" } else { CAMERA };
+        let shown = errors(&format!("{camera}{table}{key}"));
+        assert!(shown.contains(expected) && !shown.contains("unknown key"), "{shown}");
+        assert_eq!(shown.matches("error: ").count(), 1, "{shown}");
+    }
+    let square = errors(&format!("{CAMERA}{flicker}waveform = \"square\"\n"));
+    assert!(square.contains("[flicker.tube] has no \"duty\""), "{square}");
+    let unknown = errors(&format!("{CAMERA}pinhole_modle = 1\n"));
+    assert!(unknown.contains("unknown key \"pinhole_modle\"") && unknown.contains("did you mean"), "{unknown}");
+    let loader =
+        MemoryLoader::default().with("rigs/c.yaml", "camera_matrix: {data: [500, 0, 9, 0, 510, 9, 0, 0, 1]}\n");
+    let shown = read_with(&format!("{CAMERA}camera_matrix = \"c.yaml\"\n"), &loader).unwrap_err();
+    assert!(shown.contains("pixel_pitch_um does not apply with camera_matrix: "), "{shown}");
+}
+
+/// A mistake elsewhere does not make a key of diffraction unknown.
+#[test]
+fn keys_of_diffraction_are_read_beside_other_mistakes() {
+    let text = CAMERA.replace("\"finite\" ", "\"diffraction\" ").replace("exposure_ms = 10.0", "exposure_ms = 0");
+    let shown = errors(&format!("{text}object_distance_m = 0.48\nband_wavelengths_nm = [620, 540, 460]\n"));
+    assert_eq!(shown.matches("error: ").count(), 1, "{shown}");
+}
+
+#[test]
+fn numbers_whose_pictures_would_not_be_finite_are_refused() {
+    let cases = [
+        (
+            "focal_distance_mm = 6.75",
+            "focal_distance_mm = 1e-320",
+            "\"focal_distance_mm\" is 1e-320, expected a size from",
+        ),
+        ("focal_distance_mm = 6.75", "focal_distance_mm = 1e-40", "focal_distance_mm is out of range: "),
+        ("exposure_ms = 10.0", "exposure_ms = 1e300", "\"exposure_ms\" is 1e300, expected a size from 1e-60 to 1e30"),
+        ("pinhole_diameter_mm = 0.1", "pinhole_diameter_mm = 1e-50", "pinhole_diameter_mm is out of range: "),
+        ("[0.0, 0.0, 0.48]", "[0.0, 0.0, -1e200]", "\"position_m\" is -1e200, expected a size from"),
+        ("led_diameter_mm = 5.0", "led_diameter_mm = 1e-50", "the LEDs are too bright: "),
+        ("led_intensity_w_per_sr = 0.055", "led_intensity_w_per_sr = 1e29", "the LEDs are too bright: "),
+    ];
+    for (from, to, expected) in cases {
+        let shown = errors(&format!("{CAMERA}{RIG}").replace(from, to));
+        assert!(shown.contains(expected), "{shown}");
+        let key = to.split(' ').next().unwrap_or_default();
+        assert!(
+            !to.starts_with(|letter: char| letter.is_alphabetic()) || shown.contains(&format!("| {key} = ")),
+            "{shown}"
+        );
+        assert_eq!(shown.matches("error: ").count(), 1, "{shown}");
+    }
+}
+
+#[test]
+fn a_number_without_a_digit_gets_a_hint() {
+    for (number, hint) in [(".5", "0.5"), ("-.5", "-0.5"), ("5.", "5.0")] {
+        let shown = errors(&CAMERA.replace("6.75", number));
+        assert!(shown.contains(&format!("hint: write {hint}\n")), "{shown}");
+    }
+    let shown = errors(&CAMERA.replace("[0.0, 1.0, 0.0]", "[0, .25, 1] # .5"));
+    assert!(shown.contains("hint: write 0.25\n"), "{shown}");
 }
