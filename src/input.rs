@@ -7,14 +7,15 @@ use crate::plugins::{Models, PluginOptions, report_faults};
 use crate::read_once;
 use crate::trust::{Trust, shell};
 use radsight_brdf_host::Registry;
-use radsight_camera::CameraFile;
+use radsight_camera::{CameraFile, place_of};
 use radsight_diag::{Diagnostic, SourceMap};
 use radsight_ir::{Material, Modifier, ModifierKind, Scene, ValidScene};
 use radsight_loader::Loader;
 use radsight_output::inputs;
 use radsight_parse::{BrdfReplacement, Input, Read, ReadOptions, Tolerance, read_scene};
 use radsight_picture::Header;
-use radsight_render::{ModelSource, NoModels, RenderOptions, RenderPlan};
+use radsight_pinhole::{BandWeights, BandWeightsError};
+use radsight_render::{ModelSource, NoModels, RenderOptions, RenderPlan, check_materials};
 use std::io::{self, Read as _};
 use std::path::Path;
 use std::process::Stdio;
@@ -32,6 +33,31 @@ pub(crate) fn read_camera(path: &str) -> Result<CameraFile, Failure> {
         }
         Err(errors) => Err(Failure::diagnostics(&errors, &sources)),
     }
+}
+
+/// The failure for a key of a camera file that does not fit the scene.
+pub(crate) fn camera_mistake(path: &str, key: &[&str], mistake: Diagnostic) -> Failure {
+    let mut sources = SourceMap::default();
+    let placed = read_file(path, "camera file").ok().and_then(|text| {
+        let file = sources.add(path, text, None);
+        place_of(file, key, &sources)
+    });
+    let mistake = match placed {
+        Some(place) => mistake.at(place),
+        None => mistake,
+    };
+    Failure::diagnostics(&[mistake], &sources)
+}
+
+/// The weights of the bands of a scene, as the camera file gives them.
+pub(crate) fn band_weights(path: &str, camera: &CameraFile, bands: usize) -> Result<BandWeights, Failure> {
+    camera.band_weights_for(bands).map_err(|error| {
+        let key = match error {
+            BandWeightsError::Wavelengths { .. } => ["camera", "band_wavelengths_nm"],
+            _ => ["sensor", "band_weights"],
+        };
+        camera_mistake(path, &key, Diagnostic::error(error.to_string()))
+    })
 }
 
 /// The bytes of a file named on the command line.
@@ -298,9 +324,17 @@ impl<'s> Planner<'s> {
         Planner { models, sources }
     }
 
+    fn models(&self) -> &dyn ModelSource {
+        self.models.as_ref().map_or(&NoModels, |models| models)
+    }
+
+    /// The mistakes of a scene's materials.
+    pub(crate) fn check_materials(&self, scene: &ValidScene) -> Vec<Diagnostic> {
+        check_materials(scene, self.models())
+    }
+
     pub(crate) fn plan(&self, scene: ValidScene, options: RenderOptions) -> Result<RenderPlan, Failure> {
-        let models: &dyn ModelSource = self.models.as_ref().map_or(&NoModels, |models| models);
-        RenderPlan::new(scene, options, models).map_err(|errors| Failure::diagnostics(&errors, self.sources))
+        RenderPlan::new(scene, options, self.models()).map_err(|errors| Failure::diagnostics(&errors, self.sources))
     }
 
     /// The plugins in use; their faults are reported at the end.

@@ -2,8 +2,9 @@
 
 use crate::args::Check;
 use crate::failure::{Failure, Outcome, render, say};
-use crate::input::{read, scene_inputs};
+use crate::input::{Planner, read, scene_inputs};
 use crate::output::write_standard_output;
+use crate::plugins::report_faults;
 use radsight_diag::{Diagnostic, Severity};
 use radsight_parse::{Read, ReadOptions, Tolerance, UnusedModifiers};
 
@@ -20,7 +21,11 @@ pub(crate) fn run(arguments: &Check) -> Outcome {
     let surfaces = scene.surfaces.len();
     let modifiers = scene.modifiers.len();
     match scene.validate() {
-        Ok(valid) => diagnostics.extend(valid.warnings),
+        Ok(valid) => {
+            let planner = Planner::new(&valid.scene, &arguments.scenes, &arguments.reading, &sources);
+            diagnostics.extend(valid.warnings.into_iter().chain(planner.check_materials(&valid.scene)));
+            report_faults(planner.registry());
+        }
         Err(errors) => diagnostics.extend(errors),
     }
     let fails = |found: &Diagnostic| match found.severity {

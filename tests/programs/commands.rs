@@ -149,3 +149,34 @@ fn a_message_names_its_program_once() {
         assert!(run.code != 0 && named == 1 && run.messages.contains(mistake), "{}", run.messages);
     }
 }
+
+/// `check` makes the models that a scene names as a picture does, those that no surface uses too.
+#[test]
+fn models_that_cannot_be_made_are_mistakes_of_a_scene() {
+    let folder = Folder::new();
+    let surface = "mat sphere ball 0 0 4 0 0 0 1\n";
+    let cases = [
+        ("2 native lambert 0 3 2 1 1", "scene.rad:1:42: error: red is 2, expected at least 0 and at most 1\n"),
+        ("2 retro sharp 0 1 .5", "scene.rad:1:29: error: number \"half_width\" is missing"),
+        ("2 native nix 0 0", "scene.rad:1:30: error: library \"native\" has no model \"nix\"\n"),
+        ("2 nolib nix 0 0", "scene.rad:1:23: error: cannot find plugin library \"nolib\""),
+    ];
+    for (model, expected) in cases {
+        for scene in [format!("void brdfplugin mat {model}\n"), format!("void brdfplugin mat {model}\n{surface}")] {
+            folder.file("scene.rad", &scene);
+            let run = run(&folder, &["check", "scene.rad"]);
+            assert_eq!((run.code, run.messages.matches("error: ").count()), (1, 1), "{}", run.messages);
+            assert!(run.messages.contains(expected), "{}", run.messages);
+        }
+    }
+    folder.file("scene.rad", format!("void plastic mat 0 0 5 .5 .5 .5 0 0\n{surface}"));
+    for model in ["native:lambert(5,5,5)", "nolib:nix(1)"] {
+        let run = run(&folder, &["check", "scene.rad", "--brdf", &format!("mat={model}")]);
+        assert!(run.code == 1 && run.messages.starts_with("scene.rad:1:1: error: "), "{}", run.messages);
+    }
+    let two =
+        "void brdfplugin a 2 native nix 0 0\nvoid brdfplugin b 2 native lambert 0 3 -1 1 1\nb sphere s 0 0 4 0 0 0 1\n";
+    folder.file("scene.rad", two);
+    let run = run(&folder, &["check", "scene.rad"]);
+    assert!(run.messages.contains("scene.rad:1:28: ") && run.messages.contains("scene.rad:2:40: "), "{}", run.messages);
+}

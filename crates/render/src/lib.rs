@@ -62,7 +62,7 @@ pub use radsight_compile::{
     AmbientSurfaces, BackFaces, BareSurfaces, Caustics, DirectThreshold, FirstHit, Gathering, GlobalMedium,
     LightDivision, Lights, ModelRequest, ModelSource, NoModels, OutlinedSurface, PathLimit, PlanDecision, Quantity,
     RayTreeOutput, RenderOptions, RenderPlan, SeenSurface, Skip, Skipping, SmoothView, TrackedValue, Uncached,
-    is_native_library,
+    check_materials, is_native_library,
 };
 pub use radsight_spectrum::Sampling;
 pub use radsight_texture::BandValues;
