@@ -1,6 +1,7 @@
 //! Commands in scenes that need a shell or a renderer.
 
 use crate::program::{self, Folder, command, run_with};
+use radsight_test_support::plugins;
 
 const PRINTS: &str = "!printf 'void sphere s 0 0 4 0 0 0 %s\\n' 2\n";
 
@@ -179,4 +180,19 @@ fn models_that_cannot_be_made_are_mistakes_of_a_scene() {
     folder.file("scene.rad", two);
     let run = run(&folder, &["check", "scene.rad"]);
     assert!(run.messages.contains("scene.rad:1:28: ") && run.messages.contains("scene.rad:2:40: "), "{}", run.messages);
+}
+
+#[test]
+fn findings_of_a_self_check_are_errors_of_a_strict_check() {
+    let folder = Folder::new();
+    if plugins::c_plugin(&folder.path(""), "lambert.c", "bright", &["-DBROKEN_ENERGY"]).is_none() {
+        return;
+    }
+    folder.file("scene.rad", "void brdfplugin mat 2 bright lambert 0 3 .9 .9 .9\nmat sphere s 0 0 4 0 0 0 1\n");
+    let lenient = run(&folder, &["check", "--allow-plugins", "scene.rad"]);
+    assert!(lenient.code == 0 && lenient.messages.contains("scene.rad:1:30: warning: "), "{}", lenient.messages);
+    let strict = run(&folder, &["check", "--allow-plugins", "--strict", "scene.rad"]);
+    assert!(strict.code == 1 && strict.messages.contains("fails its self-check: "), "{}", strict.messages);
+    let refused = run(&folder, &["check", "scene.rad"]);
+    assert!(refused.code == 1 && refused.messages.contains("is beside the scene and is not loaded"), "{refused:?}");
 }
