@@ -3,6 +3,7 @@
 mod accounts;
 mod derivatives;
 mod lamps;
+mod notes;
 mod resume;
 mod series;
 
@@ -10,26 +11,24 @@ use crate::args::Capture;
 use crate::commands::sensor::no_mosaic;
 use crate::expected_rays;
 use crate::failure::{Failure, Outcome, say};
-use crate::input::{Planned, conclude_all, history, plan, plan_split, read_camera, use_threads};
+use crate::input::{Planned, band_weights, conclude_all, history, plan, plan_split, read_camera, use_threads};
 use crate::output::{reserve_output, write_file, write_image_file};
 use crate::progress::Bar;
 use crate::run_record::Stopwatch;
 use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
 use lamps::FlickeringScenes;
+use notes::whole_pattern_reason;
 use radsight_camera::CameraFile;
-use radsight_capture::{ErrorTarget, Exposer, Exposure, LightByRow, Stop};
+use radsight_capture::{ErrorTarget, Exposer, Exposure, LightByRow};
 use radsight_output::interrupt;
 use radsight_picture::{Header, Image};
-use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
+use radsight_pinhole::{PinholeCamera, Rays};
 use radsight_render::{RenderOptions, RenderPlan, Renderer};
 use resume::{CheckpointFile, Saving};
 
 /// The default of the requested error.
 pub(super) const DEFAULT_ERROR: f64 = 0.005;
-
-/// Diffraction is mentioned when the pinhole's Fresnel number is below this.
-const DIFFRACTION_MATTERS: f64 = 3.0;
 
 /// Camera rays of a capture, about.
 fn camera_rays(arguments: &Capture, camera: &CameraFile) -> f64 {
@@ -65,7 +64,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     }
     stopwatch.lap("camera file read");
     let options = RenderOptions { seed: arguments.seed, camera_rays: camera_rays(arguments, &camera), ..render };
-    let split = |scene: &mut _| FlickeringScenes::split(scene, &camera).map(|scenes| scenes.by_row);
+    let split = |scene: &mut _| FlickeringScenes::split(scene, &camera, &arguments.camera).map(|scenes| scenes.by_row);
     let (planned, by_row) = match camera.flickering.is_empty() {
         true => (plan(&arguments.scenes, Some(&camera), &arguments.reading, options.clone())?, Vec::new()),
         false => plan_split(&arguments.scenes, Some(&camera), &arguments.reading, &options, split)?,
@@ -74,10 +73,10 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let checkpoint = CheckpointFile::new(arguments, &camera, &planned, &options)?;
     let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
     let Planned { plan, registry, sources, .. } = planned;
-    say_what_matters(&plan, &camera.camera);
+    notes::say_each(notes::left_out(&plan).into_iter().chain(notes::of_camera(&plan, &camera.camera)));
     // One of the plans may be grey, with equal values in all bands.
     let bands = by_row.iter().map(|(plan, _)| plan.bands()).fold(plan.bands(), usize::max);
-    let weights = camera.band_weights_for(bands).map_err(|error| Failure::input(error.to_string()))?;
+    let weights = band_weights(&arguments.camera, &camera, bands)?;
     let start = checkpoint.read(arguments, &rays, &weights)?;
     let renderer = Renderer::new(plan);
     let by_row: Vec<LightByRow> =
@@ -110,7 +109,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
             accounts::record(
                 &stopwatch,
                 &renderer,
-                (&options, whole_pattern_note(&camera.camera)),
+                (&options, whole_pattern_reason(&camera.camera)),
                 arguments,
                 &exposure,
             )
@@ -166,33 +165,6 @@ fn check_scene(plan: &RenderPlan, camera: &CameraFile, flickering: usize) -> Out
     Ok(())
 }
 
-fn say_what_matters(plan: &RenderPlan, camera: &PinholeCamera) {
-    if plan.leaves_out_interreflection() {
-        say("radsight: note: light between diffuse surfaces is left out (-ab 0); -ab 8 follows it\n");
-    }
-    if let Some(note) = whole_pattern_note(camera) {
-        say(&format!("radsight: note: {note}\n"));
-    }
-    let (center, _) = plan.bounding_sphere();
-    let distance = (center * camera.scene_unit_m() - camera.position_m()).dot(camera.direction());
-    if camera.pinhole_model() == PinholeModel::Finite
-        && camera.lens().is_none()
-        && let Some(number) = fresnel_number(camera, distance)
-        && number < DIFFRACTION_MATTERS
-    {
-        say(&format!(
-            "radsight: note: the pinhole's Fresnel number is {number:.2}: diffraction changes the image; pinhole_model = \"diffraction\" computes it\n"
-        ));
-    }
-}
-
-/// Why a diffracting camera needs many rays; `None` where it does not.
-fn whole_pattern_note(camera: &PinholeCamera) -> Option<String> {
-    camera.whole_pattern_reason().map(|reason| {
-        format!("each ray draws from the whole diffraction pattern, which takes many more rays: {reason}")
-    })
-}
-
 /// The header's text for an exposure that was stopped.
 fn partial(exposure: &Exposure, arguments: &Capture) -> String {
     let (done, total) = (exposure.pixels_done, exposure.values.len());
@@ -219,14 +191,7 @@ fn say_result(exposure: &Exposure, arguments: &Capture, remainder: Remainder) {
         };
         return say(&format!("radsight: interrupted: the exposure is partial ({what}){how}\n"));
     }
-    let asked = arguments.error.unwrap_or(DEFAULT_ERROR);
-    if let Some(error) = exposure.estimated_error.filter(|error| *error > 1.05 * asked) {
-        let why = match exposure.stopped {
-            Some(Stop::Shared) => "what is left is due to rays that pixels share, and no number of rays lowers it",
-            _ => "every pixel has its maximum number of rays",
-        };
-        say(&format!("radsight: note: the estimated error is {:.3} %, more than requested; {why}\n", 100.0 * error));
-    }
+    notes::say_each(notes::missed(exposure, arguments.error.unwrap_or(DEFAULT_ERROR)));
 }
 
 /// How the outputs came to be.

@@ -4,7 +4,7 @@ use crate::args::Explain;
 use crate::commands::capture::DEFAULT_ERROR;
 use crate::expected_rays;
 use crate::failure::{Failure, Outcome};
-use crate::input::{plan, read_camera, use_default_threads};
+use crate::input::{band_weights, plan, read_camera, use_default_threads};
 use crate::output::write_standard_output;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposer, Silent};
@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &Explain, render: RenderOptions) -> Outcome {
             measured.push(skip);
             let options = RenderOptions { skipping: render.skipping.without(skip), ..render.clone() };
             let other = plan(&arguments.scenes, Some(&camera), &arguments.reading, options)?;
-            let share = share_saved(&camera, &renderer, &Renderer::new(other.plan))?;
+            let share = share_saved((&arguments.camera, &camera), &renderer, &Renderer::new(other.plan))?;
             text.push_str(&format!("; skipping {} saves {:.1} % of the time", skip.words(), 100.0 * share));
         }
         text.push('\n');
@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &Explain, render: RenderOptions) -> Outcome {
 }
 
 /// The share of the second renderer's time that the first one saves.
-fn share_saved(camera: &CameraFile, skipping: &Renderer, computing: &Renderer) -> Result<f64, Failure> {
+fn share_saved(camera: (&str, &CameraFile), skipping: &Renderer, computing: &Renderer) -> Result<f64, Failure> {
     let mut least = [Duration::MAX; 2];
     for _ in 0..TURNS {
         for (least, renderer) in least.iter_mut().zip([skipping, computing]) {
@@ -56,9 +56,8 @@ fn share_saved(camera: &CameraFile, skipping: &Renderer, computing: &Renderer) -
     Ok(1.0 - least[0].as_secs_f64() / least[1].as_secs_f64().max(f64::MIN_POSITIVE))
 }
 
-fn time(camera: &CameraFile, renderer: &Renderer) -> Result<Duration, Failure> {
-    let weights =
-        camera.band_weights_for(renderer.plan().bands()).map_err(|error| Failure::input(error.to_string()))?;
+fn time((path, camera): (&str, &CameraFile), renderer: &Renderer) -> Result<Duration, Failure> {
+    let weights = band_weights(path, camera, renderer.plan().bands())?;
     let rays = Rays::new(&camera.camera, MEASURED_SAMPLES, renderer.plan().seed());
     let start = Instant::now();
     let _ = Exposer { renderer, rays: &rays, weights: &weights, by_row: &[] }.with_samples(None, &Silent);

@@ -3,7 +3,7 @@
 use crate::args::{Average, CameraRays, Pinhole, Shift};
 use crate::commands::capture::exposure_image;
 use crate::failure::{Failure, Outcome, reason};
-use crate::input::{history, read_camera, read_file};
+use crate::input::{band_weights, history, read_camera, read_file};
 use crate::output::{standard_output, write_standard_output};
 use radsight_camera::CameraFile;
 use radsight_picture::{FloatMatrix, MatrixFormat, read_image};
@@ -44,7 +44,7 @@ fn rays(arguments: &CameraRays) -> Outcome {
 
 fn average(arguments: &Average) -> Outcome {
     let (file, rays, format) = set_up(&arguments.rays)?;
-    let weights = weights(&file, arguments.bands)?;
+    let weights = band_weights(&arguments.rays.camera, &file, arguments.bands)?;
     let wrong = |error: &dyn std::fmt::Display| Failure::input(format!("standard input: {error}"));
     let mut stream = ExposureStream::new(&rays, &weights, format, arguments.bands).map_err(|error| wrong(&error))?;
     let mut exposures = Vec::with_capacity(rays.cells() as usize);
@@ -88,7 +88,9 @@ fn shift(arguments: &Shift) -> Outcome {
         let bands = image.components();
         let average = match &mut sum {
             Some(average) => average,
-            None => sum.insert(ShiftAverage::new(&file.camera, &pattern, &weights(&file, bands)?)),
+            None => {
+                sum.insert(ShiftAverage::new(&file.camera, &pattern, &band_weights(&arguments.camera, &file, bands)?))
+            }
         };
         let picture =
             RadiancePicture { columns: image.width() as u32, rows: image.height() as u32, bands, values: image.data() };
@@ -122,10 +124,6 @@ fn check_steady(file: &CameraFile, path: &str) -> Outcome {
         true => Ok(()),
         false => Err(Failure::input(format!("\"{path}\" has [flicker], which only capture supports"))),
     }
-}
-
-fn weights(file: &CameraFile, bands: usize) -> Result<BandWeights, Failure> {
-    file.band_weights_for(bands).map_err(|error| Failure::input(error.to_string()))
 }
 
 fn write_exposure(file: &CameraFile, exposures: &[f64]) -> Outcome {

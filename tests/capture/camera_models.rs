@@ -262,3 +262,35 @@ fn rows_of_any_exposure_have_offsets_of_their_own() {
     assert!(apart < 1.0, "{apart}: {whole:?} {part:?}");
     assert!(part.windows(2).filter(|pair| (pair[0] - pair[1]).abs() > 1.0).count() > 20, "{part:?}");
 }
+
+/// The number of a pinhole at the distance of what its rays meet, whatever lights the scene from behind.
+#[test]
+fn the_note_on_diffraction_is_for_what_the_camera_sees() {
+    let folder = folder(&[("camera.toml", format!("{CAMERA}{HOLE}"))]);
+    let lamp = |z: &str| format!("void light lamp 0 0 3 900 900 900\nlamp sphere bulb 0 0 4 .3 .2 {z} .02\n");
+    let floor = "void plastic red 0 0 5 .6 .2 .1 0 0\nred polygon f 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n";
+    let note = |scene: &str| {
+        folder.file("scene.rad", scene);
+        let words = ["capture", "camera.toml", "scene.rad", "--samples", "1", "--exposure", "e.pfm"];
+        let run = run(&folder, &words, b"");
+        assert_eq!(run.code, 0, "{run:?}");
+        run.messages.lines().find(|line| line.contains("Fresnel number")).map(str::to_owned)
+    };
+    // (0.05 mm)² (1/6.75 mm + 1/480 mm) / 650 nm.
+    for z in ["0.2", "0.9", "0.482", "7"] {
+        let found = note(&format!("{floor}{}", lamp(z)));
+        assert!(found.as_ref().is_some_and(|note| note.contains("Fresnel number is 0.58:")), "{z}: {found:?}");
+    }
+    assert_eq!(note(&lamp("9")), None);
+}
+
+/// What only shows beside a scene is shown in the camera file.
+#[test]
+fn weights_for_another_number_of_bands_are_shown_in_the_camera_file() {
+    let sensor = LINEAR.replace("bits = 12", "bits = 12\nband_weights = [1, 2]");
+    let folder = folder(&[("camera.toml", format!("{CAMERA}{HOLE}{sensor}"))]);
+    let words = ["capture", "camera.toml", "scene.rad", "--samples", "1", "-o", "o.png"];
+    let run = run(&folder, &words, b"");
+    assert_eq!(run.code, 1);
+    assert!(run.messages.contains("camera.toml:19:16: error: 3 bands but 2 band weights\n"), "{}", run.messages);
+}

@@ -115,10 +115,9 @@ fn under_a_global_shutter_a_flickering_lamp_is_a_lamp_of_another_brightness() {
 fn a_lamp_that_the_scene_lacks_is_an_error_that_lists_those_it_has() {
     let lit = format!("{SCENE}{TUBE}");
     let run = capture(&camera("finite", ROLLING, &FLICKER.replace("tube", "tub")), &lit, &["--samples", "1"]);
-    refused(
-        &run,
-        "[flicker.tub]: the scene has no light, illum, glow or spotlight of this name\nhint: it has tube, steady",
-    );
+    refused(&run, "error: [flicker.tub]: the scene has no light, illum, glow or spotlight of this name\n");
+    refused(&run, " | [flicker.tub]\n");
+    refused(&run, "hint: it has tube, steady");
 }
 
 #[test]

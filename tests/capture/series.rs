@@ -113,7 +113,10 @@ fn pixels_that_a_moving_part_does_not_affect_are_shared() {
 #[test]
 fn mistakes_of_a_series_are_reported_with_their_position() {
     let cases = [
-        ("move tup\n-t 1 0 0\n", "the scene has no surface \"tup\" that could be moved"),
+        (
+            "# top\nmove tup\n-t 1 0 0\n",
+            "table.csv:2:6: error: the scene has no surface \"tup\" that could be moved\n  2 | move tup\n    |      ^^^\n",
+        ),
         ("move background\n-t 1 0 0\n", "\"background\" cannot be moved: its modifier \"to_viewer\""),
         ("rig.ring_diameter_mm\n-3\n", "\"ring_diameter_mm\" must be positive, not -3"),
         ("rig.ring_diameter\n3\n", "unknown key \"ring_diameter\""),
@@ -138,4 +141,64 @@ fn names_of_other_pictures_are_refused() {
     let run = radsight(&words);
     assert_eq!(run.code, 2, "{}", run.messages);
     assert!(run.messages.contains("written as PNG; for example \"picture.png\""), "{}", run.messages);
+}
+
+/// A camera whose pixels share the rays of highlights, so that no number of rays reaches an error of 5 %.
+const SMALL_CAMERA: &str = "[camera]
+position_m = [0.0, 0.0, 0.3]
+direction = [0.0, 0.0, -1.0]
+up = [0.0, 1.0, 0.0]
+pixels = [12, 10]
+pixel_pitch_um = [200.0, 150.0]
+focal_distance_mm = 10.0
+pinhole_diameter_mm = 0.1
+pinhole_model = \"point\"
+exposure_ms = 10.0
+wavelength_nm = 650.0
+
+[rig]
+leds = 6
+ring_diameter_mm = 40.0
+led_diameter_mm = 5.0
+led_intensity_w_per_sr = 0.05
+led_cone_deg = 20.0
+
+[sensor]
+response = \"power-law\"
+k = 33844.0
+gamma = 0.85
+grey_background = 12
+grey_max = 161
+exposure_unit = \"uJ/cm2\"
+bits = 8
+";
+
+/// A rough metal part on a sheet.
+const SMALL_SCENE: &str = "void plastic grey 0 0 5 .5 .4 .3 0 0
+grey polygon sheet 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0
+void metal m 0 0 5 .8 .7 .6 .3 .2
+m sphere part_ball 0 0 4 .01 .004 .006 .006
+m polygon part_tri 0 0 9 -.03 -.02 .004  -.01 -.02 .012  -.02 .01 .002
+";
+
+#[test]
+fn a_series_says_once_which_pictures_miss_the_error() {
+    let folder = Folder::new();
+    let camera = folder.file("camera.toml", SMALL_CAMERA);
+    let scene = folder.file("scene.rad", SMALL_SCENE);
+    let table = folder.file("table.csv", "name,camera.exposure_ms,rig.ring_diameter_mm\na,,\nb,5,\nc,,30\n");
+    let [out, derivatives] = ["{}.pfm", "d-{}.pfm"].map(|name| folder.word(name));
+    let run = |words: &[&str]| {
+        let all: Vec<&str> = ["capture", &camera, &scene].into_iter().chain(words.iter().copied()).collect();
+        let run = radsight(&all);
+        assert_eq!(run.code, 0, "{run:?}");
+        run.messages
+    };
+    let said = run(&["--variants", &table, "--exposure", &out, "--error", ".05", "--seed", "4"]);
+    assert_eq!(said.matches("is left out (-ab 0)").count(), 1, "{said}");
+    assert_eq!(said.matches("more than requested").count(), 1, "{said}");
+    assert!(said.contains("note: all 3 pictures, the worst of which: the estimated error is "), "{said}");
+    let said = run(&["--derivative", "exposure.time", "--derivatives", &derivatives, "--error", ".05", "--seed", "4"]);
+    assert_eq!(said.matches("is left out (-ab 0)").count(), 1, "{said}");
+    assert_eq!(said.matches("more than requested").count(), 1, "{said}");
 }

@@ -52,6 +52,17 @@ impl PartMove {
         PartMove { surfaces: surfaces.to_owned(), transform }
     }
 
+    /// The name of its surfaces, with `*` at its end for a prefix.
+    ///
+    /// ```
+    /// let moved = radsight::PartMove::new("washer_*", "-rz 30").unwrap();
+    /// assert_eq!(moved.surfaces(), "washer_*");
+    /// ```
+    #[must_use]
+    pub fn surfaces(&self) -> &str {
+        &self.surfaces
+    }
+
     /// Whether this surface belongs to the part.
     ///
     /// ```

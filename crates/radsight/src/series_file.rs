@@ -98,7 +98,7 @@ impl Reader<'_> {
             return Vec::new();
         };
         let columns = self.columns(head);
-        let rows: Vec<SeriesRow> = lines.filter_map(|cells| self.row(&columns, cells)).collect();
+        let rows: Vec<(SeriesRow, Span)> = lines.filter_map(|cells| self.row(&columns, cells)).collect();
         if rows.is_empty() && self.errors.is_empty() {
             self.error(whole, "the series has no picture, expected a line for each".to_owned());
         }
@@ -184,20 +184,22 @@ impl Reader<'_> {
         columns
     }
 
-    fn row(&mut self, columns: &[Column], cells: Vec<Cell>) -> Option<SeriesRow> {
+    /// A picture, and the place of its name, or of its line if it has none.
+    fn row(&mut self, columns: &[Column], cells: Vec<Cell>) -> Option<(SeriesRow, Span)> {
         let first = cells.first()?.span;
         if cells.len() != columns.len() {
             self.error(first, format!("{} cells, expected {}", cells.len(), columns.len()));
             return None;
         }
         let line = self.sources.position(first).line;
+        let mut place = first;
         let mut row = SeriesRow { name: String::new(), line, keys: Vec::new(), moves: Vec::new() };
         for (column, cell) in columns.iter().zip(cells).filter(|(_, cell)| !cell.text.is_empty()) {
             match column {
                 Column::Name if cell.text.contains(['/', '\\', '\0']) => {
                     self.error(cell.span, format!("\"{}\" cannot be part of a file's name", cell.text));
                 }
-                Column::Name => row.name = cell.text,
+                Column::Name => (row.name, place) = (cell.text, cell.span),
                 Column::Key(key) => row.keys.push((key.clone(), cell.text)),
                 Column::Move(surfaces) => match PartMove::new(surfaces, &cell.text) {
                     Ok(moved) => row.moves.push(moved),
@@ -205,23 +207,22 @@ impl Reader<'_> {
                 },
             }
         }
-        Some(row)
+        Some((row, place))
     }
 
     /// Numbers the pictures without a name, and checks that names are unique.
-    fn named(&mut self, mut rows: Vec<SeriesRow>) -> Vec<SeriesRow> {
+    fn named(&mut self, mut rows: Vec<(SeriesRow, Span)>) -> Vec<SeriesRow> {
         let digits = rows.len().to_string().len();
         let mut seen = BTreeSet::new();
-        for (number, row) in (1..).zip(&mut rows) {
+        for (number, (row, place)) in (1..).zip(&mut rows) {
             if row.name.is_empty() {
                 row.name = format!("{number:0digits$}");
             }
             if !seen.insert(row.name.clone()) {
-                let whole = self.sources.span(self.source, 0, 0);
-                self.error(whole, format!("a second picture \"{}\", in line {}", row.name, row.line));
+                self.error(*place, format!("a second picture \"{}\"", row.name));
             }
         }
-        rows
+        rows.into_iter().map(|(row, _)| row).collect()
     }
 
     fn span(&self, start: usize, end: usize) -> Span {
@@ -288,7 +289,7 @@ mod tests {
         }
         assert!(errors("rig.leds\n").contains("has no picture"));
         assert!(errors("").contains("is empty"));
-        assert!(errors("name,rig.leds\na,1\na,2\n").contains("a second picture \"a\", in line 3"));
+        assert!(errors("name,rig.leds\na,1\na,2\n").contains("s.csv:3:1: error: a second picture \"a\""));
         assert!(errors("rig.leds,rig.leds\n1,2\n").contains("1:10: error: a second column"));
     }
 }

@@ -1,6 +1,7 @@
 //! `radsight capture --derivative`: the exposure's derivatives and the Fisher information.
 
 use super::exposure_image;
+use super::notes;
 use super::series::{FileScenes, configured, with_ring};
 use crate::args::Capture;
 use crate::disk::{Commands, DiskLoader};
@@ -39,14 +40,18 @@ pub(super) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let inputs = scene_inputs(&arguments.scenes, None, &arguments.reading.trust)?;
     let (scene, sources) = valid_scene(with_ring(&inputs, file), &arguments.reading, |_| Ok(()))?;
     let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources);
-    let scenes = FileScenes::new(inputs, &arguments.reading, planner, &sources);
+    let scenes = FileScenes::new(inputs, &arguments.reading, planner, &sources).with_notes_on(&file.camera);
     let bar = Bar::new("differentiating");
     let postponed = interrupt::postpone();
     let exposed = expose_derivatives(&scenes, &capture, &parameters, arguments.derivative_error, &Stops(&bar));
     bar.finish();
     postponed.end();
     match exposed? {
-        Some(exposed) => write(arguments, file, &exposed),
+        Some(exposed) => {
+            let asked = arguments.error.unwrap_or(super::DEFAULT_ERROR);
+            notes::say_each(notes::missed(&exposed.exposure, asked));
+            write(arguments, file, &exposed)
+        }
         None => {
             say("radsight: stopped: no derivative is written\n");
             Ok(())
@@ -72,6 +77,11 @@ fn parameters(arguments: &Capture) -> Result<Vec<Parameter>, Failure> {
     let accounts = arguments.accounts.paths().into_iter().flatten().next();
     if arguments.color.is_some() || arguments.specimen.is_some() || accounts.is_some() || arguments.resume {
         let message = "option \"--derivative\" goes with -o, --exposure, --derivatives and --fisher only";
+        return Err(Failure::usage(message));
+    }
+    if arguments.derivatives.is_none() && arguments.fisher.is_none() {
+        let message = "option \"--derivative\" writes nothing alone: it goes with --derivatives or --fisher\n\
+                       hint: for example --derivatives \"derivative-{}.pfm\"";
         return Err(Failure::usage(message));
     }
     if let Some(output) = arguments.derivatives.as_ref().filter(|output| output.matches(NAME).count() != 1) {

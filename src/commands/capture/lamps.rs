@@ -5,7 +5,9 @@
 //! whose light is weighted row by row and added.
 
 use crate::failure::{Failure, Outcome};
+use crate::input::camera_mistake;
 use radsight_camera::{CameraFile, Flicker};
+use radsight_diag::Diagnostic;
 use radsight_ir::{Rgb, Scene};
 
 /// A scene divided by the flicker of its lamps.
@@ -17,9 +19,9 @@ pub(crate) struct FlickeringScenes {
 
 impl FlickeringScenes {
     /// Takes the lamps of the camera file out of a scene, or scales them where all rows see them
-    /// alike.
-    pub(crate) fn split(scene: &mut Scene, camera: &CameraFile) -> Result<FlickeringScenes, Failure> {
-        check_names(scene, camera)?;
+    /// alike. `path` names the camera file.
+    pub(crate) fn split(scene: &mut Scene, camera: &CameraFile, path: &str) -> Result<FlickeringScenes, Failure> {
+        check_names(scene, camera, path)?;
         let mut groups: Vec<(Flicker, Vec<&str>)> = Vec::new();
         for lamp in &camera.flickering {
             match groups.iter_mut().find(|(flicker, _)| *flicker == lamp.flicker) {
@@ -64,7 +66,7 @@ fn scale(scene: &mut Scene, share: impl Fn(&str) -> f64) {
 }
 
 /// Whether each lamp is there.
-fn check_names(scene: &mut Scene, camera: &CameraFile) -> Outcome {
+fn check_names(scene: &mut Scene, camera: &CameraFile, path: &str) -> Outcome {
     let Scene { names, modifiers, .. } = scene;
     let mut lamps: Vec<&str> = Vec::new();
     for modifier in modifiers.items_mut() {
@@ -75,10 +77,12 @@ fn check_names(scene: &mut Scene, camera: &CameraFile) -> Outcome {
     }
     match camera.flickering.iter().find(|lamp| !lamps.contains(&lamp.modifier.as_str())) {
         None => Ok(()),
-        Some(missing) => Err(Failure::input(format!(
-            "[flicker.{}]: the scene has no light, illum, glow or spotlight of this name\nhint: it has {}",
-            missing.modifier,
-            if lamps.is_empty() { "none at all".to_owned() } else { lamps.join(", ") }
-        ))),
+        Some(missing) => {
+            let name = &missing.modifier;
+            let mistake = format!("[flicker.{name}]: the scene has no light, illum, glow or spotlight of this name");
+            let hint =
+                if lamps.is_empty() { "it has none at all".to_owned() } else { format!("it has {}", lamps.join(", ")) };
+            Err(camera_mistake(path, &["flicker", name], Diagnostic::error(mistake).hint(hint)))
+        }
     }
 }

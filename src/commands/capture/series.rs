@@ -1,6 +1,7 @@
 //! `radsight capture --variants`: a table of pictures of nearly one scene.
 
 use super::exposure_image;
+use super::notes::{self, Note, SeriesNotes};
 use crate::args::{Capture, Reading};
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
@@ -9,15 +10,18 @@ use crate::output::{reserve_output, write_file, write_image_file};
 use crate::progress::Bar;
 use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
-use radsight::{SeriesExposure, SeriesPicture, SeriesRow, SeriesScenes, expose_series, read_series};
+use radsight::{PartMove, SeriesExposure, SeriesPicture, SeriesRow, SeriesScenes, expose_series, read_series};
 use radsight_camera::CameraFile;
 use radsight_capture::Progress;
-use radsight_diag::{Diagnostic, SourceMap};
-use radsight_ir::ValidScene;
+use radsight_diag::{Diagnostic, SourceMap, hint_nearest};
+use radsight_ir::{Scene, ValidScene};
 use radsight_output::interrupt;
 use radsight_parse::Input;
 use radsight_picture::Header;
+use radsight_pinhole::PinholeCamera;
 use radsight_render::{RenderOptions, RenderPlan};
+use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Placeholder for a picture's name in file names.
@@ -27,7 +31,8 @@ const NAME: &str = "{}";
 pub(super) fn run(arguments: &Capture, table: &str, render: RenderOptions) -> Outcome {
     check_arguments(arguments)?;
     use_threads(arguments.threads)?;
-    let rows = read_series(table, &read_file(table, "series")?)?;
+    let text = read_file(table, "series")?;
+    let rows = read_series(table, &text)?;
     for row in &rows {
         for output in outputs(arguments) {
             reserve_output(&arguments.reading.trust.output(&output.replace(NAME, &row.name), Existing::Kept)?)?;
@@ -40,23 +45,73 @@ pub(super) fn run(arguments: &Capture, table: &str, render: RenderOptions) -> Ou
     let Some(first) = pictures.first() else { return Ok(()) };
     let (scene, sources) =
         valid_scene(with_ring(&inputs, first.capture.camera_file()), &arguments.reading, |_| Ok(()))?;
+    check_moves(&scene, (table, text), &rows)?;
     let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources);
     let scenes = FileScenes::new(inputs, &arguments.reading, planner, &sources);
     let bar = Bar::new("capturing");
     let postponed = interrupt::postpone();
     let progress = Pictures { bar: &bar, done: AtomicU64::new(0), of: pictures.len() as u64 };
+    let mut told = SeriesNotes::default();
     let exposed = expose_series(&scenes, &pictures, &progress, &mut |exposed| {
-        write(arguments, &rows[exposed.picture], &pictures[exposed.picture], &exposed)?;
+        let (row, picture) = (&rows[exposed.picture], &pictures[exposed.picture]);
+        write(arguments, row, picture, &exposed)?;
+        told.add(&row.name, notes_of(arguments, picture, &exposed));
         progress.next();
         Ok(())
     });
     bar.finish();
+    notes::say_all(told.lines());
     postponed.end();
     let done = progress.done();
     if done < progress.of {
         say(&format!("radsight: stopped: {done} of {} pictures are done\n", progress.of));
     }
     exposed
+}
+
+/// Whether each part that the table moves is there; what is missing is shown in the head of the table.
+fn check_moves(scene: &Scene, (table, text): (&str, Vec<u8>), rows: &[SeriesRow]) -> Outcome {
+    let names = || scene.surfaces.iter().map(|(surface, _)| scene.surface_name(surface));
+    let moves: BTreeMap<&str, &PartMove> =
+        rows.iter().flat_map(|row| &row.moves).map(|part| (part.surfaces(), part)).collect();
+    let mut sources = SourceMap::default();
+    let head = String::from_utf8_lossy(&text).into_owned();
+    let source = sources.add(table, text, None);
+    let missing = moves.values().filter(|part| !names().any(|name| part.is_of(name)));
+    let mistakes: Vec<Diagnostic> = missing
+        .map(|part| {
+            let surfaces = part.surfaces();
+            let start = column_of(&head, surfaces);
+            let message = format!("the scene has no surface \"{surfaces}\" that could be moved");
+            let mistake = Diagnostic::error(message).at(sources.span(source, start, start + surfaces.len()));
+            mistake.maybe_hint(hint_nearest(surfaces, names()))
+        })
+        .collect();
+    match mistakes.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::diagnostics(&mistakes, &sources)),
+    }
+}
+
+/// Where the first line of a table that is no comment names the surfaces of a column.
+fn column_of(table: &str, surfaces: &str) -> usize {
+    let is_comment = |line: &&str| line.trim().is_empty() || line.trim_start().starts_with('#');
+    let mut at: usize = table.split_inclusive('\n').take_while(is_comment).map(str::len).sum();
+    let head = table[at..].lines().next().unwrap_or_default();
+    for cell in head.split(',') {
+        if cell.trim_end_matches([' ', '"']).ends_with(&format!(" {surfaces}")) {
+            return at + cell.rfind(surfaces).unwrap_or_default();
+        }
+        at += cell.len() + 1;
+    }
+    at
+}
+
+/// What is said of a picture.
+fn notes_of(arguments: &Capture, picture: &SeriesPicture, exposed: &SeriesExposure<'_>) -> Vec<Note> {
+    let mut found = notes::of_camera(exposed.renderer.plan(), &picture.capture.camera_file().camera);
+    found.extend(notes::missed(&exposed.exposure, arguments.error.unwrap_or(super::DEFAULT_ERROR)));
+    found
 }
 
 fn outputs(arguments: &Capture) -> impl Iterator<Item = &String> {
@@ -69,6 +124,9 @@ fn check_arguments(arguments: &Capture) -> Outcome {
     if arguments.color.is_some() || arguments.specimen.is_some() || accounts.is_some() || arguments.resume {
         let message = "option \"--variants\" writes pictures and exposures only: it goes with -o and --exposure";
         return Err(Failure::usage(message));
+    }
+    if outputs(arguments).next().is_none() {
+        return Err(Failure::usage("option \"--variants\" writes nothing alone: it goes with -o and --exposure"));
     }
     match outputs(arguments).find(|output| output.matches(NAME).count() != 1) {
         Some(output) => Err(Failure::usage(format!(
@@ -134,6 +192,10 @@ pub(super) struct FileScenes<'s> {
     quiet: Reading,
     planner: Planner<'s>,
     sources: &'s SourceMap,
+    /// Whether it was said what the options leave out.
+    is_said: Cell<bool>,
+    /// A camera, to say what matters for it once there is a plan.
+    camera: Cell<Option<PinholeCamera>>,
 }
 
 impl<'s> FileScenes<'s> {
@@ -146,7 +208,23 @@ impl<'s> FileScenes<'s> {
         // Warnings were said before.
         let mut quiet = reading.clone();
         quiet.no_warnings = true;
-        FileScenes { inputs, reading, quiet, planner, sources }
+        let (is_said, camera) = (Cell::new(false), Cell::new(None));
+        FileScenes { inputs, reading, quiet, planner, sources, is_said, camera }
+    }
+
+    /// Also says what matters for this camera in the first scene that is compiled.
+    pub(super) fn with_notes_on(self, camera: &PinholeCamera) -> FileScenes<'s> {
+        self.camera.set(Some(camera.clone()));
+        self
+    }
+
+    fn say_notes(&self, plan: &RenderPlan) {
+        if let Some(note) = notes::left_out(plan).filter(|_| !self.is_said.replace(true)) {
+            notes::say_each([note]);
+        }
+        if let Some(camera) = self.camera.take() {
+            notes::say_each(notes::of_camera(plan, &camera));
+        }
     }
 }
 
@@ -161,7 +239,10 @@ impl SeriesScenes for FileScenes<'_> {
     fn plan(&self, scene: ValidScene, options: RenderOptions) -> Result<RenderPlan, Failure> {
         let plan = self.planner.plan(scene, options)?;
         match plan.has_emitters() {
-            true => Ok(plan),
+            true => {
+                self.say_notes(&plan);
+                Ok(plan)
+            }
             false => {
                 Err(Failure::input("the scene has no light: nothing in it emits, and the camera file has no [rig]"))
             }
