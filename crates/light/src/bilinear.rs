@@ -14,11 +14,11 @@ pub(crate) struct Bilinear {
 }
 
 impl Bilinear {
-    /// In proportion to these values, which are not negative.
+    /// In proportion to these values, which are not negative; uniform if none is above 0 and finite.
     #[inline]
     pub(crate) fn new(values: [f64; 4]) -> Bilinear {
         let largest = values.into_iter().fold(0.0, f64::max);
-        if largest <= 0.0 {
+        if !(largest > 0.0 && largest.is_finite()) {
             return Bilinear { corners: [1.0; 4] };
         }
         let values = values.map(|value| value.max(LEAST_DENSITY * largest));
@@ -56,4 +56,22 @@ pub(crate) fn by_received_light(corner: DVec3, [x, y]: [DVec3; 2], cosine: &Rece
     let corners = [corner, corner + x, corner + y, corner + x + y];
     // The height above the plane, the other cosine times the distance, is the same for all.
     Bilinear::new(corners.map(|corner| cosine.of(corner) / corner.length_squared().powi(2)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_receiver_at_a_corner_has_a_finite_density() {
+        let cosine = ReceiverCosine::Front(DVec3::Z);
+        for corner in [DVec3::ZERO, DVec3::Z * 1e-200, DVec3::splat(1e-100), DVec3::splat(1e200)] {
+            let density = by_received_light(corner, [DVec3::X, DVec3::Y], &cosine);
+            for u in [[0.0, 0.0], [0.5, 0.1], [1.0, 1.0]] {
+                let at = density.sample(u);
+                assert!(at.iter().all(|share| (0.0..=1.0).contains(share)), "{at:?} at {corner}");
+                assert!(density.at(at) > 0.0 && density.at(at).is_finite(), "{density:?} at {corner}");
+            }
+        }
+    }
 }

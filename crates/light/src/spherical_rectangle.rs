@@ -36,7 +36,7 @@ pub(crate) struct SphericalRectangle {
 
 impl SphericalRectangle {
     /// The rectangle from `corner`, relative to the receiver, with these perpendicular sides. `None`
-    /// where its solid angle is too small for rounding.
+    /// where its solid angle or its height is too small for rounding.
     #[inline]
     pub(crate) fn new(corner: DVec3, sides: [DVec3; 2], cosine: &ReceiverCosine) -> Option<SphericalRectangle> {
         let lengths = sides.map(DVec3::length);
@@ -45,6 +45,10 @@ impl SphericalRectangle {
         let z = if across.dot(corner) > 0.0 { -across } else { across };
         let (low, height) = ([x.dot(corner), y.dot(corner)], z.dot(corner));
         let high = [low[0] + lengths[0], low[1] + lengths[1]];
+        let extent = [low, high].as_flattened().iter().fold(0.0_f64, |extent, end| extent.max(end.abs()));
+        if -height < LEAST_HEIGHT * extent {
+            return None;
+        }
         // Components along z of the unit normals of the planes through the receiver and a side.
         let slope = |coordinate: f64| slope(coordinate, height);
         let normals = [-slope(low[1]), slope(high[0]), slope(high[1]), -slope(low[0])];
@@ -115,6 +119,10 @@ fn slope(coordinate: f64, height: f64) -> f64 {
     coordinate / (coordinate * coordinate + height * height).sqrt()
 }
 
+/// Height of the receiver above the plane, relative to the farthest side, below which rounding decides the
+/// angles of the spherical rectangle.
+const LEAST_HEIGHT: f64 = 1e-5;
+
 /// Solid angles below this are rounding errors of the sum of four angles, sr.
 const LEAST_SOLID_ANGLE: f64 = 1e-6;
 
@@ -173,6 +181,36 @@ mod tests {
                 assert!((rectangle.pdf(point) / pdf - 1.0).abs() < 1e-6, "{u:?}: {pdf}, not {}", rectangle.pdf(point));
             }
         }
+    }
+
+    #[test]
+    fn samples_of_extreme_shapes_lie_on_the_rectangle() {
+        let cosine = ReceiverCosine::Front(DVec3::Z);
+        let mut found = 0;
+        for scale in [1e-9, 1.0, 1e9] {
+            for height in [1e-12, 1e-6, 1e-3, 0.1, 1.0] {
+                for [width, depth] in [[1e-6, 1.0], [1e-3, 1e3], [1.0, 1.0], [1e4, 1e-2], [1e6, 1e6]] {
+                    for [left, front] in [[-0.5, -0.5], [0.0, 0.0], [-1.0, 0.0], [2.0, -0.3], [-0.999_999, -1.5]] {
+                        let corner = dvec3(left * width, front * depth, height) * scale;
+                        let sides = [dvec3(width, 0.0, 0.0), dvec3(0.0, depth, 0.0)].map(|side| side * scale);
+                        let Some(rectangle) = SphericalRectangle::new(corner, sides, &cosine) else { continue };
+                        found += 1;
+                        for u in [0.0, 1e-12, 0.3, 0.5, 0.999_999, 1.0 - f64::EPSILON] {
+                            for v in [0.0, 1e-12, 0.5, 1.0 - f64::EPSILON] {
+                                let (point, pdf) = rectangle.sample([u, v]);
+                                let at = (point - corner) / scale;
+                                let is_inside = (-1e-9 * width..=(1.0 + 1e-9) * width).contains(&at.x)
+                                    && (-1e-9 * depth..=(1.0 + 1e-9) * depth).contains(&at.y);
+                                assert!(is_inside && pdf > 0.0 && pdf.is_finite(), "{point} {pdf} of {rectangle:?}");
+                                let again = rectangle.pdf(point);
+                                assert!(again > 0.0 && again.is_finite(), "{again} at {point} of {rectangle:?}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        assert!(found > 100, "{found} shapes are large enough");
     }
 
     #[test]

@@ -7,8 +7,7 @@
 //! a tree of their own, over their directions.
 //!
 //! Guarantees: a light that can illuminate a point has a positive probability there; nothing is
-//! allocated after the tree is built. Guarantees: a light that can give something at a point has a
-//! chance there; nothing is allocated after the tree is built.
+//! allocated after the tree is built.
 
 use crate::light::{Light, LightId};
 use crate::lobe_weighting::LobePeak;
