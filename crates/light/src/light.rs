@@ -105,6 +105,7 @@ fn to_rim(offset: DVec3, radius: f64) -> f64 {
 pub struct LightSampler<'l> {
     light: &'l Light,
     receiver: DVec3,
+    /// Of the density; zero where a polygon is sampled without it.
     gradient: DVec3,
     sampled: SampledPart<'l>,
 }
@@ -196,6 +197,27 @@ impl<'l> LightSampler<'l> {
             SampledPart::Form => light.form.sample(*receiver, u, *gradient),
         }
     }
+
+    /// Density with which a point at `distance` along `direction` is found, for the cosine at the light,
+    /// 1/sr.
+    #[inline]
+    #[must_use]
+    pub fn pdf(&self, direction: DVec3, distance: f64, cosine: f64) -> f64 {
+        let LightSampler { light, receiver, gradient, sampled } = self;
+        let of_form = || light.form.pdf(*receiver, direction, distance, cosine, *gradient);
+        match sampled {
+            SampledPart::Profile(mixture) => mixture.pdf(direction, of_form()),
+            SampledPart::Polygon(polygon) => polygon.pdf(direction * distance, cosine),
+            SampledPart::Overlap { overlap, center, normal, away } => {
+                let across = normal.cross(*away);
+                let from_center = *receiver + direction * distance - *center;
+                let at = [from_center.dot(*away), from_center.dot(across)];
+                let by_area = overlap.pdf(at, [gradient.dot(*away), gradient.dot(across)]);
+                distance * distance * by_area / cosine
+            }
+            SampledPart::Nothing | SampledPart::Form => of_form(),
+        }
+    }
 }
 
 /// The nodes of a cubature rule on a light, as seen from a receiver.
@@ -224,7 +246,6 @@ impl Light {
     /// and cosine.
     #[inline]
     pub fn sampler(&self, receiver: DVec3, peak: &LobePeak) -> LightSampler<'_> {
-        let gradient = self.gradient(receiver, peak);
         let sampled = if let Some(mixture) = self.profile_near(receiver) {
             SampledPart::Profile(mixture)
         } else if let Some(polygon) = self.diffusely_seen(receiver, peak) {
@@ -237,6 +258,10 @@ impl Light {
             }
         } else {
             SampledPart::Form
+        };
+        let gradient = match sampled {
+            SampledPart::Polygon(_) => DVec3::ZERO,
+            _ => self.gradient(receiver, peak),
         };
         LightSampler { light: self, receiver, gradient, sampled }
     }
@@ -294,23 +319,7 @@ impl Light {
     /// the cosine at the light, 1/sr.
     #[inline]
     pub fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, peak: &LobePeak) -> f64 {
-        let gradient = self.gradient(receiver, peak);
-        if let Some(mixture) = self.profile_near(receiver) {
-            return mixture.pdf(direction, self.form.pdf(receiver, direction, distance, cosine, gradient));
-        }
-        if let Some(polygon) = self.diffusely_seen(receiver, peak) {
-            return polygon.pdf(direction * distance, cosine);
-        }
-        if let Some((center, normal, radius)) = self.clipped_disk()
-            && let (Overlap::Part(overlap), away) = self.lit_part(center, normal, radius, receiver)
-        {
-            let across = normal.cross(away);
-            let from_center = receiver + direction * distance - center;
-            let at = [from_center.dot(away), from_center.dot(across)];
-            let by_area = overlap.pdf(at, [gradient.dot(away), gradient.dot(across)]);
-            return distance * distance * by_area / cosine;
-        }
-        self.form.pdf(receiver, direction, distance, cosine, gradient)
+        self.sampler(receiver, peak).pdf(direction, distance, cosine)
     }
 
     /// Emission profile, and the probability of sampling it for a receiver.

@@ -50,11 +50,10 @@ impl SphericalRectangle {
             return None;
         }
         // Components along z of the unit normals of the planes through the receiver and a side.
-        let slope = |coordinate: f64| slope(coordinate, height);
+        let slope = |coordinate: f64| slope(coordinate, height * height);
         let normals = [-slope(low[1]), slope(high[0]), slope(high[1]), -slope(low[0])];
-        let angle = |first: usize, second: usize| (-normals[first] * normals[second]).acos();
-        let (second, third) = (angle(2, 3), angle(3, 0));
-        let solid_angle = angle(0, 1) + angle(1, 2) + second + third - TAU;
+        let angles = angles(normals);
+        let solid_angle = solid_angle(angles);
         if solid_angle.is_nan() || solid_angle <= LEAST_SOLID_ANGLE {
             return None;
         }
@@ -66,7 +65,7 @@ impl SphericalRectangle {
             high,
             height,
             slopes: [normals[0], normals[2]],
-            first_angle: TAU - second - third,
+            first_angle: TAU - angles[2] - angles[3],
             solid_angle,
             density: Bilinear::new(corners.map(value)),
         })
@@ -83,8 +82,8 @@ impl SphericalRectangle {
         let sine = side.signum() / (side * side + self.slopes[0] * self.slopes[0]).sqrt();
         let along = -sine * self.height / (1.0 - sine * sine).max(f64::MIN_POSITIVE).sqrt();
         let along = along.clamp(self.low[0], self.high[0]);
-        let (distance, [first, last]) = self.sines_across(along);
-        let sine = first + at[1] * (last - first);
+        let (squared, [first, last]) = self.sines_across(along);
+        let (distance, sine) = (squared.sqrt(), first + at[1] * (last - first));
         let aside = if sine * sine < RIGHT_ANGLE { sine * distance / (1.0 - sine * sine).sqrt() } else { self.high[1] };
         let aside = aside.clamp(self.low[1], self.high[1]);
         (x * along + y * aside + z * self.height, self.density.at(at) / self.solid_angle)
@@ -93,30 +92,39 @@ impl SphericalRectangle {
     /// The density of a point relative to the receiver, 1/sr.
     pub(crate) fn pdf(&self, point: DVec3) -> f64 {
         let [along, aside] = [self.axes[0].dot(point), self.axes[1].dot(point)];
-        let (distance, [first, last]) = self.sines_across(along);
-        let v = (aside / (aside * aside + distance * distance).sqrt() - first) / (last - first);
+        let (squared, [first, last]) = self.sines_across(along);
+        let v = (slope(aside, squared) - first) / (last - first);
         // The area that the points with a smaller first coordinate fill is a spherical rectangle too.
         let u = self.solid_angle_up_to(along) / self.solid_angle;
         self.density.at([u, v].map(|coordinate| coordinate.clamp(0.0, 1.0))) / self.solid_angle
     }
 
-    /// Distance of a line across the rectangle from the receiver, in the plane through its middle, and
-    /// the sines of the angles at which its ends are seen.
+    /// Squared distance of a line across the rectangle from the receiver, in the plane through its
+    /// middle, and the sines of the angles at which its ends are seen.
     fn sines_across(&self, along: f64) -> (f64, [f64; 2]) {
         let squared = along * along + self.height * self.height;
-        (squared.sqrt(), [self.low[1], self.high[1]].map(|end| end / (end * end + squared).sqrt()))
+        (squared, [self.low[1], self.high[1]].map(|end| slope(end, squared)))
     }
 
     fn solid_angle_up_to(&self, along: f64) -> f64 {
-        let normals = [self.slopes[0], slope(along, self.height), self.slopes[1], -slope(self.low[0], self.height)];
-        let angle = |first: usize, second: usize| (-normals[first] * normals[second]).acos();
-        angle(0, 1) + angle(1, 2) + angle(2, 3) + angle(3, 0) - TAU
+        let slope = |coordinate: f64| slope(coordinate, self.height * self.height);
+        solid_angle(angles([self.slopes[0], slope(along), self.slopes[1], -slope(self.low[0])]))
     }
 }
 
-/// The sine of the angle at which a coordinate is seen from this height above its axis.
-fn slope(coordinate: f64, height: f64) -> f64 {
-    coordinate / (coordinate * coordinate + height * height).sqrt()
+/// The sine of the angle at which a coordinate is seen from this squared distance from its axis.
+fn slope(coordinate: f64, squared: f64) -> f64 {
+    coordinate / (coordinate * coordinate + squared).sqrt()
+}
+
+/// The inner angles of a spherical rectangle between the planes of its sides, by the components of
+/// their normals along the axis.
+fn angles(normals: [f64; 4]) -> [f64; 4] {
+    std::array::from_fn(|side| (-normals[side] * normals[(side + 1) % 4]).acos())
+}
+
+fn solid_angle([a, b, c, d]: [f64; 4]) -> f64 {
+    a + b + c + d - TAU
 }
 
 /// Height of the receiver above the plane, relative to the farthest side, below which rounding decides the
@@ -126,7 +134,7 @@ const LEAST_HEIGHT: f64 = 1e-5;
 /// Solid angles below this are rounding errors of the sum of four angles, sr.
 const LEAST_SOLID_ANGLE: f64 = 1e-6;
 
-/// The rectangle's sides, if they are perpendicular.
+/// Whether two sides are perpendicular.
 pub(crate) fn perpendicular(x: DVec3, y: DVec3) -> bool {
     x.dot(y).abs() <= SKEW * (x.length_squared() * y.length_squared()).sqrt()
 }
