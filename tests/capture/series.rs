@@ -162,15 +162,6 @@ ring_diameter_mm = 40.0
 led_diameter_mm = 5.0
 led_intensity_w_per_sr = 0.05
 led_cone_deg = 20.0
-
-[sensor]
-response = \"power-law\"
-k = 33844.0
-gamma = 0.85
-grey_background = 12
-grey_max = 161
-exposure_unit = \"uJ/cm2\"
-bits = 8
 ";
 
 /// A rough metal part on a sheet.

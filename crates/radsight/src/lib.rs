@@ -89,5 +89,5 @@ pub use recording_loader::RecordingLoader;
 pub use render_job::{JobResult, JobTarget, MergedJob, RayFormat, RayQuantity, RenderJob, Tile};
 pub use renderer::{ModifierContribution, Renderer};
 pub use scene::{Scene, SceneBuilder};
-pub use series_file::{SeriesRow, read_series};
+pub use series_file::{SeriesRow, check_moved_parts, read_series};
 pub use view::View;

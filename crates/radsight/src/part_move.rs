@@ -53,13 +53,7 @@ impl PartMove {
     }
 
     /// The name of its surfaces, with `*` at its end for a prefix.
-    ///
-    /// ```
-    /// let moved = radsight::PartMove::new("washer_*", "-rz 30").unwrap();
-    /// assert_eq!(moved.surfaces(), "washer_*");
-    /// ```
-    #[must_use]
-    pub fn surfaces(&self) -> &str {
+    pub(crate) fn surfaces(&self) -> &str {
         &self.surfaces
     }
 

@@ -1,8 +1,9 @@
 //! Series files: a comma-separated table of pictures.
 
 use crate::error::{Error, Report};
-use crate::part_move::PartMove;
+use crate::part_move::{PartMove, moved_surfaces};
 use radsight_diag::{Diagnostic, SourceId, SourceMap, Span};
+use radsight_ir::Scene;
 use std::collections::BTreeSet;
 
 /// Largest series file, bytes.
@@ -69,6 +70,48 @@ pub fn read_series(name: &str, text: &[u8]) -> Result<Vec<SeriesRow>, Error> {
     }
 }
 
+/// Checks that a scene has the parts that the rows of a series move. `name` and `text` are those of the
+/// file that [`read_series`] read.
+///
+/// ```
+/// let text = b"move washer,rig.ring_diameter_mm\n-t .01 0 0,20\n";
+/// let rows = radsight::read_series("poses.csv", text).unwrap();
+/// let scene = radsight_ir::Scene::default();
+/// let error = radsight::check_moved_parts("poses.csv", text, &rows, &scene).unwrap_err();
+/// assert!(error.to_string().contains("poses.csv:1:6: error: the scene has no surface \"washer\""), "{error}");
+/// ```
+///
+/// # Errors
+/// [`Error::Series`] at the names of those that it lacks.
+pub fn check_moved_parts(name: &str, text: &[u8], rows: &[SeriesRow], scene: &Scene) -> Result<(), Error> {
+    let mut sources = SourceMap::default();
+    let source = sources.add(name, text, None);
+    let mut reader = Reader { source, sources: &sources, errors: Vec::new() };
+    let text = std::str::from_utf8(text).unwrap_or_default();
+    let head = reader.next_line(text, &mut 0).unwrap_or_default();
+    let mut mistakes = Vec::new();
+    for Cell { text: column, span } in head {
+        let is_wanted = |part: &&PartMove| moved_part(&column) == Some(part.surfaces());
+        let part = rows.iter().flat_map(|row| &row.moves).find(is_wanted);
+        let Some((part, mistake)) = part.and_then(|part| Some((part, moved_surfaces(scene, [part]).err()?))) else {
+            continue;
+        };
+        let written = &text[span.start as usize..span.end as usize];
+        let start = written.rfind(part.surfaces()).map(|offset| span.start as usize + offset);
+        let place = start.map_or(span, |start| reader.span(start, start + part.surfaces().len()));
+        mistakes.push(mistake.at(place));
+    }
+    match mistakes.is_empty() {
+        true => Ok(()),
+        false => Err(Error::Series(Report::new(mistakes, sources))),
+    }
+}
+
+/// The surfaces that a column moves, which may be empty; `None` for another column.
+fn moved_part(column: &str) -> Option<&str> {
+    column.strip_prefix(MOVE).map(str::trim)
+}
+
 struct Reader<'s> {
     source: SourceId,
     sources: &'s SourceMap,
@@ -107,23 +150,28 @@ impl Reader<'_> {
 
     /// The cells of each non-empty line.
     fn lines(&mut self, text: &str) -> Vec<Vec<Cell>> {
-        let mut at = if text.starts_with('\u{feff}') { 3 } else { 0 };
-        let mut lines = Vec::new();
-        for line in text[at..].split_inclusive('\n') {
-            let start = at;
-            at += line.len();
+        let mut at = 0;
+        std::iter::from_fn(|| self.next_line(text, &mut at)).collect()
+    }
+
+    /// The cells of the next non-empty line after a position, which moves on.
+    fn next_line(&mut self, text: &str, at: &mut usize) -> Option<Vec<Cell>> {
+        if *at == 0 && text.starts_with('\u{feff}') {
+            *at = 3;
+        }
+        while self.errors.len() < MOST_ERRORS {
+            let start = *at;
+            let line = text[start..].split_inclusive('\n').next()?;
+            *at += line.len();
             let line = line.trim_end_matches(['\n', '\r']);
             if line.trim().is_empty() || line.trim_start().starts_with('#') {
                 continue;
             }
             if let Some(cells) = self.cells(line, start) {
-                lines.push(cells);
-            }
-            if self.errors.len() >= MOST_ERRORS {
-                break;
+                return Some(cells);
             }
         }
-        lines
+        None
     }
 
     fn cells(&mut self, line: &str, start: usize) -> Option<Vec<Cell>> {
@@ -168,7 +216,7 @@ impl Reader<'_> {
             if !seen.insert(text.clone()) {
                 self.error(span, format!("a second column \"{text}\""));
             }
-            columns.push(match text.strip_prefix(MOVE).map(str::trim) {
+            columns.push(match moved_part(&text) {
                 _ if text == "name" => Column::Name,
                 Some(surfaces) if !surfaces.is_empty() => Column::Move(surfaces.to_owned()),
                 None if text.contains('.') => Column::Key(text),

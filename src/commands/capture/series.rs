@@ -10,18 +10,17 @@ use crate::output::{reserve_output, write_file, write_image_file};
 use crate::progress::Bar;
 use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
-use radsight::{PartMove, SeriesExposure, SeriesPicture, SeriesRow, SeriesScenes, expose_series, read_series};
+use radsight::{SeriesExposure, SeriesPicture, SeriesRow, SeriesScenes, check_moved_parts, expose_series, read_series};
 use radsight_camera::CameraFile;
 use radsight_capture::Progress;
-use radsight_diag::{Diagnostic, SourceMap, hint_nearest};
-use radsight_ir::{Scene, ValidScene};
+use radsight_diag::{Diagnostic, SourceMap};
+use radsight_ir::ValidScene;
 use radsight_output::interrupt;
 use radsight_parse::Input;
 use radsight_picture::Header;
 use radsight_pinhole::PinholeCamera;
 use radsight_render::{RenderOptions, RenderPlan};
 use std::cell::Cell;
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Placeholder for a picture's name in file names.
@@ -45,7 +44,7 @@ pub(super) fn run(arguments: &Capture, table: &str, render: RenderOptions) -> Ou
     let Some(first) = pictures.first() else { return Ok(()) };
     let (scene, sources) =
         valid_scene(with_ring(&inputs, first.capture.camera_file()), &arguments.reading, |_| Ok(()))?;
-    check_moves(&scene, (table, text), &rows)?;
+    check_moved_parts(table, &text, &rows, &scene)?;
     let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources);
     let scenes = FileScenes::new(inputs, &arguments.reading, planner, &sources);
     let bar = Bar::new("capturing");
@@ -67,44 +66,6 @@ pub(super) fn run(arguments: &Capture, table: &str, render: RenderOptions) -> Ou
         say(&format!("radsight: stopped: {done} of {} pictures are done\n", progress.of));
     }
     exposed
-}
-
-/// Whether each part that the table moves is there; what is missing is shown in the head of the table.
-fn check_moves(scene: &Scene, (table, text): (&str, Vec<u8>), rows: &[SeriesRow]) -> Outcome {
-    let names = || scene.surfaces.iter().map(|(surface, _)| scene.surface_name(surface));
-    let moves: BTreeMap<&str, &PartMove> =
-        rows.iter().flat_map(|row| &row.moves).map(|part| (part.surfaces(), part)).collect();
-    let mut sources = SourceMap::default();
-    let head = String::from_utf8_lossy(&text).into_owned();
-    let source = sources.add(table, text, None);
-    let missing = moves.values().filter(|part| !names().any(|name| part.is_of(name)));
-    let mistakes: Vec<Diagnostic> = missing
-        .map(|part| {
-            let surfaces = part.surfaces();
-            let start = column_of(&head, surfaces);
-            let message = format!("the scene has no surface \"{surfaces}\" that could be moved");
-            let mistake = Diagnostic::error(message).at(sources.span(source, start, start + surfaces.len()));
-            mistake.maybe_hint(hint_nearest(surfaces, names()))
-        })
-        .collect();
-    match mistakes.is_empty() {
-        true => Ok(()),
-        false => Err(Failure::diagnostics(&mistakes, &sources)),
-    }
-}
-
-/// Where the first line of a table that is no comment names the surfaces of a column.
-fn column_of(table: &str, surfaces: &str) -> usize {
-    let is_comment = |line: &&str| line.trim().is_empty() || line.trim_start().starts_with('#');
-    let mut at: usize = table.split_inclusive('\n').take_while(is_comment).map(str::len).sum();
-    let head = table[at..].lines().next().unwrap_or_default();
-    for cell in head.split(',') {
-        if cell.trim_end_matches([' ', '"']).ends_with(&format!(" {surfaces}")) {
-            return at + cell.rfind(surfaces).unwrap_or_default();
-        }
-        at += cell.len() + 1;
-    }
-    at
 }
 
 /// What is said of a picture.
