@@ -412,6 +412,9 @@ impl Compiler<'_> {
         let Compiler { models, bands, .. } = *self;
         let scene = chains.scene;
         let modifier = &scene.modifiers[handle];
+        if let Some(request) = ModelRequest::of(scene, modifier, bands) {
+            return native_or(models, &request).map(Kind::Plugin);
+        }
         let glossy = |surface: &Glossy, metallic| GlossyKind {
             color: surface.color,
             specularity: surface.specularity,
@@ -444,12 +447,6 @@ impl Compiler<'_> {
             Material::Prism(prism) => Ok(Kind::Prism(PrismKind::new(prism))),
             Material::Glass { transmissivity, refractive_index } => {
                 Ok(Kind::Glass { transmissivity: *transmissivity, refractive_index: *refractive_index })
-            }
-            Material::Plugin { library, model, words, numbers, tokens } => {
-                let material = scene.modifier_name(Some(handle));
-                let request =
-                    ModelRequest { material, span: modifier.span, library, model, words, numbers, tokens, bands };
-                native_or(models, &request).map(Kind::Plugin)
             }
             Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts))),
             Material::Unusable { .. } => Ok(Kind::Unusable),

@@ -5,7 +5,7 @@ use crate::model_source::{ModelRequest, ModelSource};
 use crate::native_model::native_or;
 use crate::options::RenderOptions;
 use radsight_diag::Diagnostic;
-use radsight_ir::{Material, Modifier, ModifierKind, Scene, ValidScene};
+use radsight_ir::{Scene, ValidScene};
 use radsight_texture::BandLayout;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -32,30 +32,13 @@ fn check_models(
     octrees: &mut BTreeSet<*const Scene>,
 ) {
     for modifier in scene.modifiers.items() {
-        if let Some(error) = model_error(scene, modifier, models).filter(|error| !found.contains(error)) {
-            found.push(error);
-        }
+        let request = ModelRequest::of(scene, modifier, COLORS);
+        let error = request.and_then(|request| native_or(models, &request).err());
+        found.extend(error.filter(|error| !found.contains(error)));
     }
     for octree in scene.octrees.items() {
         if octrees.insert(Arc::as_ptr(&octree.scene)) {
             check_models(&octree.scene, models, found, octrees);
         }
     }
-}
-
-fn model_error(scene: &Scene, modifier: &Modifier, models: &dyn ModelSource) -> Option<Diagnostic> {
-    let ModifierKind::Material(Material::Plugin { library, model, words, numbers, tokens }) = &modifier.kind else {
-        return None;
-    };
-    let request = ModelRequest {
-        material: scene.names.get(modifier.name),
-        span: modifier.span,
-        library,
-        model,
-        words,
-        numbers,
-        tokens,
-        bands: COLORS,
-    };
-    native_or(models, &request).err()
 }

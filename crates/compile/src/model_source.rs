@@ -2,6 +2,7 @@
 
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
+use radsight_ir::{Material, Modifier, ModifierKind, Scene};
 use std::sync::Arc;
 
 /// A request of the scene for a reflectance model.
@@ -23,6 +24,17 @@ pub struct ModelRequest<'a> {
     pub tokens: &'a [Span],
     /// Number of bands: one, or three for red, green and blue.
     pub bands: usize,
+}
+
+impl<'a> ModelRequest<'a> {
+    /// The request of a `brdfplugin` material; `None` for another modifier.
+    pub(crate) fn of(scene: &'a Scene, modifier: &'a Modifier, bands: usize) -> Option<ModelRequest<'a>> {
+        let ModifierKind::Material(Material::Plugin { library, model, words, numbers, tokens }) = &modifier.kind else {
+            return None;
+        };
+        let (material, span) = (scene.names.get(modifier.name), modifier.span);
+        Some(ModelRequest { material, span, library, model, words, numbers, tokens, bands })
+    }
 }
 
 /// Source of the reflectance models that a scene names.
