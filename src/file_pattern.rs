@@ -7,9 +7,21 @@ pub(crate) fn holds_number(pattern: &str) -> bool {
     named("", pattern, "", 0).is_ok_and(|(_, _, holds_number)| holds_number)
 }
 
-/// Expands a pattern, and returns whether it contains the modifier's name and the bin's number:
-/// `%s`, `%d` (also `%03d`, `%o`, `%x`), `%%`. As in Radiance, a pattern with neither is the name.
+/// The name that a pattern gives, and whether it contains the modifier's name and the bin's number. As in
+/// Radiance, a pattern with neither is the name as it is.
 pub(crate) fn named(program: &str, pattern: &str, modifier: &str, bin: usize) -> Result<(String, bool, bool), Failure> {
+    let (name, has_modifier, has_bin) = expanded(program, pattern, modifier, bin)?;
+    let name = if has_modifier || has_bin { name } else { pattern.to_owned() };
+    Ok((name, has_modifier, has_bin))
+}
+
+/// The same, with formats as in `printf`: `%s`, `%d` (also `%03d`, `%o`, `%x`), `%%`.
+pub(crate) fn expanded(
+    program: &str,
+    pattern: &str,
+    modifier: &str,
+    bin: usize,
+) -> Result<(String, bool, bool), Failure> {
     let wrong = || {
         Failure::usage(format!(
             "{program}: output \"{pattern}\" has an unknown % format, expected at most one %s and one %d"
@@ -45,9 +57,6 @@ pub(crate) fn named(program: &str, pattern: &str, modifier: &str, bin: usize) ->
         rest = &rest[digits + letter.len_utf8()..];
     }
     name.push_str(rest);
-    if !has_modifier && !has_bin {
-        pattern.clone_into(&mut name);
-    }
     Ok((name, has_modifier, has_bin))
 }
 

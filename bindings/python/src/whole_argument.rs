@@ -27,15 +27,18 @@ macro_rules! arguments {
             use pyo3::prelude::*;
 
             $(pub(crate) fn $name(given: &Bound<'_, PyAny>) -> PyResult<Option<$kind>> {
-                if given.is_none() { Ok(None) } else { super::$name(given).map(Some) }
+                unless_none(given, super::$name)
             })*
 
-            /// Not 0, which would be as many as there are cores.
             pub(crate) fn threads(given: &Bound<'_, PyAny>) -> PyResult<Option<usize>> {
-                match given.is_none() {
-                    true => Ok(None),
-                    false => super::threads(given).map(Some),
-                }
+                unless_none(given, super::threads)
+            }
+
+            fn unless_none<T>(
+                given: &Bound<'_, PyAny>,
+                read: fn(&Bound<'_, PyAny>) -> PyResult<T>,
+            ) -> PyResult<Option<T>> {
+                if given.is_none() { Ok(None) } else { read(given).map(Some) }
             }
         }
     };
@@ -55,7 +58,7 @@ arguments! {
     seed: u64,
 }
 
-/// A number of threads.
+/// A number of threads: not 0, which would be as many as there are cores.
 fn threads(given: &Bound<'_, PyAny>) -> PyResult<usize> {
     match whole("threads", given)? {
         0 => Err(wrong("threads", 0, "at least 1, or None for all cores")),

@@ -130,10 +130,7 @@ impl ElementOperation {
             }),
         };
         done.map_err(|error: MatrixError| wrong(program, source, &error))?;
-        if kinds[0].with(kinds[1]).is_none() {
-            say(&mismatch(program, source, kinds));
-            left.header.push_line(MISMATCH_LINE);
-        }
+        warn_of_kinds(program, source, kinds, &mut left.header);
         Ok(left)
     }
 }
@@ -167,10 +164,15 @@ fn product(program: &str, chain: Vec<(&str, Matrix)>) -> Result<Matrix, Failure>
     let kinds: Vec<Stored> = matrices.iter().map(|matrix| matrix.stored).collect();
     let mut product = product_of_chain(matrices).map_err(|(index, error)| wrong(program, sources[index], &error))?;
     for (source, pair) in sources[1..].iter().zip(kinds.windows(2)) {
-        if pair[0].with(pair[1]).is_none() {
-            say(&mismatch(program, source, [pair[0], pair[1]]));
-            product.header.push_line(MISMATCH_LINE);
-        }
+        warn_of_kinds(program, source, [pair[0], pair[1]], &mut product.header);
     }
     Ok(product)
+}
+
+/// Warns of values of different kinds, in the header too.
+fn warn_of_kinds(program: &str, source: &str, kinds: [Stored; 2], header: &mut Header) {
+    if kinds[0].with(kinds[1]).is_none() {
+        say(&mismatch(program, source, kinds));
+        header.push_line(MISMATCH_LINE);
+    }
 }

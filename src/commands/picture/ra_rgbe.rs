@@ -36,7 +36,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
         let frame = frame_of(reader.header());
         if options.frame == 0 || options.frame == frame {
             let target = match target.contains('%') {
-                true => frame_name(target, frame)?,
+                true => file_pattern::expanded("ra_rgbe", target, "", usize::try_from(frame).unwrap_or(0))?.0,
                 false => target.to_owned(),
             };
             options.transfer(&mut reader, &header, path, &target)?;
@@ -50,13 +50,6 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
         next = reader.next_picture().map_err(wrong)?;
     }
     Ok(())
-}
-
-/// The file of a frame. The pattern is that of `printf` also without a number.
-fn frame_name(pattern: &str, frame: i64) -> Result<String, Failure> {
-    let number = usize::try_from(frame).unwrap_or(0);
-    let (name, has_word, has_number) = file_pattern::named("ra_rgbe", pattern, "", number)?;
-    Ok(if has_word || has_number { name } else { name.replace("%%", "%") })
 }
 
 struct Options {
