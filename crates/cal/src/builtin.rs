@@ -102,6 +102,11 @@ impl Builtin {
         }
     }
 
+    /// Number of arguments that every call evaluates.
+    pub(crate) fn least_arity(self) -> usize {
+        if self == Builtin::If { 1 } else { self.arity() }
+    }
+
     /// Whether it depends on its arguments alone, so that a call with constants is constant.
     pub(crate) fn is_constant(self) -> bool {
         self != Builtin::Arg

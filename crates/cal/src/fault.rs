@@ -20,7 +20,7 @@ pub enum FaultKind {
     TooLong,
     /// The evaluation reached an unknown name, a missing argument, or a number called as a
     /// function.
-    #[error("an undefined name or argument was used")]
+    #[error("an undefined name or a missing argument was used")]
     Undefined,
     /// The value exceeds single precision; the evaluation continues with it.
     #[error("a value exceeds single precision")]

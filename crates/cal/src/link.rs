@@ -62,10 +62,7 @@ impl<'a> Linker<'a> {
     pub(crate) fn function_root(&mut self, symbol: SymbolId, arity: u16, span: Option<Span>) -> Option<u32> {
         match self.callable(symbol, arity) {
             Some(Callable::Function(routine)) => {
-                let needed = self.needed(symbol);
-                if needed > usize::from(arity) {
-                    self.problem(too_few_arguments(self.known.bare_name(symbol), arity, needed), span);
-                }
+                self.check_arity(symbol, arity, self.least_arity(symbol), span);
                 Some(routine)
             }
             _ => {
@@ -75,11 +72,12 @@ impl<'a> Linker<'a> {
         }
     }
 
-    fn needed(&self, symbol: SymbolId) -> usize {
+    /// Number of arguments that every call evaluates, as far as the name tells.
+    fn least_arity(&self, symbol: SymbolId) -> usize {
         let known = self.known.symbol(symbol);
         match (known.and_then(|symbol| symbol.function()), known.and_then(|symbol| symbol.builtin)) {
-            (Some(definition), _) => highest_parameter(&definition.body),
-            (None, Some(builtin)) => builtin.arity(),
+            (Some(_), _) => 0,
+            (None, Some(builtin)) => builtin.least_arity(),
             (None, None) => self.bindings.function(self.known.bare_name(symbol)).map_or(0, |(_, arity)| arity),
         }
     }
@@ -246,14 +244,19 @@ impl<'a> Linker<'a> {
     fn call(&mut self, body: &'a Body, symbol: SymbolId, arguments: &'a [Node], span: Option<Span>) {
         let count = arguments.len() as u16;
         let known = self.known.symbol(symbol);
-        if let Some(definition) = known.and_then(|symbol| symbol.function()) {
-            self.check_arity(symbol, count, highest_parameter(&definition.body), span);
+        if known.is_some_and(|symbol| symbol.function().is_some()) {
             let Some(Callable::Function(routine)) = self.callable(symbol, count) else { return };
             let first = self.arguments(body, arguments);
             self.push(Op::Call { routine, first, count });
         } else if let Some(builtin) = known.and_then(|symbol| symbol.builtin) {
-            if self.check_arity(symbol, count, builtin.arity(), span) {
-                self.builtin(builtin, count, &mut |linker, index| linker.expr(body, arguments[index]));
+            if self.check_arity(symbol, count, builtin.least_arity(), span) {
+                self.builtin(builtin, count, &mut |linker, index| match arguments.get(index) {
+                    Some(&argument) => linker.expr(body, argument),
+                    // A branch of `if` that is not given.
+                    None => {
+                        linker.push(Op::Fail);
+                    }
+                });
             }
         } else if let Some((function, arity)) = self.bindings.function(self.known.bare_name(symbol)) {
             if self.check_arity(symbol, count, arity, span) {
@@ -353,8 +356,8 @@ impl<'a> Linker<'a> {
             let next = self.image.routines.len() as u32;
             let routine = *self.functions.entry(symbol).or_insert(next);
             if routine == next {
-                let needs = highest_parameter(&definition.body);
-                self.image.routines.push(Routine { entry: 0, needs: needs as u16 });
+                let uses = highest_parameter(&definition.body);
+                self.image.routines.push(Routine { entry: 0, uses: uses as u16 });
                 self.pending.push(Pending::Function { routine, body: &definition.body });
             }
             return Some(Callable::Function(routine));
@@ -372,8 +375,8 @@ impl<'a> Linker<'a> {
         if let Some(&routine) = self.wrappers.get(&(builtin, count)) {
             return routine;
         }
-        let needs = (builtin.arity() as u16).max(count);
-        let routine = self.routine(needs, |linker| {
+        let uses = (builtin.arity() as u16).max(count);
+        let routine = self.routine(uses, |linker| {
             linker.builtin(builtin, count, &mut |linker, index| {
                 linker.push(Op::Parameter(index as u16));
             });
@@ -396,13 +399,13 @@ impl<'a> Linker<'a> {
     }
 
     /// Generates a routine within other code, which jumps over it.
-    fn routine(&mut self, needs: u16, write: impl FnOnce(&mut Self)) -> u32 {
+    fn routine(&mut self, uses: u16, write: impl FnOnce(&mut Self)) -> u32 {
         let skip = self.push(Op::Jump(0));
         let entry = self.here();
         write(self);
         self.push(Op::Return);
         self.image.code[skip] = Op::Jump(self.here());
-        self.image.routines.push(Routine { entry, needs });
+        self.image.routines.push(Routine { entry, uses });
         self.image.routines.len() as u32 - 1
     }
 

@@ -57,9 +57,12 @@ pub(crate) struct Lowering<'a> {
     pub(crate) problems: Vec<Diagnostic>,
 }
 
+/// A call whose body is being lowered.
 struct Frame<'a> {
     arguments: Vec<Slot<'a>>,
     caller: usize,
+    /// The function and the position of the call; none for the outermost frame.
+    call: Option<(SymbolId, Option<Span>)>,
 }
 
 #[derive(Clone, Copy)]
@@ -82,7 +85,7 @@ impl<'a> Lowering<'a> {
             bindings,
             graph: Graph::default(),
             variables: HashMap::new(),
-            frames: vec![Frame { arguments: Vec::new(), caller: 0 }],
+            frames: vec![Frame { arguments: Vec::new(), caller: 0, call: None }],
             unrolled: None,
             late: &[],
             place: None,
@@ -211,9 +214,23 @@ impl<'a> Lowering<'a> {
                 self.frames[frame].arguments[index] = Slot::Seen(value);
                 Ok(value)
             }
-            // Missing arguments are reported at the call.
-            None => Ok(self.graph.fault()),
+            None => Ok(self.missing(index, frame)),
         }
+    }
+
+    /// A used argument that the call does not give.
+    fn missing(&mut self, index: usize, frame: usize) -> Value {
+        let Frame { arguments, call: Some((symbol, span)), .. } = &self.frames[frame] else {
+            return self.graph.fault();
+        };
+        let known = self.known.symbol(*symbol);
+        let needed = match known.map(|symbol| (symbol.function(), symbol.builtin)) {
+            Some((Some(definition), _)) => highest_parameter(&definition.body),
+            Some((None, Some(builtin))) => builtin.arity(),
+            _ => index + 1,
+        };
+        let problem = too_few_arguments(self.known.bare_name(*symbol), arguments.len() as u16, needed);
+        self.problem(problem, *span)
     }
 
     fn variable(&mut self, symbol: SymbolId, span: Option<Span>) -> Lowered<Value> {
@@ -257,16 +274,13 @@ impl<'a> Lowering<'a> {
             return Err(TooComplex);
         }
         if let Some(definition) = known.and_then(|symbol| symbol.function()) {
-            if let Some(fault) = self.lacking(symbol, count, highest_parameter(&definition.body), span) {
-                return Ok(fault);
-            }
             if let Some(calls) = &mut self.unrolled {
                 if calls.iter().filter(|call| **call == symbol).count() > UNROLLED_CALLS {
                     return Ok(self.graph.fault());
                 }
                 calls.push(symbol);
             }
-            self.frames.push(Frame { arguments, caller: frame });
+            self.frames.push(Frame { arguments, caller: frame, call: Some((symbol, span)) });
             let value = self.lower(&definition.body, definition.body.root, self.frames.len() - 1)?;
             self.frames.pop();
             self.unrolled.as_mut().and_then(Vec::pop);
@@ -274,7 +288,7 @@ impl<'a> Lowering<'a> {
         }
         let host = self.bindings.function(self.known.bare_name(symbol));
         let needed = match (known.and_then(|symbol| symbol.builtin), host) {
-            (Some(builtin), _) => builtin.arity(),
+            (Some(builtin), _) => builtin.least_arity(),
             (None, Some((_, arity))) => arity,
             (None, None) => return Ok(self.problem(unknown(self.known, self.bindings, symbol, "function"), span)),
         };
@@ -282,7 +296,7 @@ impl<'a> Lowering<'a> {
             return Ok(fault);
         }
         // A frame of its own, so that an argument is lowered once.
-        self.frames.push(Frame { arguments, caller: frame });
+        self.frames.push(Frame { arguments, caller: frame, call: Some((symbol, span)) });
         let own = self.frames.len() - 1;
         let value = match (known.and_then(|symbol| symbol.builtin), host) {
             (Some(builtin), _) => self.builtin(builtin, own, span)?,

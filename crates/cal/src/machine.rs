@@ -71,8 +71,8 @@ pub(crate) enum Op {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Routine {
     pub(crate) entry: u32,
-    /// Number of arguments that it uses.
-    pub(crate) needs: u16,
+    /// Number of arguments that it can use.
+    pub(crate) uses: u16,
 }
 
 /// Target of a call through an argument.
@@ -440,12 +440,9 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
     fn call(&mut self, routine: u32, given: (u32, u16), at: &mut usize, current: &mut u32) -> Result<(), Fatal> {
         let routine = self.image.routines[routine as usize];
         let (first, count) = given;
-        if count < routine.needs {
-            return Err(FaultKind::Undefined);
-        }
         self.enter(*at, *current, After::EndCall)?;
-        // Unused arguments are never evaluated.
-        let count = routine.needs;
+        // Unused arguments are never evaluated; missing ones are a fault when they are used.
+        let count = count.min(routine.uses);
         let kept = self.stacks.kept.len();
         self.stacks.kept.resize(kept + usize::from(count), None);
         self.stacks.activations.push(Activation { first, count, caller: *current, kept: kept as u32 });

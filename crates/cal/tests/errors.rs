@@ -70,6 +70,17 @@ fn missing_arguments_are_errors() {
     );
 }
 
+/// An argument is evaluated at its first use, so only a used one can be missing.
+#[test]
+fn a_missing_argument_is_an_error_where_it_is_used() {
+    assert_eq!(
+        compile("f(a,b) = if(a,Dx,b);", "f(1)+f(Dx)+if(Dx,2)"),
+        "scene.rad:1:28: error: function \"f\" needs 2 arguments, 1 given\n  1 | void brightfunc sky 2 f(1)+f(Dx)+if(Dx,2) sky.cal\n    |                            ^^^^^\n\
+         scene.rad:1:34: error: function \"if\" needs 3 arguments, 2 given\n  1 | void brightfunc sky 2 f(1)+f(Dx)+if(Dx,2) sky.cal\n    |                                  ^^^^^^^^\n"
+    );
+    assert_eq!(compile("g(h,x) = h(x);\nf(a,b) = if(a,1,b);", "f(1)+if(2,Dx)+g(f,2)"), "");
+}
+
 #[test]
 fn branches_that_constants_exclude_are_not_checked() {
     assert_eq!(compile("f = if(arg(0)-1.5, arg(2)+nowhere, 1);", "f"), "");

@@ -53,6 +53,18 @@ fn value(text: &str) -> f64 {
     World::new("").value(text)
 }
 
+/// The recursion is too deep for a graph, so that the exact machine decides.
+#[test]
+fn missing_arguments_of_recursive_functions_are_faults_where_they_are_used() {
+    let mut world =
+        World::new("sum(n,end) = if(n-.5, n+sum(n-1), if($2, 0, end)); either(n) = if(n-.5, either(n-1), if($2, 3));");
+    assert_eq!(world.result("sum($1)", &[300.0, 1.0]), Ok(45150.0));
+    let missing = Err(Fault { kind: FaultKind::Undefined, value: 0.0 });
+    assert_eq!(world.result("sum($1)", &[300.0, -1.0]), missing);
+    assert_eq!(world.result("either($1)", &[300.0, 1.0]), Ok(3.0));
+    assert_eq!(world.result("either($1)", &[300.0, -1.0]), missing);
+}
+
 #[test]
 fn powers_go_from_the_right_and_signs_bind_most_tightly() {
     assert_eq!(value("2^3^2"), 512.0);
