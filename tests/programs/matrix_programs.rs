@@ -207,6 +207,8 @@ fn values_of_different_kinds_are_combined_with_a_warning() {
         ("rmtxop -fa a.hdr + a.hdr", String::new()),
         ("rmtxop -fa a.mtx + c.dbl", String::new()),
         ("rcomb -fa -C RGB a.hdr a.xyz", String::new()),
+        ("rcomb -fa -e co(p)=1/(ci(1,p)-ci(1,p)) a.mtx", "rcomb: warning - division by zero\n".to_owned()),
+        ("rcomb -w -fa -e co(p)=sqrt(-1-ci(1,p)) a.mtx", String::new()),
     ] {
         let run = run(words);
         assert_eq!((run.code, &run.messages), (0, &expected), "{words}");

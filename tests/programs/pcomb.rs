@@ -35,6 +35,8 @@ fn expressions_of_positions_and_neighbours_are_those_of_the_real_program() {
         "x=3;lo=li(1)*x",
         "ro=ri(1,x-6,y-4)",
         "lo=if(x-5,li(2),ri(3))",
+        "k:le(1);ro=k*ri(1);go=2*k;bo=re(2)",
+        "f(a):a*le(1);lo=f(2)*x",
     ] {
         let words = ["-e", expressions, "a.hdr", "b.hdr"];
         let real = run_with(radiance.command("pcomb", &words).current_dir(folder.path("")), b"").done();

@@ -369,6 +369,31 @@ fn a_command_gets_the_records_that_are_sent_to_it() {
     assert_eq!(numbers(&folder.read("got.txt"))[0], [1.0; 3]);
 }
 
+/// Parameters count from their option on: files see them, and later definitions replace them, unless other
+/// parameters come between.
+#[test]
+fn parameters_and_definitions_count_in_their_order() {
+    let folder = Folder::new();
+    folder.file("scene.rad", format!("{SKY}{FAR}"));
+    folder.file("bins.cal", "count : 2*MF;\nbin = if(Dz, MF, 0);\n");
+    folder.file("own.cal", "MF = 1;\nbin = if(Dz, MF, 0);\n");
+    let own = [["-p MF=2", "-f own.cal"], ["-f own.cal", "-p MF=2"]].map(|order| order.join(" "));
+    for (words, columns, bin) in [
+        ("-p MF=2 -f bins.cal -bn count -b bin -m skyglow", 4, 2),
+        ("-e MF:3 -p MF=2 -f bins.cal -bn count -b bin -m skyglow", 4, 2),
+        (&format!("{} -bn 2*MF -b bin -m skyglow", own[0]), 2, 1),
+        (&format!("{} -bn 2*MF -b bin -m skyglow", own[1]), 4, 2),
+        ("-f own.cal -bn 4 -b bin -p MF=3 -m skyglow -p MF=2 -m groundglow", 8, 3),
+        ("-e k=1 -bn 3 -b k -m skyglow", 3, 1),
+        ("-p K=2,L=0 -bn 3 -b K -m skyglow", 3, 2),
+        ("-bn 3 -b 0 -m skyglow", 1, 0),
+    ] {
+        let record = &reds(&run(&folder, &format!("-h {words} scene.rad"), "0 0 0 .3 .4 .6\n").done())[0];
+        assert_eq!(record.len(), columns, "{words}");
+        assert_eq!(record.iter().position(|value| *value > 0.0), Some(bin), "{words}: {record:?}");
+    }
+}
+
 #[test]
 fn wrong_command_lines_and_input_are_reported() {
     let folder = Folder::new();
@@ -385,7 +410,10 @@ fn wrong_command_lines_and_input_are_reported() {
     check("-m sun -m sun scene.rad", "", 2, "modifier \"sun\" is named twice");
     check("-m void scene.rad", "", 2, "\"void\" cannot be tracked");
     check("-b Dx -m sun scene.rad", "", 2, "number of bins of \"sun\" is missing");
-    check("-b 1 -bn 2 -m sun scene.rad", "", 2, "always 1, expected 0");
+    check("-b 1 -bn 2 -m sun scene.rad", "", 2, "the constant 1, expected 0");
+    check("-e k:1 -b k -bn 2 -m sun scene.rad", "", 2, "the constant 1, expected 0");
+    check("-p N:2 -m sun scene.rad", "", 2, "\"-p N:2\" is no list of parameters");
+    check("-p N=1+1 -m sun scene.rad", "", 2, "\"-p N=1+1\" is no list of parameters");
     check("-bn 0 -m sun scene.rad", "", 2, "expected 1 to");
     check("-bn 1e30 -m sun scene.rad", "", 2, "expected 1 to");
     check("-bn Nrbins -m sun scene.rad", "", 1, "Nrbins");

@@ -24,6 +24,8 @@ pub struct Definitions {
     warnings: Vec<Diagnostic>,
     /// Channels with a value while constants are evaluated.
     pub(crate) fixed_channels: Vec<(u32, f64)>,
+    /// Names and numbers of arguments of the functions that the program computes.
+    pub(crate) host_functions: Vec<(String, usize)>,
 }
 
 impl Default for Definitions {
@@ -58,6 +60,7 @@ impl Definitions {
             scopes: HashSet::new(),
             warnings: Vec::new(),
             fixed_channels: Vec::new(),
+            host_functions: Vec::new(),
         }
     }
 
@@ -113,6 +116,11 @@ impl Definitions {
     #[must_use]
     pub fn is_variable(&self, name: &str, scope: &Scope) -> bool {
         self.symbols.find(name, scope).is_some_and(|id| self.symbols.get(id).variable().is_some())
+    }
+
+    /// The functions that the program computes, as [`Bindings`] name them.
+    pub(crate) fn host_functions(&self) -> Vec<(&str, usize)> {
+        self.host_functions.iter().map(|(name, arity)| (name.as_str(), *arity)).collect()
     }
 
     /// Reads statements and adds their definitions; returns the output channels.
@@ -270,7 +278,8 @@ impl Names for Loading<'_> {
     }
 }
 
-/// The value of a variable or call, if it is a constant.
+/// The value of a variable or call, if it is a constant that reading alone decides. One that needs a
+/// function of the program has its value later.
 pub(crate) fn fold(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64) -> Result<Option<f64>, Diagnostic> {
     match body.expr(node) {
         Expr::Variable(symbol) => {
@@ -295,15 +304,20 @@ pub(crate) fn fold(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64) 
         }
         _ => return Ok(None),
     }
-    evaluate_constant(known, body, node, steps).map(Some)
+    evaluate_constant(known, body, node, steps)
 }
 
-fn evaluate_constant(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64) -> Result<f64, Diagnostic> {
+fn evaluate_constant(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64) -> Result<Option<f64>, Diagnostic> {
     let fixed = &known.definitions.fixed_channels;
-    let bindings = Bindings { highest_channel: Some(0), constant_channels: fixed, ..Bindings::default() };
+    let functions = known.definitions.host_functions();
+    let bindings =
+        Bindings { highest_channel: Some(0), constant_channels: fixed, functions: &functions, ..Bindings::default() };
     let mut linker = Linker::new(known, &bindings);
     let entry = linker.expression_root(body, node);
     let (image, problems) = linker.finish();
+    if problems.is_empty() && image.calls_host() {
+        return Ok(None);
+    }
     let mut stacks = Stacks::default();
     let mut machine = Machine::new(&image, &[], &mut stacks, &NoHost, *steps);
     let result = machine.run(Entry::Expression(entry), &[]);
@@ -311,7 +325,7 @@ fn evaluate_constant(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64
     *steps = machine.steps_left().saturating_sub(image.code.len() as u64);
     let place = |message: String, span: Option<Span>| span.into_iter().fold(Diagnostic::error(message), Diagnostic::at);
     match (result, fault) {
-        (Ok(value), None) => Ok(value),
+        (Ok(value), None) => Ok(Some(value)),
         (Err(FaultKind::Undefined), _) if !problems.is_empty() => {
             Err(unfoldable(problems, constant_name(known, body, node)))
         }

@@ -3,6 +3,7 @@
 use crate::bindings::{Bindings, Known};
 use crate::definitions::{Definitions, Dialect};
 use crate::fault::{Place, Warning};
+use crate::limits::LISTED_WARNINGS;
 use crate::names::{Assignment, Definition, Scope, SymbolId};
 use crate::program::{Host, Program, ReadRoot, Scratch};
 use crate::syntax::Body;
@@ -77,7 +78,6 @@ pub struct Environment {
     output_values: Vec<(u32, f64)>,
     /// Memory for the values of an evaluation.
     output_buffer: Vec<f64>,
-    host_functions: Vec<(String, usize)>,
     /// Variables that are set to numbers, with their values.
     slots: Vec<(SymbolId, f64)>,
     scratch: Scratch,
@@ -108,7 +108,6 @@ impl Environment {
             output_program: None,
             output_values: Vec::new(),
             output_buffer: Vec::new(),
-            host_functions: Vec::new(),
             slots: Vec::new(),
             scratch: Scratch::new(),
         }
@@ -127,9 +126,9 @@ impl Environment {
     /// Registers a function that the host computes, for a name without a definition. [`Host::call`]
     /// gets the returned index and all arguments of the call, at least `arity`.
     pub fn offer_function(&mut self, name: &str, arity: usize) -> u32 {
-        self.host_functions.push((name.to_owned(), arity));
+        self.definitions.host_functions.push((name.to_owned(), arity));
         self.forget_programs();
-        self.host_functions.len() as u32 - 1
+        self.definitions.host_functions.len() as u32 - 1
     }
 
     /// Reads definitions and output channels from a file or an option.
@@ -203,7 +202,8 @@ impl Environment {
     #[must_use]
     pub fn function_arity(&self, name: &str) -> Option<usize> {
         let defined = self.definitions.function_arity(name, &Scope::global());
-        let offered = || self.host_functions.iter().find(|(known, _)| known == name).map(|(_, arity)| *arity);
+        let offered =
+            || self.definitions.host_functions.iter().find(|(known, _)| known == name).map(|(_, arity)| *arity);
         defined.or_else(offered)
     }
 
@@ -329,11 +329,24 @@ impl Environment {
         self.scratch.warnings()
     }
 
+    /// Adds the mathematical faults of the last evaluation to a list of messages, each once. The list ends
+    /// after a few.
+    pub fn list_warnings(&self, list: &mut Vec<String>) {
+        for warning in self.warnings() {
+            if list.len() >= LISTED_WARNINGS {
+                return;
+            }
+            let message = self.in_words(warning);
+            if !list.contains(&message) {
+                list.push(message);
+            }
+        }
+    }
+
     /// A warning in words, as Radiance prints it: `ri(): domain error`.
-    #[must_use]
-    pub fn in_words(&self, warning: &Warning) -> String {
+    fn in_words(&self, warning: &Warning) -> String {
         match warning.place {
-            Place::HostFunction(index) => match self.host_functions.get(usize::from(index)) {
+            Place::HostFunction(index) => match self.definitions.host_functions.get(usize::from(index)) {
                 Some((name, _)) => format!("{name}(): {}", warning.kind),
                 None => warning.to_string(),
             },
@@ -350,7 +363,7 @@ impl Environment {
     }
 
     fn build(&self, roots: Vec<ReadRoot>) -> Result<Compiled, Vec<Diagnostic>> {
-        let functions: Vec<(&str, usize)> = self.host_functions.iter().map(|(name, n)| (name.as_str(), *n)).collect();
+        let functions = self.definitions.host_functions();
         let bindings = Bindings { functions: &functions, ..Bindings::default() };
         let (program, circles) = Program::build(&Known::new(&self.definitions), &roots, &bindings)?;
         Ok(Compiled { program, memory: circles.map(|_| Scratch::new()) })
@@ -505,6 +518,10 @@ mod tests {
         assert_eq!(environment.eval(x, &[], &Doubling), Ok(7.0));
         let more = environment.variable("more");
         assert_eq!(environment.eval(more, &[], &Doubling), Ok(203.0));
+        let source = SourceMap::default().add("-e", &b""[..], None);
+        environment.define(source, b"k : in(3); f(x) : x*in(1); y = k+f(2)").unwrap();
+        let y = environment.variable("y");
+        assert_eq!(environment.eval(y, &[], &Doubling), Ok(13.0));
     }
 
     #[test]

@@ -107,6 +107,11 @@ impl<'t> Lexer<'t> {
         self.start
     }
 
+    /// Whether the current token is written in digits alone.
+    pub(crate) fn is_digits(&self) -> bool {
+        self.text[self.token_start()..self.token_end()].iter().all(u8::is_ascii_digit)
+    }
+
     /// End of the next token, in bytes.
     pub(crate) fn token_end(&self) -> usize {
         self.at

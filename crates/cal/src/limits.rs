@@ -10,3 +10,5 @@ pub const MOST_LONG_EVALUATIONS: u64 = 8;
 pub(crate) const MOST_FOLDING_STEPS: u64 = 20_000_000;
 /// Maximum number of mathematical faults of one evaluation that are kept as warnings.
 pub(crate) const MOST_WARNINGS: usize = 100;
+/// Number of distinct messages about mathematical faults after which a program's list of them ends.
+pub(crate) const LISTED_WARNINGS: usize = 10;

@@ -122,6 +122,11 @@ impl Image {
         }
     }
 
+    /// Whether a function of the host may be called.
+    pub(crate) fn calls_host(&self) -> bool {
+        self.code.iter().any(|op| matches!(op, Op::HostCall { .. }))
+    }
+
     pub(crate) fn sorted_channels(&self) -> Vec<u32> {
         let mut channels = self.channels.clone();
         channels.sort_unstable();

@@ -173,6 +173,17 @@ impl Program {
         Ok((Program::new(Arc::new(compiled), bindings.real_arguments), lowering.circular()))
     }
 
+    /// The value of an expression that reading alone decides: a number, a constant, or a function of
+    /// constants. Variables are not, even if they always have the same value.
+    #[must_use]
+    pub fn constant_expression(definitions: &Definitions, scope: &Scope, text: &str, span: Span) -> Option<f64> {
+        let root = Root::Expression { text, span };
+        match read_roots(&mut Known::new(definitions), scope, &[root]).ok()?.as_slice() {
+            [ReadRoot::Expression(body)] => body.as_number(),
+            _ => None,
+        }
+    }
+
     pub(crate) fn new(compiled: Arc<Compiled>, real_arguments: &[f64]) -> Program {
         Program { compiled, real_arguments: real_arguments.into(), faults: FaultLog::default() }
     }

@@ -259,7 +259,7 @@ impl<'t, 'n, N: Names> Reader<'t, 'n, N> {
         self.lexer.advance()?;
         let end = self.lexer.token_end();
         match self.lexer.token {
-            Token::Number(value) if value.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(&value) => {
+            Token::Number(value) if self.lexer.is_digits() && (1.0..=f64::from(u32::MAX)).contains(&value) => {
                 self.lexer.advance()?;
                 Ok(value as u32)
             }

@@ -109,6 +109,14 @@ fn all_errors_of_a_file_are_reported() {
 }
 
 #[test]
+fn channels_are_numbered_by_digits() {
+    assert_eq!(
+        load("a = $1e2;"),
+        "sky.cal:1:5: error: illegal channel number\n  1 | a = $1e2;\n    |     ^^^^\nhint: channels are $1, $2, and so on\n"
+    );
+}
+
+#[test]
 fn comments_must_be_closed() {
     assert_eq!(
         load("a = 1; { open { closed }\nb = 2;"),

@@ -67,11 +67,11 @@ impl Combination {
     }
 
     /// Computes all elements by `co(component)`, `co`, or `ro go bo`, whichever is defined,
-    /// otherwise as sums.
+    /// otherwise as sums. Also the mathematical errors, each once, as messages.
     ///
     /// # Errors
     /// If a definition cannot be evaluated.
-    pub fn compute(self) -> Result<Matrix, MatrixError> {
+    pub fn compute(self) -> Result<(Matrix, Vec<String>), MatrixError> {
         let Combination { inputs, mut environment, functions } = self;
         let Some(first) = inputs.first() else { return Err(MatrixError::TooLarge { size: [0, 0], components: 0 }) };
         let defined = defined(&mut environment, first.components())?;
@@ -83,8 +83,9 @@ impl Combination {
             for input in &inputs[1..] {
                 result.add(input)?;
             }
-            return Ok(result);
+            return Ok((result, Vec::new()));
         }
+        let mut warnings = Vec::new();
         let handle = match defined {
             Defined::Function => environment.function("co", 1),
             _ => environment.variable("co"),
@@ -105,9 +106,10 @@ impl Combination {
                 let arguments = if defined == Defined::Function { &arguments[..] } else { &[] };
                 let found = environment.eval(handle, arguments, &site);
                 *value = found.map_err(MatrixError::Definition)? as f32;
+                environment.list_warnings(&mut warnings);
             }
         }
-        Ok(result)
+        Ok((result, warnings))
     }
 }
 

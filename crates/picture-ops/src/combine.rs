@@ -14,9 +14,6 @@ const ROWS_ABOVE: usize = 62;
 /// Rows below the current one that expressions can access.
 const ROWS_BELOW: usize = 64;
 
-/// Largest number of distinct warnings about mathematical errors.
-const MOST_WARNINGS: usize = 10;
-
 /// Functions available to expressions, in the order of their numbers.
 const FUNCTIONS: [&str; 17] =
     ["ri", "gi", "bi", "li", "re", "ge", "be", "le", "pa", "Ox", "Oy", "Oz", "Dx", "Dy", "Dz", "T", "S"];
@@ -299,17 +296,8 @@ impl<R: Read> Combination<R> {
                 };
             }
         }
-        self.keep_warnings();
+        self.environment.list_warnings(&mut self.warnings);
         Ok(value.map(|value| value as f32))
-    }
-
-    fn keep_warnings(&mut self) {
-        for warning in self.environment.warnings() {
-            let warning = self.environment.in_words(warning);
-            if self.warnings.len() < MOST_WARNINGS && !self.warnings.contains(&warning) {
-                self.warnings.push(warning);
-            }
-        }
     }
 }
 

@@ -7,9 +7,6 @@ use radsight_loader::{FileKind, Loader};
 use crate::Error;
 use crate::arguments::Arguments;
 
-/// Largest number of distinct warnings about mathematical errors.
-const MOST_WARNINGS: usize = 10;
-
 /// The definitions of one run of a program.
 pub(crate) struct Functions {
     pub(crate) environment: Environment,
@@ -99,12 +96,7 @@ impl Functions {
     /// The value of a definition.
     pub(crate) fn value<H: Host + ?Sized>(&mut self, handle: Handle, values: &[f64], host: &H) -> Result<f64, Error> {
         let value = self.environment.eval(handle, values, host).map_err(|problems| self.error(&problems, None))?;
-        for warning in self.environment.warnings() {
-            let message = self.environment.in_words(warning);
-            if self.warnings.len() < MOST_WARNINGS && !self.warnings.contains(&message) {
-                self.warnings.push(message);
-            }
-        }
+        self.environment.list_warnings(&mut self.warnings);
         Ok(value)
     }
 

@@ -33,6 +33,7 @@ struct Options {
     across_lines: bool,
     passing: Passing,
     no_input: bool,
+    no_warnings: bool,
     most_input: usize,
     most_output: usize,
 }
@@ -71,6 +72,9 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
     }
     let standard_output = calculator.text.finish()?;
+    if options.no_warnings {
+        calculator.functions.warnings.clear();
+    }
     Ok(Output { standard_output, warnings: calculator.functions.all_warnings(arguments), files: Vec::new() })
 }
 
@@ -96,6 +100,7 @@ impl Calculator {
             across_lines: false,
             passing: Passing::Nothing,
             no_input: false,
+            no_warnings: false,
             most_input: 0,
             most_output: 0,
         };
@@ -110,7 +115,8 @@ impl Calculator {
                 "-f" => self.functions.take_file(arguments, invocation.loader)?,
                 "-e" => self.functions.take_definitions(arguments)?,
                 "-n" => options.no_input = true,
-                "-w" | "-u" => {}
+                "-w" => options.no_warnings = true,
+                "-u" => {}
                 "-i" if option.text.is_empty() => {
                     options.input = InputForm { encoding: Encoding::Ascii, columns: 0, ..options.input };
                     options.input_format = Some(read_format(arguments, invocation, &options)?);

@@ -47,6 +47,15 @@ fn computed_columns_equal_real_ones() {
 }
 
 #[test]
+fn warnings_of_mathematical_errors_end_with_an_option() {
+    for (options, warnings) in [(&[][..], &["division by zero"][..]), (&["-w"], &[])] {
+        let argv = [&list(&["rcalc"])[..], &list(options), &list(&["-e", "$1=1/($1-1)"])].concat();
+        let output = ours(&argv, b"1\n3\n", &TestLoader::default()).unwrap();
+        assert_eq!((&output.standard_output[..], &output.warnings[..]), (&b"0\n0.5\n"[..], &list(warnings)[..]));
+    }
+}
+
+#[test]
 fn records_of_formats_equal_real_ones() {
     let Some(radiance) = Radiance::find() else { return };
     let input = "name=abc x= 12 y=3.5\nname=def x=7 y=-2e1\nnothing here\nname=abc  x=1   y=0.001 tail\n\nname= x=5 y=6\nname=q x=0 y=1000000";

@@ -62,7 +62,12 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     };
     let mut combination = Combination::new(inputs).map_err(failed)?;
     define(&mut combination, &request.definitions)?;
-    let combined = combination.compute().map_err(|error| wrong(program, "the result", &error))?;
+    let (combined, warnings) = combination.compute().map_err(|error| wrong(program, "the result", &error))?;
+    if !request.no_warnings {
+        for warning in warnings {
+            say(&format!("{program}: warning - {warning}\n"));
+        }
+    }
     let result = finish(program, combined, &request, commands)?;
     let written = result.write(&header, result_format(request.format, &result));
     write_standard_output(&written.map_err(|error| wrong(program, "the result", &error))?)

@@ -7,6 +7,7 @@ use radsight_diag::{Diagnostic, SourceMap};
 use radsight_loader::{FileKind, Loader};
 use radsight_render::Contribution;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -22,22 +23,25 @@ pub(super) struct BinRequest {
     pub(super) expression: Option<String>,
     /// Number of bins; 0 if not given.
     pub(super) count: usize,
-    /// Definitions for this modifier alone, as in `MF=4,rNx=0`.
+    /// Numbers of variables for this modifier, as definitions.
     pub(super) parameters: Option<String>,
 }
 
-/// The definitions of `-f` and `-e`.
+/// The definitions of `-f`, `-e` and `-p`, in their order.
 #[derive(Debug)]
 pub(super) struct Functions {
     definitions: Definitions,
     sources: SourceMap,
     scope: Scope,
+    /// The last parameters, as definitions.
+    parameters: Option<String>,
 }
 
 impl Functions {
     pub(super) fn new() -> Functions {
         let definitions = Definitions::with_initial_library();
-        Functions { definitions, sources: SourceMap::default(), scope: Scope::of_file("rcontrib") }
+        let scope = Scope::of_file("rcontrib");
+        Functions { definitions, sources: SourceMap::default(), scope, parameters: None }
     }
 
     /// Reads a file of definitions from `RAYPATH` or the built-in ones.
@@ -55,6 +59,21 @@ impl Functions {
         self.load("option -e".to_owned(), text.as_bytes())
     }
 
+    /// Sets variables to numbers, as in `MF=4,rNx=0`, from here on; returns the definitions.
+    pub(super) fn set_parameters(&mut self, text: &str) -> Result<String, Failure> {
+        let definitions = parameters(text).ok_or_else(|| {
+            Failure::usage(format!(
+                "rcontrib: \"-p {text}\" is no list of parameters, expected variables with numbers, as in MF=4,rNx=0"
+            ))
+        })?;
+        // As in Radiance, the same parameters again change nothing.
+        if self.parameters.as_ref() != Some(&definitions) {
+            self.load("option -p".to_owned(), definitions.as_bytes())?;
+            self.parameters = Some(definitions.clone());
+        }
+        Ok(definitions)
+    }
+
     fn load(&mut self, name: String, text: &[u8]) -> Result<(), Failure> {
         let source = self.sources.add(name, text, None);
         let loaded = self.definitions.load(source, text, &self.scope);
@@ -62,8 +81,8 @@ impl Functions {
     }
 
     /// The value of an expression for the number of bins.
-    pub(super) fn count(&mut self, text: &str, parameters: Option<&str>) -> Result<usize, Failure> {
-        let program = self.program(text, parameters, "option -bn")?;
+    pub(super) fn count(&mut self, text: &str) -> Result<usize, Failure> {
+        let program = self.program(text, None, "option -bn")?.0;
         let value = program.eval(0, &[], &NoHost, &mut Scratch::new()).unwrap_or(f64::NAN);
         match (value + 0.5) as usize {
             count @ 1..=MOST_BINS => Ok(count),
@@ -71,14 +90,14 @@ impl Functions {
         }
     }
 
-    /// Compiles an expression with the parameters of one modifier.
-    fn program(&self, text: &str, parameters: Option<&str>, what: &str) -> Result<Program, Failure> {
+    /// Compiles an expression, with the parameters of one modifier if they are given. Also its value, if it
+    /// is a constant.
+    fn program(&self, text: &str, parameters: Option<&str>, what: &str) -> Result<(Program, Option<f64>), Failure> {
         let mut sources = self.sources.clone();
         let with_parameters;
         let definitions = match parameters {
-            Some(parameters) => {
+            Some(text) => {
                 let mut own = self.definitions.clone();
-                let text = parameters.replace(',', ";");
                 let source = sources.add("option -p", text.as_bytes(), None);
                 let loaded = own.load(source, text.as_bytes(), &self.scope);
                 loaded.map_err(|mistakes| Failure::diagnostics(&mistakes, &sources))?;
@@ -88,35 +107,41 @@ impl Functions {
             None => &self.definitions,
         };
         let source = sources.add(what, text.as_bytes(), None);
-        let root = Root::Expression { text, span: sources.span(source, 0, text.len()) };
-        let program = Program::compile(definitions, &self.scope, &[root], &Bindings::of_ray());
-        program.map_err(|mistakes: Vec<Diagnostic>| Failure::diagnostics(&mistakes, &sources))
+        let span = sources.span(source, 0, text.len());
+        let root = Root::Expression { text, span };
+        let program = Program::compile(definitions, &self.scope, &[root], &Bindings::of_ray())
+            .map_err(|mistakes: Vec<Diagnostic>| Failure::diagnostics(&mistakes, &sources))?;
+        Ok((program, Program::constant_expression(definitions, &self.scope, text, span)))
     }
 
-    /// The bins of modifiers, by name.
+    /// The bins of modifiers, by name. Where modifiers have different parameters, each has its own again;
+    /// otherwise the last definition of a variable counts, as in Radiance.
     pub(super) fn compile<'a>(
         &self,
-        requests: impl Iterator<Item = (&'a str, &'a BinRequest)>,
+        requests: impl Iterator<Item = (&'a str, &'a BinRequest)> + Clone,
     ) -> Result<Bins, Failure> {
-        let mut programs: HashMap<(String, Option<String>), Arc<Program>> = HashMap::new();
+        let mut given = requests.clone().filter_map(|(_, request)| request.parameters.as_deref());
+        let first = given.next();
+        let differ = given.any(|parameters| Some(parameters) != first);
+        let mut programs: HashMap<(&str, Option<&str>), (Arc<Program>, Option<f64>)> = HashMap::new();
         let mut bins = Bins { of_modifier: Vec::new(), total: 0, ignored: AtomicU64::new(0) };
         for (name, request) in requests {
             let mut program = None;
             let mut count = 1;
             if let Some(expression) = &request.expression {
-                let key = (expression.clone(), request.parameters.clone());
-                let found = match programs.get(&key) {
-                    Some(found) => Arc::clone(found),
-                    None => {
-                        let made = self.program(expression, request.parameters.as_deref(), "option -b")?;
-                        programs.entry(key).or_insert(Arc::new(made)).clone()
+                let parameters = request.parameters.as_deref().filter(|_| differ);
+                let (found, constant) = match programs.entry((expression, parameters)) {
+                    Entry::Occupied(made) => made.get().clone(),
+                    Entry::Vacant(free) => {
+                        let (made, constant) = self.program(expression, parameters, "option -b")?;
+                        free.insert((Arc::new(made), constant)).clone()
                     }
                 };
-                match found.constant(0) {
+                match constant {
                     Some(value) if (value + 0.5).floor() == 0.0 => {}
                     Some(value) => {
                         return Err(Failure::usage(format!(
-                            "rcontrib: bin \"{expression}\" is always {value}, expected 0"
+                            "rcontrib: bin \"{expression}\" is the constant {value}, expected 0"
                         )));
                     }
                     None => (program, count) = (Some(found), request.count),
@@ -135,6 +160,29 @@ impl Functions {
         }
         Ok(bins)
     }
+}
+
+/// Definitions of the variables of `MF=4,rNx=0`; `None` if it is no such list. Variables are separated by
+/// spaces or one of `,`, `;` and `:`.
+fn parameters(text: &str) -> Option<String> {
+    let mut definitions = String::new();
+    let mut rest = text.trim_start();
+    while !rest.is_empty() {
+        let (name, after) = rest.split_once('=')?;
+        let name = name.trim_end();
+        let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic())
+            && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '.'));
+        let after = after.trim_start();
+        let end = after.find(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | ':')).unwrap_or(after.len());
+        let value: f64 = after[..end].parse().ok()?;
+        if !(is_name && value.is_finite()) {
+            return None;
+        }
+        definitions += &format!("{name}={value};");
+        rest = after[end..].trim_start();
+        rest = rest.strip_prefix([',', ';', ':']).unwrap_or(rest).trim_start();
+    }
+    Some(definitions)
 }
 
 /// The bins of all modifiers, concatenated.

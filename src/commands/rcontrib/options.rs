@@ -227,11 +227,14 @@ impl Options {
                 let text = number(words, word, "an output of the following modifiers")?;
                 self.next_output = Some(OutputPattern { text, origin: self.reading.trust.word_origin() });
             }
-            "-p" => self.next_bin.parameters = Some(number(words, word, "parameters, as in MF=4")?),
+            "-p" => {
+                let text: String = number(words, word, "parameters, as in MF=4")?;
+                self.next_bin.parameters = Some(self.functions.set_parameters(&text)?);
+            }
             "-b" => self.next_bin.expression = Some(number(words, word, "an expression for the bin")?),
             "-bn" => {
                 let text: String = number(words, word, "a number of bins")?;
-                self.next_bin.count = self.functions.count(&text, self.next_bin.parameters.as_deref())?;
+                self.next_bin.count = self.functions.count(&text)?;
             }
             "-f" => self.functions.load_file(&number::<String>(words, word, "a file of functions")?)?,
             "-e" => self.functions.define(&number::<String>(words, word, "a definition, as in MF:4")?)?,

@@ -96,7 +96,7 @@ pub(super) const RCALC: Program = Program {
                 beginning("-f", "FILE", "Read definitions from a file"),
                 beginning("-s", "NAME=TEXT", "Define a string variable"),
                 beginning("-n", "", "Read no input and write one record"),
-                beginning("-w", "", "Accepted; has no effect"),
+                beginning("-w", "", "No warnings of mathematical errors"),
                 beginning("-u", "", "Accepted; output is always flushed before input is awaited"),
             ],
         },
