@@ -95,6 +95,9 @@ const MIN_SENSOR_RAYS: f64 = 16_384.0;
 const MANY_RAYS: f64 = 32_768.0;
 const FINEST: f64 = 0.47;
 
+/// At this `-aa` a picture is a preview, whose records resolve what its rays do.
+const PREVIEW_ACCURACY: f64 = 0.3;
+
 /// First gather number of sensors' sample rays.
 const FIRST_SECONDARY_GATHER: u64 = 1 << 40;
 
@@ -143,16 +146,18 @@ fn gather_for<const BANDS: usize>(
     let before = seen.cache.len();
     seen.budget = seen.rays + seen.allowance(rays);
     let caches = [None, Some(&beyond.cache)];
-    let fine = spread.scaled(fineness(rays.len()));
+    let fine = spread.scaled(fineness(rays.len(), plan.options.gathering.accuracy));
     let points = PrepassPoints::new(plan, rays.len(), |order| of_camera_rays(plan, (rays, fine), order));
     seen.gather((plan, stops), (caches, bright), points);
     seen.cache.len() - before
 }
 
-/// How much finer than usual the details are that records resolve, for this number of rays: in
-/// small pictures they cost little, and records as far apart as their pixels lose contact shadows.
-fn fineness(rays: usize) -> f64 {
-    (rays as f64 / MANY_RAYS).sqrt().clamp(FINEST, 1.0)
+/// How much finer than usual the details are that records resolve, for this number of rays and this
+/// `-aa`: in small pictures they cost little, and records as far apart as their pixels lose contact
+/// shadows. Real Radiance's records are closer with a smaller `-aa`, too.
+fn fineness(rays: usize, accuracy: f64) -> f64 {
+    let finest = (accuracy / PREVIEW_ACCURACY).clamp(FINEST, 1.0);
+    (rays as f64 / MANY_RAYS).sqrt().clamp(finest, 1.0)
 }
 
 /// Cached irradiance: for camera rays, and for final gather rays.
