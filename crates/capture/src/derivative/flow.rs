@@ -22,6 +22,10 @@ const PLACE_STEP: f64 = 1e-3;
 /// Distance of the places between which the velocity is interpolated.
 const REACH: f64 = 0.5;
 
+/// Squares of half the width of a pixel and of the radius of the pinhole: in these units a change of a
+/// place is the shortest.
+const SQUARED_EXTENT: Place = Place::new(0.25, 0.25, 1.0, 1.0);
+
 /// Distance of the places beside a place.
 const BESIDE: f64 = 0.06;
 
@@ -116,8 +120,9 @@ impl Aim {
     /// than a pixel.
     fn least(&self, shift: DVec2) -> Place {
         let [x, y] = self.by_place;
-        let squares = DMat2::from_cols(DVec2::new(x.dot(x), x.dot(y)), DVec2::new(x.dot(y), y.dot(y)));
+        let [to_x, to_y] = [x * SQUARED_EXTENT, y * SQUARED_EXTENT];
+        let squares = DMat2::from_cols(DVec2::new(x.dot(to_x), y.dot(to_x)), DVec2::new(x.dot(to_y), y.dot(to_y)));
         let DVec2 { x: along_x, y: along_y } = squares.inverse() * shift;
-        x * along_x + y * along_y
+        to_x * along_x + to_y * along_y
     }
 }
