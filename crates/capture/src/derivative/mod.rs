@@ -11,9 +11,10 @@
 //! where Dg/Dθ is the derivative along the moving samples, and the last integral is over the sides of
 //! the pixel and the rim of the pinhole (Bangaru, Li, Durand: "Unbiased warped-area sampling for
 //! differentiable rendering", ACM Trans. Graph. 39(6), 2020). Any V gives the same expected value, to
-//! second order in h; the closer it follows the outline, the less noise. Of the velocities in the four
-//! dimensions of pixel ([`place::Place`]) and pinhole that do so, V is the least: it moves the samples on the pixel
-//! where the outline is sharp, and on the pinhole where it is blurred over many pixels.
+//! second order in h; the closer it follows the outline, the less noise. Of the velocities that do so
+//! in the four dimensions of pixel and pinhole ([`place::Place`]), V is the least: it moves the
+//! samples on the pixel where the outline is sharp, and on the pinhole where it is blurred over many
+//! pixels.
 //!
 //! Independent randomisations of the sample sequence give the standard error. The error of the finite
 //! step follows from steps of h and 2h: a central difference errs by c·h², a third of their
