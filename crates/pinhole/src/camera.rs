@@ -493,13 +493,19 @@ impl PinholeCamera {
         positive("pinhole diameter", diameter_m).map(|()| self)
     }
 
-    /// The same camera with another distance from the pinhole to the sensor, metres.
+    /// The same camera with another distance from the pinhole to the same sensor, metres. A
+    /// projection or a calibrated camera keeps its distortion, and its picture grows with the
+    /// distance.
     ///
     /// # Errors
     /// If it is not positive, or the camera has a lens, which determines it.
     pub fn with_focal_distance(mut self, distance_m: f64) -> Result<Self, CameraError> {
         self.without_lens("focal distance")?.focal_distance_m = distance_m;
-        positive("focal distance", distance_m).map(|()| self)
+        positive("focal distance", distance_m)?;
+        if let Some(matrix) = &mut self.optics.matrix {
+            matrix.focal = self.pixel_pitch_m.map(|pitch| distance_m / pitch);
+        }
+        Ok(self)
     }
 
     fn without_lens(&mut self, quantity: &'static str) -> Result<&mut Self, CameraError> {

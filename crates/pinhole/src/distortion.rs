@@ -13,8 +13,8 @@ use std::f64::consts::FRAC_PI_2;
 const MAX_ITERATIONS: u32 = 40;
 /// Accuracy of the slopes.
 const PRECISION: f64 = 1e-12;
-/// Step of the numerical derivatives.
-const STEP: f64 = 1e-6;
+/// Radius below which a fisheye does not distort.
+const LEAST_RADIUS: f64 = 1e-9;
 
 /// A distortion model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,7 @@ impl Distortion {
                 let theta = r.atan();
                 let t2 = theta * theta;
                 let distorted = theta * (1.0 + t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4))));
-                let scale = if r > 1e-9 { distorted / r } else { 1.0 };
+                let scale = if r > LEAST_RADIUS { distorted / r } else { 1.0 };
                 [x * scale, y * scale]
             }
             Distortion::Orthographic => {
@@ -73,6 +73,16 @@ impl Distortion {
     fn closed_form(&self, [x, y]: [f64; 2]) -> Option<Option<([f64; 2], f64)>> {
         let square = x * x + y * y;
         Some(match self {
+            Distortion::Rational(coefficients) if *coefficients == [0.0; 12] => Some(([x, y], 1.0)),
+            // r = tan r_d.
+            Distortion::Fisheye(coefficients) if *coefficients == [0.0; 4] => {
+                let angle = square.sqrt();
+                (angle < FRAC_PI_2).then(|| {
+                    let slope = angle.tan();
+                    let scale = if angle > 0.0 { slope / angle } else { 1.0 };
+                    ([x * scale, y * scale], scale * (1.0 + slope * slope))
+                })
+            }
             Distortion::Rational(_) | Distortion::Fisheye(_) => return None,
             // r = r_d/√(1−r_d²); the ratio of areas is (r/r_d)·dr/dr_d.
             Distortion::Orthographic => (square < 1.0).then(|| {
@@ -106,7 +116,8 @@ impl Distortion {
             let share = f64::from(step) / f64::from(steps.min(64));
             slopes = self.solve(place.map(|at| at * share), slopes)?;
         }
-        let determinant = self.determinant(slopes);
+        let [[a, b], [c, d]] = self.derivatives(slopes)?;
+        let determinant = a * d - b * c;
         (determinant > 0.0).then(|| (slopes, determinant.recip()))
     }
 
@@ -119,7 +130,7 @@ impl Distortion {
             if dx.hypot(dy) < PRECISION * (1.0 + place[0].hypot(place[1])) {
                 return Some([x, y]);
             }
-            let [[a, b], [c, d]] = self.derivatives([x, y]);
+            let [[a, b], [c, d]] = self.derivatives([x, y])?;
             let determinant = a * d - b * c;
             if determinant.is_nan() || determinant <= 0.0 {
                 return None;
@@ -130,18 +141,45 @@ impl Distortion {
         None
     }
 
-    fn determinant(&self, slopes: [f64; 2]) -> f64 {
-        let [[a, b], [c, d]] = self.derivatives(slopes);
-        a * d - b * c
+    /// Derivatives of the distorted point by the slopes, a row for each of its coordinates. `None` for
+    /// the models with a closed form, which need none.
+    fn derivatives(&self, slopes: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+        match self {
+            Distortion::Rational(coefficients) => Some(rational_derivatives(coefficients, slopes)),
+            Distortion::Fisheye(coefficients) => Some(fisheye_derivatives(coefficients, slopes)),
+            Distortion::Orthographic | Distortion::Stereographic | Distortion::Cylindrical => None,
+        }
     }
+}
 
-    fn derivatives(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
-        let step = STEP * (1.0 + x.hypot(y));
-        let [right, left] = [step, -step].map(|step| self.distort([x + step, y]));
-        let [above, below] = [step, -step].map(|step| self.distort([x, y + step]));
-        let slope = |high: f64, low: f64| (high - low) / (2.0 * step);
-        [[slope(right[0], left[0]), slope(above[0], below[0])], [slope(right[1], left[1]), slope(above[1], below[1])]]
+fn rational_derivatives(coefficients: &[f64; 12], [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+    let [k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4] = coefficients;
+    let r2 = x * x + y * y;
+    let below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6));
+    let radial = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / below;
+    // Of the radial factor by r².
+    let slope = (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3) - radial * (k4 + r2 * (2.0 * k5 + r2 * 3.0 * k6))) / below;
+    let [prism_x, prism_y] = [s1 + 2.0 * s2 * r2, s3 + 2.0 * s4 * r2];
+    let across = 2.0 * (x * y * slope + p1 * x + p2 * y);
+    [
+        [radial + 2.0 * (x * x * slope + p1 * y + 3.0 * p2 * x + x * prism_x), across + 2.0 * y * prism_x],
+        [across + 2.0 * x * prism_y, radial + 2.0 * (y * y * slope + 3.0 * p1 * y + p2 * x + y * prism_y)],
+    ]
+}
+
+fn fisheye_derivatives([k1, k2, k3, k4]: &[f64; 4], [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+    let r = x.hypot(y);
+    if r <= LEAST_RADIUS {
+        return [[1.0, 0.0], [0.0, 1.0]];
     }
+    let theta = r.atan();
+    let t2 = theta * theta;
+    let across_radius = theta * (1.0 + t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4)))) / r;
+    let by_angle = 1.0 + t2 * (3.0 * k1 + t2 * (5.0 * k2 + t2 * (7.0 * k3 + t2 * 9.0 * k4)));
+    let excess = by_angle / (1.0 + r * r) - across_radius;
+    let [cos, sin] = [x / r, y / r];
+    let mixed = excess * cos * sin;
+    [[across_radius + excess * cos * cos, mixed], [mixed, across_radius + excess * sin * sin]]
 }
 
 /// A calibrated camera: maps points of the picture to slopes.
@@ -191,11 +229,12 @@ impl CameraMatrix {
 mod tests {
     use super::*;
 
-    const MODELS: [Distortion; 7] = [
+    const MODELS: [Distortion; 8] = [
         Distortion::Rational([0.0; 12]),
         Distortion::Rational([-0.28, 0.09, 1e-3, -7e-4, -0.012, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         Distortion::Rational([0.5, 0.1, 1e-4, 2e-4, 0.01, 0.8, 0.3, 0.05, 1e-3, 2e-4, -1e-3, 1e-4]),
         Distortion::Fisheye([-0.01, 0.02, -0.005, 0.001]),
+        Distortion::Fisheye([0.0; 4]),
         Distortion::Orthographic,
         Distortion::Stereographic,
         Distortion::Cylindrical,
@@ -238,6 +277,43 @@ mod tests {
         // A point of a cylinder is as high as above the horizontal distance.
         let (slopes, _) = Distortion::Cylindrical.undistort([angle, 0.5]).unwrap();
         assert!((slopes[1] * angle.cos() - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_distorted_point() {
+        let step = 1e-6;
+        for model in &MODELS[..5] {
+            for slopes in [[0.0, 0.0], [1e-4, -2e-4], [0.3, -0.2], [-0.6, 0.5], [0.0, 0.7]] {
+                let found = model.derivatives(slopes).unwrap();
+                for axis in 0..2 {
+                    let [high, low] = [step, -step].map(|by| {
+                        let mut moved = slopes;
+                        moved[axis] += by;
+                        model.distort(moved)
+                    });
+                    for coordinate in 0..2 {
+                        let expected = (high[coordinate] - low[coordinate]) / (2.0 * step);
+                        let value = found[coordinate][axis];
+                        assert!((value - expected).abs() < 1e-8, "{model:?} at {slopes:?}: {value}, {expected}");
+                    }
+                }
+            }
+        }
+        assert!(MODELS[5..].iter().all(|model| model.derivatives([0.3, 0.2]).is_none()));
+    }
+
+    #[test]
+    fn models_without_coefficients_have_their_inverse_in_closed_form() {
+        for model in [Distortion::Fisheye([0.0; 4]), Distortion::Rational([0.0; 12])] {
+            for slopes in [[0.0, 0.0], [1e-12, 0.0], [0.3, -0.2], [-2.0, 5.0]] {
+                let (found, _) = model.closed_form(model.distort(slopes)).flatten().unwrap();
+                assert!((found[0] - slopes[0]).abs() < 1e-13 && (found[1] - slopes[1]).abs() < 1e-13, "{found:?}");
+            }
+        }
+        // Areas are r dr dφ before and r_d dr_d dφ after.
+        let (_, area_ratio) = Distortion::Fisheye([0.0; 4]).undistort([1.2, 0.0]).unwrap();
+        let expected = 1.2f64.tan() / (1.2 * 1.2f64.cos().powi(2));
+        assert!((area_ratio / expected - 1.0).abs() < 1e-12, "{area_ratio} {expected}");
     }
 
     #[test]

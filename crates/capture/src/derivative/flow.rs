@@ -1,68 +1,64 @@
 //! The velocity with which the samples of a pixel follow an outline.
 
 use super::ParameterStep;
-use crate::domain::Domain;
-use glam::{DMat2, DVec2, DVec3};
-use radsight_pinhole::{CameraRay, Rays};
+use super::place::{MIDDLE, Place, ray};
+use glam::{DMat2, DMat4, DVec2, DVec3};
+use radsight_pinhole::CameraRay;
 
-/// Velocity of points of the domain, per unit of the parameter: linear in the point and in the
-/// fixed point.
+/// Velocity of places, per unit of the parameter: linear in the place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Flow {
-    /// At the middle of the domain, for the middle of the fixed points.
-    middle: DVec2,
-    /// Derivative by the point of the domain.
-    by_point: DMat2,
-    /// Derivative by the fixed point.
-    by_fixed: DMat2,
-    center: DVec2,
-    fixed_center: DVec2,
+    /// At the middle of pixel and pinhole.
+    middle: Place,
+    /// Derivative by the place.
+    by_place: DMat4,
+    /// From a place to some whose rays pass beside its ray.
+    beside: [Place; 4],
 }
 
-/// Step of numerical derivatives within the domain, radii of the pinhole or pixels.
-const DOMAIN_STEP: f64 = 1e-3;
+/// Step of numerical derivatives, radii of the pinhole or pixels.
+const PLACE_STEP: f64 = 1e-3;
 
-/// Distance of the points between which the velocity is interpolated.
+/// Distance of the places between which the velocity is interpolated.
 const REACH: f64 = 0.5;
+
+/// Squares of half the width of a pixel and of the radius of the pinhole: in these units a change of a
+/// place is the shortest.
+const SQUARED_EXTENT: Place = Place::new(0.25, 0.25, 1.0, 1.0);
+
+/// Distance of the places beside a place.
+const BESIDE: f64 = 0.06;
 
 impl Flow {
     /// The velocity that keeps a point of the scene, and those around it, on the rays that hit
     /// them. `None` where rays do not determine it.
-    pub(super) fn following(step: &ParameterStep<'_>, domain: Domain, pixel: u64, outline: DVec3) -> Option<Flow> {
-        let view = View { step, domain, pixel, outline, normal: step.center.rays.camera().direction() };
-        let center = domain.middle();
-        let fixed_center = if domain == Domain::Disk { Domain::MIDDLE_OF_PIXEL } else { DVec2::ZERO };
-        let middle = view.velocity(fixed_center, center)?;
-        let slope = |velocity: Option<DVec2>| velocity.map(|velocity| (velocity - middle) / REACH);
-        let by_point = DMat2::from_cols(
-            slope(view.velocity(fixed_center, center + DVec2::X * REACH))?,
-            slope(view.velocity(fixed_center, center + DVec2::Y * REACH))?,
-        );
-        // A point pinhole has one fixed point only.
-        let by_fixed = match domain {
-            Domain::Square => DMat2::ZERO,
-            Domain::Disk => DMat2::from_cols(
-                slope(view.velocity(fixed_center + DVec2::X * REACH, center))?,
-                slope(view.velocity(fixed_center + DVec2::Y * REACH, center))?,
-            ),
-        };
-        let flow = Flow { middle, by_point, by_fixed, center, fixed_center };
-        (flow.middle.is_finite() && by_point.is_finite() && by_fixed.is_finite()).then_some(flow)
+    pub(super) fn following(step: &ParameterStep<'_>, pixel: u64, outline: DVec3) -> Option<Flow> {
+        let view = View { step, pixel, outline, normal: step.center.rays.camera().direction() };
+        let middle = view.velocity(MIDDLE)?;
+        let slope = |axis: Place| Some((view.velocity(MIDDLE + axis * REACH)? - middle) / REACH);
+        let by_place = DMat4::from_cols(slope(Place::X)?, slope(Place::Y)?, slope(Place::Z)?, slope(Place::W)?);
+        let beside = view.beside(MIDDLE)?;
+        let is_finite = middle.is_finite() && by_place.is_finite() && beside.iter().all(|place| place.is_finite());
+        is_finite.then_some(Flow { middle, by_place, beside })
     }
 
-    pub(super) fn velocity(&self, fixed: DVec2, at: DVec2) -> DVec2 {
-        self.middle + self.by_point * (at - self.center) + self.by_fixed * (fixed - self.fixed_center)
+    pub(super) fn velocity(&self, at: Place) -> Place {
+        self.middle + self.by_place * (at - MIDDLE)
     }
 
     pub(super) fn divergence(&self) -> f64 {
-        self.by_point.x_axis.x + self.by_point.y_axis.y
+        let [x, y, z, w] = self.by_place.to_cols_array_2d();
+        x[0] + y[1] + z[2] + w[3]
+    }
+
+    pub(super) fn beside(&self, at: Place) -> [Place; 4] {
+        self.beside.map(|offset| at + offset)
     }
 }
 
 /// A pixel's view of an outline.
 struct View<'a> {
     step: &'a ParameterStep<'a>,
-    domain: Domain,
     pixel: u64,
     outline: DVec3,
     /// Of the plane through the outline that stands for what moves.
@@ -70,33 +66,63 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn ray(&self, rays: &Rays, fixed: DVec2, at: DVec2) -> Option<CameraRay> {
-        self.domain.ray(rays, self.pixel, fixed, at)
+    /// The least velocity of the place whose ray keeps hitting the same moving point.
+    fn velocity(&self, at: Place) -> Option<Place> {
+        let ParameterStep { below, above, step, motion, .. } = *self.step;
+        let aim = self.aim(at)?;
+        let moved = motion.velocity(aim.point) * step;
+        let after = aim.miss(&ray(above.rays, self.pixel, at)?, moved);
+        let before = aim.miss(&ray(below.rays, self.pixel, at)?, -moved);
+        Some(aim.least((before - after) / (2.0 * step)))
     }
 
-    /// The velocity of the domain's point whose ray keeps hitting the same moving point.
-    fn velocity(&self, fixed: DVec2, at: DVec2) -> Option<DVec2> {
-        let ParameterStep { center, below, above, step, motion, .. } = *self.step;
-        let ray = self.ray(center.rays, fixed, at)?;
-        let distance = (self.outline - ray.origin).dot(self.normal) / ray.direction.dot(self.normal);
-        let point = ray.origin + ray.direction * distance;
-        let basis = ray.direction.any_orthonormal_pair();
-        let moved = motion.velocity(point) * step;
-        let side = |axis: DVec2| {
-            let [a, b] = [-1.0, 1.0].map(|sign| self.ray(center.rays, fixed, at + axis * (sign * DOMAIN_STEP)));
-            Some((miss(&b?, point, basis) - miss(&a?, point, basis)) / (2.0 * DOMAIN_STEP))
-        };
-        let by_point = DMat2::from_cols(side(DVec2::X)?, side(DVec2::Y)?);
-        let after = miss(&self.ray(above.rays, fixed, at)?, point + moved, basis);
-        let before = miss(&self.ray(below.rays, fixed, at)?, point - moved, basis);
-        let velocity = by_point.inverse() * (before - after) / (2.0 * step);
-        velocity.is_finite().then_some(velocity)
+    /// Places whose rays pass the point that a ray hits, on all four sides.
+    fn beside(&self, at: Place) -> Option<[Place; 4]> {
+        let aim = self.aim(at)?;
+        let [x, y] = [DVec2::X, DVec2::Y].map(|axis| aim.least(axis).normalize() * BESIDE);
+        Some([x, -x, y, -y])
+    }
+
+    fn aim(&self, at: Place) -> Option<Aim> {
+        let rays = self.step.center.rays;
+        let center = ray(rays, self.pixel, at)?;
+        let distance = (self.outline - center.origin).dot(self.normal) / center.direction.dot(self.normal);
+        let point = center.origin + center.direction * distance;
+        let mut aim = Aim { point, across: center.direction.any_orthonormal_pair().into(), by_place: [Place::ZERO; 2] };
+        for (index, axis) in Place::AXES.into_iter().enumerate() {
+            let [above, below] = [axis, -axis].map(|axis| ray(rays, self.pixel, at + axis * PLACE_STEP));
+            let slope = (aim.miss(&above?, DVec3::ZERO) - aim.miss(&below?, DVec3::ZERO)) / (2.0 * PLACE_STEP);
+            (aim.by_place[0][index], aim.by_place[1][index]) = (slope.x, slope.y);
+        }
+        Some(aim)
     }
 }
 
-/// Where a ray passes a point, along two axes across it.
-fn miss(ray: &CameraRay, point: DVec3, (x, y): (DVec3, DVec3)) -> DVec2 {
-    let from = ray.origin - point;
-    let closest = from - ray.direction * from.dot(ray.direction);
-    DVec2::new(closest.dot(x), closest.dot(y))
+/// The point that a ray hits, and how rays of other places miss it.
+struct Aim {
+    point: DVec3,
+    /// Two axes across the ray.
+    across: [DVec3; 2],
+    /// Derivatives by the place of where the ray passes, along these axes.
+    by_place: [Place; 2],
+}
+
+impl Aim {
+    /// Where a ray passes the point moved by `moved`, along the axes.
+    fn miss(&self, ray: &CameraRay, moved: DVec3) -> DVec2 {
+        let from = ray.origin - self.point - moved;
+        let closest = from - ray.direction * from.dot(ray.direction);
+        self.across.map(|axis| closest.dot(axis)).into()
+    }
+
+    /// The shortest change of a place that shifts where its ray passes. Two equations leave two of four
+    /// unknowns open. Points on a sharp pixel move, and points on a pinhole whose blur is wider
+    /// than a pixel.
+    fn least(&self, shift: DVec2) -> Place {
+        let [x, y] = self.by_place;
+        let [to_x, to_y] = [x * SQUARED_EXTENT, y * SQUARED_EXTENT];
+        let squares = DMat2::from_cols(DVec2::new(x.dot(to_x), y.dot(to_x)), DVec2::new(x.dot(to_y), y.dot(to_y)));
+        let DVec2 { x: along_x, y: along_y } = squares.inverse() * shift;
+        to_x * along_x + to_y * along_y
+    }
 }

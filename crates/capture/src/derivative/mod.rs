@@ -8,10 +8,13 @@
 //!
 //! dE/dθ = ∫ (Dg/Dθ + g·div V) du − ∮ g·V·n ds,
 //!
-//! where Dg/Dθ is the derivative along the moving samples, and the last integral is over the rim of
-//! the pinhole or, for a point pinhole, over the sides of the pixel (Bangaru, Li, Durand: "Unbiased
-//! warped-area sampling for differentiable rendering", ACM Trans. Graph. 39(6), 2020). Any V gives
-//! the same expected value, to second order in h; the closer it follows the outline, the less noise.
+//! where Dg/Dθ is the derivative along the moving samples, and the last integral is over the sides of
+//! the pixel and the rim of the pinhole (Bangaru, Li, Durand: "Unbiased warped-area sampling for
+//! differentiable rendering", ACM Trans. Graph. 39(6), 2020). Any V gives the same expected value, to
+//! second order in h; the closer it follows the outline, the less noise. Of the velocities that do so
+//! in the four dimensions of pixel and pinhole ([`place::Place`]), V is the least: it moves the
+//! samples on the pixel where the outline is sharp, and on the pinhole where it is blurred over many
+//! pixels.
 //!
 //! Independent randomisations of the sample sequence give the standard error. The error of the finite
 //! step follows from steps of h and 2h: a central difference errs by c·h², a third of their
@@ -20,6 +23,7 @@
 mod flow;
 mod outline;
 mod pixel_derivative;
+mod place;
 mod refine;
 
 pub use outline::{Motion, PartMotion};

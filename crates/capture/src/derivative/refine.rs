@@ -5,7 +5,6 @@ use super::outline::outlines;
 use super::pixel_derivative::{StepWorkers, Term};
 use super::{DerivativeSamples, ParameterStep, RANDOMISATIONS};
 use crate::Progress;
-use crate::domain::Domain;
 use crate::neighbourhood::window_means;
 use radsight_adaptive::{
     ErrorEstimate, NoiseTarget, PixelError, PixelSamples, PixelSource, SampleSums, SamplingState, Selection, begin,
@@ -108,9 +107,8 @@ pub(super) fn derivative(
     if !rays.hole().has_points() {
         return None;
     }
-    let domain = Domain::of(rays.hole());
     let outlines = outlines(step, progress);
-    let flow = |(pixel, outline): (usize, &Option<_>)| Flow::following(step, domain, pixel as u64, (*outline)?);
+    let flow = |(pixel, outline): (usize, &Option<_>)| Flow::following(step, pixel as u64, (*outline)?);
     let flows: Vec<Option<Flow>> = outlines.par_iter().enumerate().map(flow).collect();
     let sampler = Sampler { step, flows: &flows, progress, traced: AtomicU64::new(0) };
     let mut state = SamplingState::new(Term::ALL.len() * flows.len());
