@@ -23,9 +23,14 @@ Options of rendering, as Radiance names them: -ab N (diffuse interreflections, 0
 Every program takes --limit-memory SIZE (500M, 2G; 0 for none): the memory that it may have [default: three quarters of the machine's].
 Called as `radsight rtrace …`, or through a link named rtrace, it is that Radiance program.";
 
+const CAPTURE_HELP: &str = "\
+Options of rendering, as of rpict: -ab -aa -ar -ad -as -av -ae -ai -aE -aI -ds -dt -dr -dv -st -bv -cs -cw -lr -lw -me -ma -mg -ms --caustics; \
+`radsight rpict -defaults` lists them.";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Captures the grey picture of a camera: all stages in one process
+    #[command(after_help = CAPTURE_HELP)]
     Capture(Box<Capture>),
     /// Reads and checks scenes: all errors, with carets
     Check(Check),

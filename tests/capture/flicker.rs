@@ -112,6 +112,21 @@ fn under_a_global_shutter_a_flickering_lamp_is_a_lamp_of_another_brightness() {
 }
 
 #[test]
+fn a_lamp_flickers_under_its_other_names_too() {
+    let effort = ["--samples", "4"];
+    let renamed = TUBE.replacen("tube", "other", 1);
+    let alias = format!("{SCENE}void alias other tube\n{renamed}");
+    for shutter in ["", ROLLING] {
+        let camera = |section: &str| camera("finite", shutter, section);
+        let expected = exposures(&camera(FLICKER), &format!("{SCENE}{TUBE}"), &effort);
+        assert_eq!(exposures(&camera(FLICKER), &alias, &effort), expected);
+        // A section of its own counts.
+        let own = format!("{FLICKER}{}", FLICKER.replace("tube", "other").replace("0.6", "0"));
+        assert_eq!(exposures(&camera(&own), &alias, &effort), exposures(&camera(""), &alias, &effort));
+    }
+}
+
+#[test]
 fn a_lamp_that_the_scene_lacks_is_an_error_that_lists_those_it_has() {
     let lit = format!("{SCENE}{TUBE}");
     let run = capture(&camera("finite", ROLLING, &FLICKER.replace("tube", "tub")), &lit, &["--samples", "1"]);

@@ -10,6 +10,7 @@ mod camera_models;
 mod chain;
 mod checkpoints;
 mod cone_edges;
+mod few_pixels;
 mod flicker;
 mod gripps_files;
 mod job;

@@ -118,8 +118,11 @@ fn mistakes_of_a_series_are_reported_with_their_position() {
             "table.csv:2:6: error: the scene has no surface \"tup\" that could be moved\n  2 | move tup\n    |      ^^^\n",
         ),
         ("move background\n-t 1 0 0\n", "\"background\" cannot be moved: its modifier \"to_viewer\""),
-        ("rig.ring_diameter_mm\n-3\n", "\"ring_diameter_mm\" must be positive, not -3"),
-        ("rig.ring_diameter\n3\n", "unknown key \"ring_diameter\""),
+        (
+            "name,rig.ring_diameter_mm\na,20\nb,-3\n",
+            "table.csv:3:3: error: \"ring_diameter_mm\" must be positive, not -3\n  3 | b,-3\n    |   ^^\n",
+        ),
+        ("name,rig.ring_diameter\na,3\n", "table.csv:1:6: error: unknown key \"ring_diameter\""),
         ("move top\n-s 2\n", "table.csv:2:1: error: the transform is not rigid"),
     ];
     for (table, expected) in cases {
@@ -132,6 +135,34 @@ fn mistakes_of_a_series_are_reported_with_their_position() {
         let told = run("x.pfm");
         assert!(told.code == 2 && told.messages.contains("expected {} in it"), "{told:?}");
     }
+}
+
+#[test]
+fn a_name_may_be_in_the_folder_too_and_a_series_is_not_resumed() {
+    let series = Series::new("name,camera.exposure_ms\na,\nb,5\n", &file("tall-washer.rad"));
+    let (camera, table) = (file("part.toml"), series.folder.word("table.csv"));
+    for name in ["a", "b"] {
+        std::fs::create_dir(series.folder.path(name)).expect("a folder");
+    }
+    let out = series.folder.word("{}/x-{}.pfm");
+    let words = ["capture", &camera, &series.scenes[0], "--variants", &table, "--samples", "1", "--exposure", &out];
+    radsight(&words).done();
+    assert!(series.folder.path("a/x-a.pfm").exists() && series.folder.path("b/x-b.pfm").exists());
+    let told = radsight(&[&words[..], &["--resume"]].concat());
+    assert!(told.code == 2 && told.messages.contains("a series cannot be resumed"), "{told:?}");
+}
+
+/// The Fisher information needs the noise of a sensor, which is known before anything is traced.
+#[test]
+fn the_fisher_information_is_refused_at_once_without_a_sensor() {
+    let folder = Folder::new();
+    let camera = folder.file("camera.toml", SMALL_CAMERA);
+    let scene = folder.file("scene.rad", SMALL_SCENE);
+    let out = folder.word("f.json");
+    let words =
+        ["capture", &camera, &scene, "--derivative", "distance", "--derivative-error", "1e-9", "--fisher", &out];
+    let told = radsight(&words);
+    assert!(told.code == 1 && told.messages.contains("has no [sensor], expected one for --fisher"), "{told:?}");
 }
 
 /// A picture that another program would take for something else is refused before anything is traced.

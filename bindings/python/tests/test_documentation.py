@@ -2,8 +2,12 @@
 
 import doctest
 import importlib
+import importlib.util
 import inspect
+import pathlib
 import pkgutil
+import re
+import subprocess
 import sys
 import types
 
@@ -99,3 +103,67 @@ def test_there_are_examples():
     modules = [importlib.import_module(name) for name in DOCTESTS if not name.endswith(".distributed")]
     tests = [test for module in modules for test in finder.find(module) if test.examples]
     assert len(tests) > 14, len(tests)
+
+
+GUIDE = pathlib.Path(__file__).parents[3] / "docs" / "python.md"
+
+ROOM = """void plastic wall 0 0 5 .5 .5 .5 0 0
+void light lamp 0 0 3 10 10 10
+void glow sky 0 0 4 1 1 1 0
+wall sphere ball 0 0 4 2 5 1.6 1
+wall sphere washer_ball 0 0 4 0 0 0 .02
+lamp sphere bulb 0 0 4 2 1 5 .3
+sky source up 0 0 4 0 0 1 180
+"""
+
+CAMERA = """[camera]
+position_m = [0, 0, 0.5]
+direction = [0, 0, -1]
+up = [0, 1, 0]
+pixels = [12, 10]
+pixel_pitch_um = [400, 400]
+focal_distance_mm = 6.75
+pinhole_diameter_mm = 0.1
+exposure_ms = 10
+wavelength_nm = 550
+
+[sensor]
+response = "emva1288"
+quantum_efficiency = 0.6
+gain_dn_per_e = 0.25
+dark_offset_dn = 20
+full_well_e = 10000
+read_noise_e = 5
+bits = 12
+"""
+
+POSES = """name,move washer_*,camera.exposure_ms
+a,-t .01 0 0,
+b,-t -.03 0 0,5
+"""
+
+
+def snippets():
+    return re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+
+
+def test_the_snippets_of_the_guide_run(tmp_path, monkeypatch):
+    for package in ("xarray", "pandas"):
+        pytest.importorskip(package)
+    for name, text in {"office.rad": ROOM, "fig14.toml": CAMERA, "poses.csv": POSES}.items():
+        (tmp_path / name).write_text(text)
+    monkeypatch.chdir(tmp_path)
+    names = {"view": "-vp 2 1 1.6 -vd 0 1 0 -vh 60 -vv 40"}
+    has_bar = importlib.util.find_spec("tqdm") is not None
+    for snippet in snippets():
+        if has_bar or "import tqdm" not in snippet:
+            exec(snippet.replace("640, 480", "32, 24"), names)
+    assert len(snippets()) > 4
+
+
+def test_modules_with_optional_packages_are_imported_at_first_use():
+    program = "import sys, radsight; assert 'radsight.arrays' not in sys.modules; print(radsight.arrays.to_frame.__name__)"
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert run.stdout == "to_frame\n"
+    with pytest.raises(AttributeError, match="nothing"):
+        radsight.nothing

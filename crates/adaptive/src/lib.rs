@@ -53,10 +53,12 @@ mod allocation;
 mod counter;
 mod pixel_samples;
 mod refine;
+mod replicas;
 mod target;
 
 pub use allocation::{PixelError, doublings};
 pub use counter::SampleCounter;
 pub use pixel_samples::{FIRST_SAMPLES, MAX_SAMPLES, PixelSamples, SampleSums, pixel_of_ray, ray_number};
 pub use refine::{ErrorEstimate, PixelSource, SamplingState, begin, double, refine};
+pub use replicas::{Replicas, ReplicatedSource};
 pub use target::{Certainty, ErrorTarget, NoiseTarget, Selection, SquaredErrors, Stop, choose, selection_threshold};

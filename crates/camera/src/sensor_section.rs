@@ -106,13 +106,14 @@ fn filtered(
                 own()
             }
         };
+        if let Some(passed) = filters[index].iter().find(|passed| **passed > 1.0) {
+            let message = format!("\"{key}\" passes {passed} of a band, expected 0 to 1");
+            found.errors.push(Diagnostic::error(message).at(section.span_of(key, sources)));
+            return None;
+        }
     }
     let refused = |error: BandWeightsError| {
-        let message = match error {
-            BandWeightsError::OutOfRange { value, .. } => format!("a filter passes {value} of a band, expected 0 to 1"),
-            other => other.to_string(),
-        };
-        found.errors.push(Diagnostic::error(message).at(section.span_of("mosaic", sources)));
+        found.errors.push(Diagnostic::error(error.to_string()).at(section.span_of("mosaic", sources)));
     };
     weights.with_mosaic(camera.columns(), mosaic.cell(), &filters).map_err(refused).ok()
 }

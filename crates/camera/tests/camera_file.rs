@@ -296,6 +296,9 @@ fn a_mosaic_has_its_filters_in_the_band_weights() {
     assert!((weights.combine_at(1, &[3.0, 6.0, 9.0]) - 1.0).abs() < 1e-12);
     let errors = read(&format!("{CAMERA}{LINEAR}mosaic = \"RGBG\"\n")).unwrap_err();
     assert!(errors.contains("unknown mosaic \"RGBG\""), "{errors}");
+    let errors = read(&format!("{CAMERA}{LINEAR}mosaic = \"RGGB\"\nfilter_red = [1.5, 0, 0]\n")).unwrap_err();
+    assert!(errors.contains("\"filter_red\" passes 1.5 of a band, expected 0 to 1"), "{errors}");
+    assert!(errors.contains(" | filter_red = [1.5, 0, 0]\n"), "{errors}");
     let errors = read(&format!("{CAMERA}{LINEAR}filter_red = [1, 0, 0]\n")).unwrap_err();
     assert!(errors.contains("filter_red does not apply with a sensor without mosaic: "), "{errors}");
 }

@@ -15,8 +15,8 @@ use crate::sums::{Pixel, Sums};
 use crate::two_phase::{Chosen, FIRST_PHASE, choose, numbered};
 use crate::{Exposer, Exposure, Progress, Workers};
 use radsight_adaptive::{
-    ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelSource, SampleCounter, Selection, Stop, begin,
-    ray_number, refine,
+    ErrorTarget, FIRST_SAMPLES, MAX_SAMPLES, NoiseTarget, PixelSource, Replicas, ReplicatedSource, SampleCounter,
+    Selection, Stop, begin, ray_number, refine,
 };
 use radsight_pinhole::CameraRay;
 use radsight_render::{CountedLight, CubatureError, OutlinedSurface, Ray};
@@ -38,6 +38,9 @@ const MAX_IN_PHASES: u32 = 64;
 /// Ray numbers of first phases begin at this pixel, so that their samples are independent of others.
 const FIRST_PHASE_PIXEL: u64 = 1 << 41;
 
+/// Distance of such pixels for the next replica of a pixel.
+const REPLICA_STREAM: u64 = 1 << 32;
+
 /// Ray number of the samples that place the lattice and select pixels for audits. No ray of a pixel
 /// has it.
 pub(crate) const RESERVED_NUMBER: u64 = u64::MAX;
@@ -51,6 +54,11 @@ pub(crate) const CHOICE_SET: u32 = 1 << 24;
 
 /// Maximum number of passes, whatever the error is.
 pub(crate) const MAX_PASSES: u32 = 64;
+
+/// Replicas of each pixel of a picture.
+pub(crate) fn replicas(pixels: usize) -> Replicas {
+    Replicas::new(pixels, MAX_SAMPLES)
+}
 
 impl Exposer<'_> {
     /// Exposes until the estimated rms error over the pixels is the requested one, relative to the
@@ -74,7 +82,8 @@ impl Exposer<'_> {
         shared: SharedFilm<'a>,
         progress: &'a dyn Progress,
     ) -> (Exposure, FilmRecord) {
-        state.pixels.resize(self.rays.camera().pixel_count() as usize, Pixel::default());
+        let pixels = self.rays.camera().pixel_count() as usize;
+        state.pixels.resize(pixels * replicas(pixels).count(), Pixel::default());
         let mut sampler = AdaptiveSampler::new(self, target.error, shared, progress);
         let (estimate, stop) = sampler.expose(&mut state, target);
         let record = sampler.shared.take_record();
@@ -95,6 +104,8 @@ pub(crate) enum ImagesApart {
 
 pub(crate) struct AdaptiveSampler<'a> {
     pub(crate) exposer: &'a Exposer<'a>,
+    /// Of each pixel of the picture.
+    pub(crate) replicas: Replicas,
     /// Number of separate bands; 0 where bands are added up.
     pub(crate) bands: usize,
     pub(crate) images: PixelImages,
@@ -135,6 +146,7 @@ impl<'a> AdaptiveSampler<'a> {
     ) -> AdaptiveSampler<'a> {
         AdaptiveSampler {
             exposer,
+            replicas: replicas(exposer.rays.camera().pixel_count() as usize),
             bands: bands_apart(exposer.rays, exposer.weights),
             images: images(exposer),
             images_apart: ImagesApart::No,
@@ -170,7 +182,7 @@ impl<'a> AdaptiveSampler<'a> {
         let traced = state.samples();
         self.counter.plan(traced);
         self.counter.add(traced);
-        begin(self, state);
+        begin(&ReplicatedSource::new(self, self.replicas), state);
         if state.pixels.iter().any(|pixel| pixel.samples == 0) {
             return (None, Some(Stop::Time));
         }
@@ -182,7 +194,7 @@ impl<'a> AdaptiveSampler<'a> {
     fn start_from_known(&self, state: &mut AdaptiveState) {
         if let Some(known) = self.shared.known() {
             let pixels = state.pixels.iter_mut().enumerate();
-            pixels.for_each(|(index, pixel)| *pixel = known.picture_samples(index).unwrap_or_default());
+            pixels.for_each(|(index, pixel)| *pixel = known.picture_samples(index, self.replicas).unwrap_or_default());
         }
     }
 
@@ -195,11 +207,12 @@ impl<'a> AdaptiveSampler<'a> {
     ) -> Exposure {
         let Exposer { rays, weights, .. } = *self.exposer;
         let scale = rays.camera().exposure_per_radiance();
+        let pixels = self.replicas.merged(&state.pixels);
         let values = match estimate {
-            None => state.pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
+            None => pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
             Some(_) => {
-                let mut light = self.means(&state.pixels);
-                light.extend(self.surround(&state.pixels));
+                let mut light = self.means(&pixels);
+                light.extend(self.surround(&pixels));
                 light.iter_mut().for_each(|mean| *mean *= scale);
                 rays.picture(light, weights)
             }
@@ -210,7 +223,7 @@ impl<'a> AdaptiveSampler<'a> {
             values,
             rays: self.counter.traced() - self.discarded.load(Ordering::Relaxed),
             estimated_error,
-            pixels_done: state.pixels.iter().filter(|pixel| pixel.samples > 0).count() as u64,
+            pixels_done: pixels.iter().filter(|pixel| pixel.samples > 0).count() as u64,
             is_partial: self.progress.stops() && !is_reached,
             stopped: stop.filter(|_| !is_reached),
             pixels: estimate.map(|estimate| estimate.statistics(scale)),
@@ -233,13 +246,18 @@ impl<'a> AdaptiveSampler<'a> {
     /// reached or the work is stopped. Where pixels need a fraction of a doubling, that fraction of
     /// them is doubled, evenly over the picture.
     fn refine(&self, state: &mut AdaptiveState, target: ErrorTarget) -> (Estimate, Option<Stop>) {
-        let columns = self.exposer.rays.camera().columns() as usize;
+        let count = self.replicas.count();
+        let columns = self.exposer.rays.camera().columns() as usize * count;
+        // The squared error of the mean of replicas is lower than theirs by their number.
+        let squared = count as f64 * (target.error / SELECTION_BIAS).powi(2);
         let noise = NoiseTarget {
-            most_samples: target.most_samples.min(MAX_SAMPLES),
+            most_samples: self.replicas.most_samples(target.most_samples),
             most_passes: MAX_PASSES,
-            ..NoiseTarget::new((target.error / SELECTION_BIAS).powi(2), Selection::Fraction)
+            ..NoiseTarget::new(squared, Selection::Fraction)
         };
-        refine(self, state, &noise, |pixels| Estimate::new(pixels, columns))
+        let source = ReplicatedSource::new(self, self.replicas);
+        let (estimate, stop) = refine(&source, state, &noise, |pixels| Estimate::new(pixels, columns));
+        (Estimate { pixels: self.replicas.merged_errors(&estimate.pixels), ..estimate }, stop)
     }
 
     /// The means of all pixels, by separate band if there are any.
@@ -371,14 +389,16 @@ impl<'a> AdaptiveSampler<'a> {
     pub(crate) fn phases(&self, pixel: usize, samples: Range<u32>) -> Phases {
         let wanted = samples.end - samples.start;
         let seed = self.exposer.rays.seed();
-        let number = |sample| ray_number(FIRST_PHASE_PIXEL + pixel as u64, sample);
-        let first = FIRST_PHASE * samples.start;
+        let [replica, start] = self.replicas.place(samples.start);
+        let stream = FIRST_PHASE_PIXEL + u64::from(replica) * REPLICA_STREAM + pixel as u64;
+        let number = |sample| ray_number(stream, sample);
+        let first = FIRST_PHASE * start;
         let [offset, ..] = RaySampler::new(seed, number(first)).take(DimensionSet::render(CHOICE_SET));
         let drawn = |sample| {
             let u = RaySampler::new(seed, number(sample)).take(DimensionSet::CAMERA);
             ([u[0], u[1]], self.drawn(pixel, number(sample), u))
         };
-        let rays: Vec<_> = (first..FIRST_PHASE * samples.end).map(drawn).collect();
+        let rays: Vec<_> = (first..first + FIRST_PHASE * wanted).map(drawn).collect();
         let strata: Vec<Option<_>> = rays.iter().map(|(_, ray)| self.stratum(ray.as_ref()?)).collect();
         let strata = numbered(&strata);
         let chosen = choose(&strata, wanted, offset);
@@ -427,8 +447,9 @@ impl<'a> PixelSource for AdaptiveSampler<'a> {
     /// Sums of radiance·cos⁴ over some samples of a pixel. Every pixel has its own scramble of the
     /// sequence.
     fn sums(&self, worker: &mut Workers<'a>, pixel: usize, samples: Range<u32>) -> Sums {
-        worker.integrate_lights((samples.start < MAX_INTEGRATED).then_some(self.cubature_error));
-        let is_in_phases = samples.start < MAX_IN_PHASES && self.outlines.get(pixel) == Some(&true);
+        let [_, start] = self.replicas.place(samples.start);
+        worker.integrate_lights((start < MAX_INTEGRATED).then_some(self.cubature_error));
+        let is_in_phases = start < MAX_IN_PHASES && self.outlines.get(pixel) == Some(&true);
         if self.film.is_some() {
             let sums = if is_in_phases { Self::two_phase_film_sums } else { Self::film_sums };
             return sums(self, worker, pixel, samples);

@@ -1,5 +1,6 @@
 //! The state of an unfinished exposure, which can be saved and resumed with the same bits.
 
+use crate::adaptive::replicas;
 use crate::radiance::bands_apart;
 use crate::sums::{Pixel, Sums};
 use radsight_adaptive::{MAX_SAMPLES, SamplingState};
@@ -7,7 +8,7 @@ use radsight_pinhole::{BandWeights, Rays};
 use std::fmt;
 
 /// First bytes of every checkpoint, with the version of the format.
-const MAGIC: &[u8; 20] = b"radsight checkpoint1";
+const MAGIC: &[u8; 20] = b"radsight checkpoint2";
 
 /// The kind of the state that follows. For an adaptive state the number of separate bands is added.
 const FIXED: u8 = 0;
@@ -46,7 +47,7 @@ pub(crate) type AdaptiveState = SamplingState<Sums>;
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// The bytes have another format or are truncated.
+    /// The bytes have another format, are truncated or differ from what was written.
     Malformed,
     /// The key differs.
     WrongKey,
@@ -64,7 +65,8 @@ impl fmt::Display for CheckpointError {
 impl std::error::Error for CheckpointError {}
 
 impl Checkpoint {
-    /// The bytes of a file: magic, key, kind, numbers in little-endian order.
+    /// The bytes of a file: magic, key, kind, numbers in little-endian order, and the CRC-32 of all
+    /// that.
     #[must_use]
     pub fn to_bytes(&self, key: &[u8; 32]) -> Vec<u8> {
         let mut bytes = [&MAGIC[..], key].concat();
@@ -94,6 +96,8 @@ impl Checkpoint {
                 state.pending.iter().for_each(|index| put_u32(&mut bytes, *index as u32));
             }
         }
+        let checksum = crc32fast::hash(&bytes);
+        put_u32(&mut bytes, checksum);
         bytes
     }
 
@@ -106,7 +110,8 @@ impl Checkpoint {
         weights: &BandWeights,
     ) -> Result<Checkpoint, CheckpointError> {
         let bands = bands_apart(rays, weights);
-        let counts = [rays.camera().pixel_count() as usize, rays.cells() as usize];
+        let pixels = rays.camera().pixel_count() as usize;
+        let counts = [pixels * replicas(pixels).count(), rays.cells() as usize];
         Self::of_counts(bytes, key, counts, bands)
     }
 
@@ -117,9 +122,12 @@ impl Checkpoint {
         bands: usize,
     ) -> Result<Checkpoint, CheckpointError> {
         let mut reader = Reader(bytes);
-        if reader.take::<20>()? != *MAGIC {
-            return Err(CheckpointError::Malformed);
+        let magic: [u8; 20] = reader.take()?;
+        if magic != *MAGIC {
+            let is_of_another_version = magic[..19] == MAGIC[..19];
+            return Err(if is_of_another_version { CheckpointError::WrongKey } else { CheckpointError::Malformed });
         }
+        reader.check_sum(bytes)?;
         if reader.take::<32>()? != *key {
             return Err(CheckpointError::WrongKey);
         }
@@ -146,6 +154,14 @@ fn put_f64(bytes: &mut Vec<u8>, value: f64) {
 struct Reader<'b>(&'b [u8]);
 
 impl Reader<'_> {
+    /// Takes the checksum from the end; fails if it is not that of all bytes before it.
+    fn check_sum(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
+        let (rest, sum) = self.0.split_last_chunk::<4>().ok_or(CheckpointError::Malformed)?;
+        self.0 = rest;
+        let found = crc32fast::hash(&bytes[..bytes.len() - sum.len()]);
+        if found == u32::from_le_bytes(*sum) { Ok(()) } else { Err(CheckpointError::Malformed) }
+    }
+
     fn take<const N: usize>(&mut self) -> Result<[u8; N], CheckpointError> {
         let (first, rest) = self.0.split_first_chunk::<N>().ok_or(CheckpointError::Malformed)?;
         self.0 = rest;
@@ -265,6 +281,26 @@ mod tests {
         }
         let longer = [&bytes[..], &[0]].concat();
         assert_eq!(Checkpoint::of_counts(&longer, &[7; 32], [3; 2], 0), Err(CheckpointError::Malformed));
+    }
+
+    #[test]
+    fn checkpoints_with_a_changed_bit_are_refused() {
+        let fixed = Checkpoint(State::Fixed(FixedState { samples: 16, values: vec![Some(0.5); 3] }));
+        for checkpoint in [adaptive(), fixed] {
+            let bytes = checkpoint.to_bytes(&[7; 32]);
+            for bit in 0..8 * bytes.len() {
+                let mut damaged = bytes.clone();
+                damaged[bit / 8] ^= 1 << (bit % 8);
+                assert!(Checkpoint::of_counts(&damaged, &[7; 32], [3; 2], 0).is_err(), "bit {bit}");
+            }
+        }
+    }
+
+    #[test]
+    fn checkpoints_of_another_version_say_so() {
+        let mut bytes = adaptive().to_bytes(&[7; 32]);
+        bytes[19] = b'1';
+        assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], 0), Err(CheckpointError::WrongKey));
     }
 
     #[test]

@@ -11,20 +11,20 @@ use crate::highlights::highlights;
 use crate::image_light::IMAGE_FRACTION;
 use crate::pixel_errors::{Estimate, SELECTION_BIAS};
 use crate::subpixels::SubpixelRecord;
-use radsight_adaptive::{ErrorTarget, Stop};
+use radsight_adaptive::{ErrorTarget, Replicas, Stop};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl AdaptiveSampler<'_> {
     /// Exposes some pixels and interpolates the others: where it pays, those of the film behind a
     /// point pinhole, which is then blurred. Otherwise as [`AdaptiveSampler::sparse`]. `None` also if
-    /// the film that is known was not interpolated.
+    /// the film that is known was not interpolated, and for pictures of a few pixels.
     pub(crate) fn interpolated(
         &mut self,
         state: &mut AdaptiveState,
         target: ErrorTarget,
     ) -> Option<(Estimate, Option<Stop>)> {
-        if self.shared.known().is_some_and(|known| known.record.is_empty()) {
+        if self.replicas != Replicas::ONE || self.shared.known().is_some_and(|known| known.record.is_empty()) {
             return None;
         }
         let found = self.interpolated_film(state, target);

@@ -7,6 +7,7 @@ use crate::film::UnblurredFilm;
 use crate::pinhole_derivatives::PinholeProbe;
 use crate::subpixels::SubpixelSamples;
 use crate::sums::Pixel;
+use radsight_adaptive::Replicas;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Whether an exposure shares its film.
@@ -79,9 +80,10 @@ impl<'a> SharedFilm<'a> {
 }
 
 impl KnownFilm<'_> {
-    /// The samples of a pixel of the picture.
-    pub(crate) fn picture_samples(&self, pixel: usize) -> Option<Pixel> {
-        if self.is_picture_affected[pixel] { None } else { self.picture.get(pixel).copied() }
+    /// The samples of a pixel of the picture, or of one of its replicas.
+    pub(crate) fn picture_samples(&self, index: usize, replicas: Replicas) -> Option<Pixel> {
+        let is_affected = self.is_picture_affected[index / replicas.count()];
+        if is_affected { None } else { self.picture.get(index).copied() }
     }
 
     /// The edge width of a pixel of the film, if parts affect neither the pixel nor the two to which
@@ -150,7 +152,7 @@ mod tests {
         assert_eq!(known.samples(0).map(|pixel| pixel.mean()), Some(0.75));
         assert_eq!([5, 6].map(|pixel| known.sees_outline(pixel)), [Some(true), None]);
         assert!(known.samples(2).is_none() && known.samples(6).is_none());
-        assert_eq!([5, 6].map(|pixel| known.picture_samples(pixel).is_some()), [true, false]);
+        assert_eq!([5, 6].map(|pixel| known.picture_samples(pixel, Replicas::ONE).is_some()), [true, false]);
         assert_eq!([known.audited(0, 0), known.audited(1, 0), known.audited(3, 6)], [Some(1.0), None, None]);
     }
 }

@@ -9,13 +9,11 @@
 use crate::drawn_lights::DrawnLights;
 use crate::interpolated::{self, Interpolation};
 use crate::light_strata::LightStrata;
-use crate::noise::{Estimate, Finished, Pixel, PixelNoise};
+use crate::noise::{Estimate, Finished, Pixel, PixelNoise, RemainingNoise};
 use crate::part::PixelRays;
 use crate::residual::{Assessment, Residuals};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
-use radsight_adaptive::{
-    ErrorTarget, MAX_SAMPLES, PixelError, PixelSource, SamplingState, Stop, begin, ray_number, refine,
-};
+use radsight_adaptive::{ErrorTarget, MAX_SAMPLES, PixelError, PixelSource, SamplingState, Stop, ray_number};
 use radsight_render::{RayWorker, Renderer};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -109,13 +107,11 @@ impl<'r> Film<'r> {
             extra_rays: Vec::new(),
             time_left: None,
         };
-        if let SamplingBudget::Error(_) = budget {
-            let mut state = SamplingState::new(pixels);
+        if let SamplingBudget::Error(target) = budget {
             frame.errors = vec![f32::NAN; pixels];
             frame.extra_rays = vec![0; pixels];
-            begin(&FilmRays { pixels: frame.pixel_rays(), has_time: &|| true }, &mut state);
-            frame.state = state;
-            frame.noise = PixelNoise::new(&frame.state.pixels, camera.columns());
+            let source = FilmRays { pixels: frame.pixel_rays(), has_time: &|| true };
+            (frame.noise, frame.state) = PixelNoise::begin(&source, [camera.columns(), camera.rows()], target);
         }
         frame
     }
@@ -168,16 +164,18 @@ impl<'r> Film<'r> {
         let most = most_samples.min(MAX_SAMPLES);
         let is_cached = self.renderer.irradiance_noise().is_some();
         let share = if is_cached { NOISE_FRACTION } else { 1.0 };
-        let pooled = self.reduce_noise(range, share * error * error, most);
-        let assessment = is_cached.then(|| self.correct((range, &pooled), error * error * range.len() as f64, most));
+        let remaining = self.reduce_noise(range, share * error * error, most);
+        let assessment =
+            is_cached.then(|| self.correct((range, &remaining.pixels), error * error * range.len() as f64, most));
         let (mut corrections, mut of_pixels) = (vec![[0.0; 3]; range.len()], vec![0.0; range.len()]);
         let mut scales = vec![1.0; range.len()];
         if let Some(assessment) = assessment {
             self.finished.add_cached([assessment.squared, assessment.variance]);
             (corrections, of_pixels, scales) = (assessment.corrections, assessment.of_pixels, assessment.scales);
         }
-        for ((index, pixel), (of_cache, scale)) in range.clone().zip(&pooled).zip(of_pixels.iter().zip(scales)) {
-            self.finished.add(scale * pixel.squared, pixel.samples + self.extra_rays[index]);
+        let noise = range.clone().zip(remaining.by_pixel());
+        for ((index, (pixel, parts)), (of_cache, scale)) in noise.zip(of_pixels.iter().zip(scales)) {
+            self.finished.add(parts, scale, pixel.samples + self.extra_rays[index]);
             self.errors[index] = (scale * pixel.squared + of_cache) as f32;
         }
         let corrected = |(pixel, correction): (&Pixel, [f64; 3])| {
@@ -189,17 +187,15 @@ impl<'r> Film<'r> {
 
     /// Doubles samples until the pixels' own squared noise plus one standard error is `squared`;
     /// returns what is left.
-    fn reduce_noise(&mut self, range: &Range<usize>, squared: f64, most: u32) -> Vec<PixelError> {
-        let mut state = std::mem::take(&mut self.state);
+    fn reduce_noise(&mut self, range: &Range<usize>, squared: f64, most: u32) -> RemainingNoise {
+        let (mut state, mut noise) = (std::mem::take(&mut self.state), self.noise);
         let this = &*self;
         let has_time = || this.is_in_time(range);
         let rays = FilmRays { pixels: this.pixel_rays(), has_time: &has_time };
-        let target = PixelNoise::target(squared, most);
-        let noise = this.noise;
-        let (left, stop) = refine(&rays, &mut state, &target, |pixels| noise.of_rows(pixels, range));
-        self.state = state;
-        self.finished.add_stop(stop);
-        left.pixels
+        let left = noise.reduce((&rays, &mut state), range, squared, most);
+        (self.state, self.noise) = (state, noise);
+        self.finished.add_stop(left.stop);
+        left
     }
 
     /// Corrects cached irradiance until the estimated sum of its squared errors, with the pixels'

@@ -29,7 +29,7 @@ mod view_camera;
 
 pub use adaptive::{Film, SamplingBudget, TimeLeft};
 pub use interpolated::Interpolation;
-pub use noise::{Estimate, PixelErrors, PixelNoise};
+pub use noise::{Estimate, FilmState, PixelNoise, RemainingNoise};
 pub use part::{SampledPixel, sampled_tile};
 pub use radsight_adaptive::{ErrorTarget, MAX_SAMPLES, Stop};
 pub use single::average;

@@ -10,7 +10,8 @@
 //! assumed to be like the neighbour that differs most.
 
 use radsight_adaptive::{
-    Certainty, ErrorEstimate, FIRST_SAMPLES, NoiseTarget, PixelError, PixelSamples, Selection, SquaredErrors, Stop,
+    Certainty, ErrorEstimate, ErrorTarget, FIRST_SAMPLES, NoiseTarget, PixelError, PixelSamples, PixelSource, Replicas,
+    ReplicatedSource, SamplingState, Selection, SquaredErrors, Stop, begin, refine,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -25,29 +26,73 @@ const BRIGHT_LIMIT: f64 = 10.0;
 /// The samples of a pixel.
 pub(crate) type Pixel = PixelSamples<[f64; 3]>;
 
+/// The samples of the pixels of a picture, or of their replicas.
+pub type FilmState = SamplingState<[f64; 3]>;
+
 /// Estimates the errors of pixels relative to their values.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelNoise {
     columns: usize,
+    /// Of each pixel, in pictures of a few pixels.
+    replicas: Replicas,
     /// Added in squares to the bands of a pixel where an error is relative to them.
     floors: [f64; 3],
 }
 
 impl PixelNoise {
-    /// For a picture with so many columns, whose pixels have their first samples.
+    /// Traces the first samples of the pixels of a picture, until the source stops. No pixel will
+    /// have more than the target's.
     #[must_use]
-    pub fn new(pixels: &[Pixel], columns: usize) -> PixelNoise {
-        PixelNoise { columns, floors: typical(pixels).map(|band| DARK_FRACTION * band) }
+    pub fn begin<P>(source: &P, [columns, rows]: [usize; 2], target: ErrorTarget) -> (PixelNoise, FilmState)
+    where
+        P: PixelSource<Sums = [f64; 3]>,
+    {
+        let replicas = Replicas::new(columns * rows, target.most_samples);
+        let mut state = SamplingState::new(columns * rows * replicas.count());
+        begin(&ReplicatedSource::new(source, replicas), &mut state);
+        let noise = PixelNoise { replicas, ..PixelNoise::new(&replicas.merged(&state.pixels), columns) };
+        (noise, state)
     }
 
-    /// The target of a mean squared error; no pixel gets more than `most_samples`.
+    /// For a picture with so many columns, whose pixels have their first samples.
     #[must_use]
-    pub fn target(squared: f64, most_samples: u32) -> NoiseTarget {
-        NoiseTarget {
-            most_samples,
+    pub(crate) fn new(pixels: &[Pixel], columns: usize) -> PixelNoise {
+        let floors = typical(pixels).map(|band| DARK_FRACTION * band);
+        PixelNoise { columns, replicas: Replicas::ONE, floors }
+    }
+
+    /// Doubles the samples of some rows of pixels until their mean squared error, plus one standard
+    /// error of it, is `squared`. Returns what is left. The replicas of pixels are then merged.
+    #[must_use]
+    pub fn reduce<P>(
+        &mut self,
+        (source, state): (&P, &mut FilmState),
+        range: &Range<usize>,
+        squared: f64,
+        most_samples: u32,
+    ) -> RemainingNoise
+    where
+        P: PixelSource<Sums = [f64; 3]>,
+    {
+        let replicas = self.replicas;
+        let count = replicas.count();
+        let target = NoiseTarget {
+            most_samples: replicas.most_samples(most_samples),
             certainty: Certainty::StandardError { pixels_per_estimate: PIXELS_PER_ESTIMATE },
-            ..NoiseTarget::new(squared, Selection::Every)
+            // The squared error of the mean of replicas is lower than theirs by their number.
+            ..NoiseTarget::new(count as f64 * squared, Selection::Every)
+        };
+        let of_replicas = PixelNoise { columns: count * self.columns, ..*self };
+        let rows = count * range.start..count * range.end;
+        let source = ReplicatedSource::new(source, replicas);
+        let (left, stop) = refine(&source, state, &target, |pixels| of_replicas.of_rows(pixels, &rows));
+        let pixels = replicas.merged_errors(&left.pixels);
+        let parts = replicas.parts(&left.pixels);
+        if replicas != Replicas::ONE {
+            state.pixels = replicas.merged(&state.pixels);
+            self.replicas = Replicas::ONE;
         }
+        RemainingNoise { pixels, parts, stop }
     }
 
     /// The values to which the errors of a pixel's bands are relative.
@@ -62,8 +107,7 @@ impl PixelNoise {
     }
 
     /// The errors of some rows of pixels, estimated from these rows alone.
-    #[must_use]
-    pub fn of_rows(&self, pixels: &[Pixel], range: &Range<usize>) -> PixelErrors {
+    fn of_rows(&self, pixels: &[Pixel], range: &Range<usize>) -> PixelErrors {
         let gain = self.gain(&pixels[range.clone()]);
         let error = |index: usize| {
             let pixel = &pixels[index];
@@ -156,19 +200,34 @@ const GAINS: [f64; 2] = [0.35, 0.5];
 
 /// The estimated errors of a block of pixels.
 #[derive(Clone, Debug)]
-pub struct PixelErrors {
-    pub(crate) pixels: Vec<PixelError>,
+struct PixelErrors {
+    pixels: Vec<PixelError>,
     first: usize,
 }
 
-impl PixelErrors {
+/// The noise of pixels after sampling.
+#[derive(Clone, Debug)]
+pub struct RemainingNoise {
+    pub(crate) pixels: Vec<PixelError>,
+    /// The squared errors of each pixel's replicas, whose mean is that of the pixel.
+    parts: Vec<f64>,
+    /// Why it is more than requested.
+    pub stop: Option<Stop>,
+}
+
+impl RemainingNoise {
     /// The quality of these pixels, without cached irradiance.
     #[must_use]
-    pub fn estimate(&self, stop: Option<Stop>) -> Option<Estimate> {
+    pub fn estimate(&self) -> Option<Estimate> {
         let mut finished = Finished::default();
-        self.pixels.iter().for_each(|pixel| finished.add(pixel.squared, pixel.samples));
-        finished.add_stop(stop);
+        self.by_pixel().for_each(|(pixel, parts)| finished.add(parts, 1.0, pixel.samples));
+        finished.add_stop(self.stop);
         finished.estimate()
+    }
+
+    /// Each pixel with the squared errors of its replicas.
+    pub(crate) fn by_pixel(&self) -> impl Iterator<Item = (&PixelError, &[f64])> {
+        self.pixels.iter().zip(self.parts.chunks((self.parts.len() / self.pixels.len().max(1)).max(1)))
     }
 
     /// The standard error of each pixel relative to its value, rms over the bands.
@@ -209,6 +268,7 @@ pub struct Estimate {
 /// Sums over finished pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Finished {
+    pixels: f64,
     rays: f64,
     /// Due to noise.
     noise: SquaredErrors,
@@ -219,9 +279,11 @@ pub(crate) struct Finished {
 }
 
 impl Finished {
-    pub(crate) fn add(&mut self, error: f64, samples: u32) {
-        self.rays += f64::from(samples);
-        self.noise.add(error);
+    /// Adds a pixel: the squared errors of its replicas, scaled, and its number of rays.
+    pub(crate) fn add(&mut self, parts: &[f64], scale: f64, rays: u32) {
+        self.pixels += 1.0;
+        self.rays += f64::from(rays);
+        parts.iter().for_each(|squared| self.noise.add(scale * squared));
     }
 
     /// Keeps the first reason; lack of time counts most.
@@ -236,7 +298,7 @@ impl Finished {
     }
 
     pub(crate) fn estimate(&self) -> Option<Estimate> {
-        let pixels = self.noise.pixels();
+        let pixels = self.pixels;
         let [cached, cached_variance] = self.cached.unwrap_or_default().map(|sum| sum / pixels);
         let [noise, noise_variance] = self.noise.mean_and_variance(PIXELS_PER_ESTIMATE);
         let variance = noise_variance + cached_variance / pixels;

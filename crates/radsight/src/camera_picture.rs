@@ -6,8 +6,7 @@ use crate::integrator::{Integrator, RayQueries};
 use crate::renderer::{check_budget, check_materials, header, report};
 use crate::{Error, Renderer, report_page};
 use radsight_adaptive::{
-    ErrorTarget, FIRST_SAMPLES, PixelSamples, PixelSource, SampleCounter, SamplingState, Stop, begin, pixel_of_ray,
-    ray_number, refine,
+    ErrorTarget, FIRST_SAMPLES, PixelSamples, PixelSource, SampleCounter, Stop, pixel_of_ray, ray_number,
 };
 use radsight_capture::Progress;
 use radsight_film::{Estimate, PixelNoise, SamplingBudget};
@@ -131,22 +130,20 @@ impl CameraRays<'_> {
 
     /// As many rays as the error needs; `None` if it was stopped.
     fn to_error(&self, target: ErrorTarget) -> Option<Finished> {
-        let mut state = SamplingState::new(self.pixels());
-        begin(self, &mut state);
+        let (mut noise, mut state) = PixelNoise::begin(self, self.size, target);
         if self.stops() {
             return None;
         }
-        let (noise, all) = (PixelNoise::new(&state.pixels, self.size[0]), 0..self.pixels());
-        let squared = PixelNoise::target(target.error * target.error, target.most_samples);
-        let (errors, stop) = refine(self, &mut state, &squared, |pixels| noise.of_rows(pixels, &all));
-        if stop == Some(Stop::Time) {
+        let squared = target.error * target.error;
+        let left = noise.reduce((self, &mut state), &(0..self.pixels()), squared, target.most_samples);
+        if left.stop == Some(Stop::Time) {
             return None;
         }
         let samples = state.pixels.iter().map(|pixel| pixel.samples).collect();
         Some(Finished {
             pixels: state.pixels.iter().map(|pixel| pixel.mean().map(|band| band as f32)).collect(),
-            maps: Maps { relative_errors: Some(errors.relative_errors()), samples: Some(samples) },
-            estimate: errors.estimate(stop),
+            maps: Maps { relative_errors: Some(left.relative_errors()), samples: Some(samples) },
+            estimate: left.estimate(),
         })
     }
 }

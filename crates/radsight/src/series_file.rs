@@ -1,9 +1,11 @@
 //! Series files: a comma-separated table of pictures.
 
+use crate::capture::Capture;
 use crate::error::{Error, Report};
 use crate::part_move::{PartMove, moved_surfaces};
 use radsight_diag::{Diagnostic, SourceId, SourceMap, Span};
 use radsight_ir::Scene;
+use radsight_loader::Loader;
 use std::collections::BTreeSet;
 
 /// Largest series file, bytes.
@@ -104,6 +106,80 @@ pub fn check_moved_parts(name: &str, text: &[u8], rows: &[SeriesRow], scene: &Sc
     match mistakes.is_empty() {
         true => Ok(()),
         false => Err(Error::Series(Report::new(mistakes, sources))),
+    }
+}
+
+impl SeriesRow {
+    /// The capture of a camera file with the keys of this row. `table` has the name and text of the
+    /// file that [`read_series`] read.
+    ///
+    /// ```
+    /// use radsight::{MemoryLoader, example, read_series};
+    /// let table = ("rings.csv", &b"name,camera.exposure_ms\na,5\nb,-3\n"[..]);
+    /// let rows = read_series(table.0, table.1)?;
+    /// let camera = ("camera.toml", example::CAMERA);
+    /// assert!(rows[0].capture(camera, table, &MemoryLoader::default()).is_ok());
+    /// let error = rows[1].capture(camera, table, &MemoryLoader::default()).unwrap_err();
+    /// assert!(error.to_string().contains("rings.csv:3:3"), "{error}");
+    /// # Ok::<(), radsight::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Series`] at the cell of a key that the camera file may not have, or of a wrong value;
+    /// [`Error::Camera`] with the mistakes of the file itself.
+    pub fn capture(
+        &self,
+        (name, text): (&str, &[u8]),
+        table: (&str, &[u8]),
+        loader: &dyn Loader,
+    ) -> Result<Capture, Error> {
+        let with = |keys: &[(String, String)]| Capture::with_keys(name, text, keys, loader);
+        let Err(together) = with(&self.keys) else { return with(&self.keys) };
+        with(&[])?;
+        let alone = |key: &(String, String)| Some((key.clone(), with(std::slice::from_ref(key)).err()?));
+        let mut wrong: Vec<((String, String), Error)> = self.keys.iter().filter_map(alone).collect();
+        if wrong.is_empty() {
+            // Keys that do not go together: the last one is named.
+            wrong.extend(self.keys.last().map(|key| (key.clone(), together)));
+        }
+        let rewritten = |(key, value): &(String, String)| {
+            let text = std::str::from_utf8(text).ok()?;
+            radsight_camera::with_key(text, key, value).ok()
+        };
+        let mut sources = SourceMap::default();
+        let cells = self.cells(table, &mut sources);
+        let mistakes = wrong.into_iter().flat_map(|(key, error)| {
+            let cells = cells.iter().find(|(column, ..)| *column == key.0).map(|(_, head, cell)| [*head, *cell]);
+            let whole = rewritten(&key).unwrap_or_default();
+            mistakes(error).into_iter().map(move |mistake| {
+                let written = mistake.span.and_then(|span| whole.get(span.start as usize..span.end as usize));
+                let is_key = written.is_none_or(|written| key.0.ends_with(written));
+                let place = cells.map(|[head, cell]| if is_key { head } else { cell });
+                Diagnostic { span: place, ..mistake }
+            })
+        });
+        let mistakes = mistakes.collect();
+        Err(Error::Series(Report::new(mistakes, sources)))
+    }
+
+    /// The columns of the table, each with the place of its name and of its cell in this row.
+    fn cells(&self, (name, text): (&str, &[u8]), sources: &mut SourceMap) -> Vec<(String, Span, Span)> {
+        let source = sources.add(name, text, None);
+        let mut reader = Reader { source, sources, errors: Vec::new() };
+        let mut lines = reader.lines(std::str::from_utf8(text).unwrap_or_default()).into_iter();
+        let head = lines.next().unwrap_or_default();
+        let is_own =
+            |cells: &Vec<Cell>| cells.first().is_some_and(|cell| sources.position(cell.span).line == self.line);
+        let own = lines.find(is_own).unwrap_or_default();
+        head.into_iter().zip(own).map(|(column, cell)| (column.text, column.span, cell.span)).collect()
+    }
+}
+
+/// The mistakes of an error, with the places that they have in the camera file.
+fn mistakes(error: Error) -> Vec<Diagnostic> {
+    match error {
+        Error::Camera(report) => report.diagnostics,
+        other => vec![Diagnostic::error(other.to_string())],
     }
 }
 

@@ -32,8 +32,12 @@ pub struct ModelInfo {
     pub reciprocal: bool,
 }
 
-const RHO_S: Parameter =
-    Parameter::required("rho_s", "1", [0.0, 1.0], "fraction of the light returned at normal incidence");
+const RHO_S: Parameter = Parameter::required(
+    "rho_s",
+    "1",
+    [0.0, 1.0],
+    "fraction of the light returned at normal incidence by a narrow lobe",
+);
 const ALPHA: Parameter =
     Parameter::required("alpha", "rad", [1e-5, 0.2], "width: the lobe falls to 1/e at an angle of 2 alpha");
 const RHO_D: Parameter = Parameter {

@@ -8,12 +8,17 @@
 //!
 //! | parameter | meaning | unit | range |
 //! |---|---|---|---|
-//! | ρ_s | fraction of the light returned at normal incidence | 1 | 0…1 |
+//! | ρ_s | fraction of the light returned at normal incidence by a narrow lobe | 1 | 0…1 |
 //! | δ_h | observation angle at which the lobe has half its peak | rad | 1e-5…0.5 |
 //! | n | order: 2 is the Gaussian of `gauss_reciprocal`, with α = δ_h/√(4 ln 2); a large one approaches a disk | 1 | 1…64 |
 //!
-//! C normalises the integral of `f cos θ_i` to ρ_s at normal incidence. The model is reciprocal and
-//! conserves energy.
+//! C is the inverse of the integral of the exponential over all directions, without a cosine. At
+//! normal incidence the sheet returns `ρ_s · ∫ exp(…) cos δ dω / ∫ exp(…) dω`. That is ρ_s for narrow
+//! lobes (.9997 ρ_s for δ_h = 0.02 and n = 2) and less for wide ones (.993 ρ_s for δ_h = 0.1, .84 ρ_s
+//! for δ_h = 0.5). At every incidence it returns at most ρ_s. With the cosine in C a wide lobe of order
+//! 1 would return more light at oblique incidence than it receives.
+//!
+//! The model is reciprocal and conserves energy.
 
 use crate::radial::RadialDensity;
 use std::f64::consts::{LN_2, PI, TAU};
@@ -90,6 +95,39 @@ mod tests {
         assert!((lobe.value(0.01) / lobe.value(0.0) - 0.5).abs() < 1e-12);
         assert!(lobe.value(0.007) / lobe.value(0.0) > 0.98);
         assert!(lobe.value(0.013) / lobe.value(0.0) < 1e-6);
+    }
+
+    /// The fraction of the light from an angle to the normal that a lobe with ρ_s = 1 returns.
+    fn returned(lobe: &SharpLobe, incidence: f64) -> f64 {
+        const STEPS: u32 = 400;
+        let cell = |index: u32, extent: f64| (f64::from(index) + 0.5) * extent / f64::from(STEPS);
+        let at = |[polar, azimuth]: [f64; 2]| {
+            let [cos_in, cos_out] = [incidence.cos(), polar.cos()];
+            let cos = cos_in * cos_out + incidence.sin() * polar.sin() * azimuth.cos();
+            lobe.value(cos.clamp(-1.0, 1.0).acos()) * cos_out / cos_in.max(cos_out) * polar.sin()
+        };
+        let cells = (0..STEPS).flat_map(|row| (0..STEPS).map(move |column| [cell(row, 0.5 * PI), cell(column, TAU)]));
+        cells.map(at).sum::<f64>() * 0.5 * PI * TAU / f64::from(STEPS * STEPS)
+    }
+
+    #[test]
+    fn a_wide_lobe_returns_less_than_its_share_at_any_incidence() {
+        let cases = [(0.5, 1.0, 0.542), (0.5, 2.0, 0.840), (0.3, 2.0, 0.938), (0.5, 6.0, 0.931), (0.1, 2.0, 0.993)];
+        for (half_width, order, at_normal) in cases {
+            let lobe = SharpLobe::new(half_width, order);
+            let found = returned(&lobe, 0.0);
+            assert!((found - at_normal).abs() < 0.002, "{half_width} {order}: {found}");
+            for degrees in [20.0_f64, 45.0, 70.0, 85.0] {
+                let found = returned(&lobe, degrees.to_radians());
+                assert!(found < 1.0, "{half_width} {order}, {degrees}°: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn with_the_cosine_a_lobe_would_return_more_light_than_it_receives() {
+        let lobe = SharpLobe::new(0.5, 1.0);
+        assert!(returned(&lobe, 45.0_f64.to_radians()) > 1.01 * returned(&lobe, 0.0));
     }
 
     #[test]

@@ -37,6 +37,7 @@ pub(super) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let capture = configured(arguments, capture, &options);
     let file = capture.camera_file();
     super::check_sensor(arguments, file)?;
+    check_fisher(arguments, file)?;
     let inputs = scene_inputs(&arguments.scenes, None, &arguments.reading.trust)?;
     let (scene, sources) = valid_scene(with_ring(&inputs, file), &arguments.reading, |_| Ok(()))?;
     let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources);
@@ -84,7 +85,7 @@ fn parameters(arguments: &Capture) -> Result<Vec<Parameter>, Failure> {
                        hint: for example --derivatives \"derivative-{}.pfm\"";
         return Err(Failure::usage(message));
     }
-    if let Some(output) = arguments.derivatives.as_ref().filter(|output| output.matches(NAME).count() != 1) {
+    if let Some(output) = arguments.derivatives.as_ref().filter(|output| !output.contains(NAME)) {
         return Err(Failure::usage(format!(
             "\"{output}\" names one file for all derivatives, expected {NAME} in it for the parameter\n\
              hint: for example \"derivative-{NAME}.pfm\""
@@ -97,6 +98,18 @@ fn parameters(arguments: &Capture) -> Result<Vec<Parameter>, Failure> {
     match twice {
         Some(index) => Err(Failure::usage(format!("parameter \"{}\" is given twice", parameters[index]))),
         None => Ok(parameters),
+    }
+}
+
+/// Whether there is a sensor, if the Fisher information of its picture is wanted.
+fn check_fisher(arguments: &Capture, file: &CameraFile) -> Outcome {
+    match (&arguments.fisher, &file.sensor) {
+        (None, _) | (_, Some(_)) => Ok(()),
+        (Some(_), None) => Err(Failure::input(format!(
+            "\"{}\" has no [sensor], expected one for --fisher: without noise a picture tells all parameters exactly \
+             (or only --derivatives)",
+            arguments.camera
+        ))),
     }
 }
 

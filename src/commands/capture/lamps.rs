@@ -21,7 +21,8 @@ impl FlickeringScenes {
     /// Takes the lamps of the camera file out of a scene, or scales them where all rows see them
     /// alike. `path` names the camera file.
     pub(crate) fn split(scene: &mut Scene, camera: &CameraFile, path: &str) -> Result<FlickeringScenes, Failure> {
-        check_names(scene, camera, path)?;
+        let lamps = lamps(scene, camera);
+        check_names((scene, &lamps), camera, path)?;
         let mut groups: Vec<(Flicker, Vec<&str>)> = Vec::new();
         for lamp in &camera.flickering {
             match groups.iter_mut().find(|(flicker, _)| *flicker == lamp.flicker) {
@@ -34,7 +35,7 @@ impl FlickeringScenes {
         for (flicker, names) in groups {
             let brightness = camera.brightness_by_row(&flicker);
             let is_even = brightness.iter().all(|share| *share == brightness[0]);
-            scale(scene, |name| {
+            scale((scene, &lamps), |name| {
                 if !names.contains(&name) {
                     1.0
                 } else if is_even {
@@ -45,7 +46,7 @@ impl FlickeringScenes {
             });
             if !is_even {
                 let mut alone = whole.clone();
-                scale(&mut alone, |name| f64::from(u8::from(names.contains(&name))));
+                scale((&mut alone, &lamps), |name| f64::from(u8::from(names.contains(&name))));
                 by_row.push((alone, brightness));
             }
         }
@@ -53,10 +54,20 @@ impl FlickeringScenes {
     }
 }
 
-fn scale(scene: &mut Scene, share: impl Fn(&str) -> f64) {
-    let Scene { names, modifiers, .. } = scene;
-    for modifier in modifiers.items_mut() {
-        let share = share(names.get(modifier.name));
+/// The lamp of the camera file that each modifier of a scene is. An alias without a section of its own
+/// is the lamp whose name it stands for.
+fn lamps(scene: &Scene, camera: &CameraFile) -> Vec<String> {
+    let is_listed = |name: &str| camera.flickering.iter().any(|lamp| lamp.modifier == name);
+    let of_modifier = |handle| {
+        let own = scene.modifier_name(Some(handle));
+        if is_listed(own) { own } else { scene.original_name(Some(handle)) }.to_owned()
+    };
+    scene.modifiers.iter().map(|(handle, _)| of_modifier(handle)).collect()
+}
+
+fn scale((scene, lamps): (&mut Scene, &[String]), share: impl Fn(&str) -> f64) {
+    for (modifier, lamp) in scene.modifiers.items_mut().iter_mut().zip(lamps) {
+        let share = share(lamp);
         if share != 1.0
             && let Some(Rgb(bands)) = modifier.radiance_mut()
         {
@@ -66,13 +77,11 @@ fn scale(scene: &mut Scene, share: impl Fn(&str) -> f64) {
 }
 
 /// Whether each lamp is there.
-fn check_names(scene: &mut Scene, camera: &CameraFile, path: &str) -> Outcome {
-    let Scene { names, modifiers, .. } = scene;
+fn check_names((scene, names): (&mut Scene, &[String]), camera: &CameraFile, path: &str) -> Outcome {
     let mut lamps: Vec<&str> = Vec::new();
-    for modifier in modifiers.items_mut() {
-        let name = modifier.name;
-        if modifier.radiance_mut().is_some() && !lamps.contains(&names.get(name)) {
-            lamps.push(names.get(name));
+    for (modifier, name) in scene.modifiers.items_mut().iter_mut().zip(names) {
+        if modifier.radiance_mut().is_some() && !lamps.contains(&name.as_str()) {
+            lamps.push(name);
         }
     }
     match camera.flickering.iter().find(|lamp| !lamps.contains(&lamp.modifier.as_str())) {

@@ -74,7 +74,7 @@ impl CheckpointFile {
                 let read = Checkpoint::from_bytes(&bytes, &self.key, rays, weights);
                 read.map(Some).map_err(|error: CheckpointError| {
                     Failure::input(format!(
-                        "bad checkpoint \"{path}\": {error}\nhint: without --resume the capture starts anew"
+                        "bad checkpoint \"{path}\": {error}\nhint: delete the file, or leave out --resume: the capture then starts anew"
                     ))
                 })
             }

@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &Capture, table: &str, render: RenderOptions) -> Ou
         }
     }
     let options = RenderOptions { seed: arguments.seed, ..render };
-    let pictures = pictures(arguments, table, &rows, &options)?;
+    let pictures = pictures(arguments, (table, &text), &rows, &options)?;
     let inputs = scene_inputs(&arguments.scenes, None, &arguments.reading.trust)?;
     // Plugins and messages are those of the scene as the first picture has it.
     let Some(first) = pictures.first() else { return Ok(()) };
@@ -81,15 +81,20 @@ fn outputs(arguments: &Capture) -> impl Iterator<Item = &String> {
 
 fn check_arguments(arguments: &Capture) -> Outcome {
     super::check_budget(arguments)?;
+    if arguments.resume {
+        let message = "a series cannot be resumed: option \"--resume\" goes with a single capture\n\
+                       hint: leave out of the table what is done";
+        return Err(Failure::usage(message));
+    }
     let accounts = arguments.accounts.paths().into_iter().flatten().next();
-    if arguments.color.is_some() || arguments.specimen.is_some() || accounts.is_some() || arguments.resume {
+    if arguments.color.is_some() || arguments.specimen.is_some() || accounts.is_some() {
         let message = "option \"--variants\" writes pictures and exposures only: it goes with -o and --exposure";
         return Err(Failure::usage(message));
     }
     if outputs(arguments).next().is_none() {
         return Err(Failure::usage("option \"--variants\" writes nothing alone: it goes with -o and --exposure"));
     }
-    match outputs(arguments).find(|output| output.matches(NAME).count() != 1) {
+    match outputs(arguments).find(|output| !output.contains(NAME)) {
         Some(output) => Err(Failure::usage(format!(
             "\"{output}\" names one file for all pictures of the series, expected {NAME} in it for the name of each\n\
              hint: for example \"picture-{NAME}.png\""
@@ -101,7 +106,7 @@ fn check_arguments(arguments: &Capture) -> Outcome {
 /// The captures of a table's lines; a camera file is read once for each set of replaced keys.
 fn pictures(
     arguments: &Capture,
-    table: &str,
+    table: (&str, &[u8]),
     rows: &[SeriesRow],
     options: &RenderOptions,
 ) -> Result<Vec<SeriesPicture>, Failure> {
@@ -113,8 +118,7 @@ fn pictures(
         let capture = match read.iter().find(|(keys, _)| *keys == row.keys) {
             Some((_, capture)) => capture.clone(),
             None => {
-                let capture = radsight::Capture::with_keys(&arguments.camera, &text, &row.keys, &loader)
-                    .map_err(|error| Failure::input(format!("{table}:{}: {error}", row.line)))?;
+                let capture = row.capture((&arguments.camera, &text), table, &loader)?;
                 let capture = configured(arguments, capture, options);
                 if arguments.output.is_some() {
                     super::check_sensor(arguments, capture.camera_file())?;

@@ -11,6 +11,8 @@ Requested errors are relative: 0.02 is 2 %. Results depend on scene, options and
 array([1., 1., 1.], dtype=float32)
 """
 
+from typing import TYPE_CHECKING
+
 from . import retro
 from ._radsight import (
     Calibration,
@@ -37,6 +39,23 @@ from ._radsight import (
 )
 from ._shortcuts import capture, contributions, progress_bar, read_series, render, trace
 from .own import Camera, Material
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from . import arrays as arrays
+    from . import distributed as distributed
+    from . import radiance as radiance
+else:
+    # Imported at first use: they need packages that are optional, or many names.
+    _LATE = {"arrays", "distributed", "radiance"}
+
+    def __getattr__(name: str) -> "ModuleType":
+        if name not in _LATE:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from importlib import import_module
+
+        return import_module(f".{name}", __name__)
 
 __all__ = [
     "Calibration",
