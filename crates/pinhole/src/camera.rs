@@ -500,10 +500,10 @@ impl PinholeCamera {
     /// # Errors
     /// If it is not positive, or the camera has a lens, which determines it.
     pub fn with_focal_distance(mut self, distance_m: f64) -> Result<Self, CameraError> {
-        self.without_lens("focal distance")?.focal_distance_m = distance_m;
         positive("focal distance", distance_m)?;
+        let former = std::mem::replace(&mut self.without_lens("focal distance")?.focal_distance_m, distance_m);
         if let Some(matrix) = &mut self.optics.matrix {
-            matrix.focal = self.pixel_pitch_m.map(|pitch| distance_m / pitch);
+            matrix.focal = matrix.focal.map(|pixels| pixels * (distance_m / former));
         }
         Ok(self)
     }
