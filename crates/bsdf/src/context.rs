@@ -72,10 +72,11 @@ impl<'a, const BANDS: usize> BsdfContext<'a, BANDS> {
     /// Direction of straight-through transmission. A texture turns it, unless it would come back.
     pub fn straight(&self) -> DVec3 {
         let direction = self.interaction.direction;
-        if self.appearance.perturbation == DVec3::ZERO || self.interaction.is_smoothed() {
+        let turn = self.appearance.turn();
+        if turn == DVec3::ZERO {
             return direction;
         }
-        let turned = direction - self.appearance.perturbation;
+        let turned = direction - turn;
         if turned.dot(self.interaction.normal) < -GRAZING { turned.normalize() } else { direction }
     }
 

@@ -12,7 +12,7 @@ use glam::DVec3;
 use radsight_brdf::{GaussianTransmission, WardAnisotropic};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
-use radsight_texture::{Function, TextureChain, bands, luminance, not_negative, shading_normal};
+use radsight_texture::{Function, TextureChain, TransmittedRays, bands, luminance, not_negative, shading_normal};
 
 /// Parameters of `WGMDfunc`.
 #[derive(Clone, Debug)]
@@ -213,7 +213,7 @@ impl WardFunctionKind {
     fn straight<const BANDS: usize>(&self, context: &BsdfContext<'_, BANDS>, transmission: &Specular<BANDS>) -> DVec3 {
         let interaction = context.interaction;
         let turn = transmission.seen.normal - interaction.normal;
-        if turn == DVec3::ZERO || interaction.is_smoothed() {
+        if turn == DVec3::ZERO || context.appearance.transmitted == TransmittedRays::Straight {
             return interaction.direction;
         }
         let turned = interaction.direction - if interaction.behind { -turn } else { turn };

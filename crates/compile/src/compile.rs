@@ -2,7 +2,7 @@
 
 use crate::antimatter::Antimatter;
 use crate::compile_scatter::compile_scatterer;
-use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step};
+use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step, transmitted};
 use crate::medium::MistKind;
 use crate::model_source::{ModelRequest, ModelSource};
 use crate::native_model::native_or;
@@ -133,26 +133,41 @@ impl Compiler<'_> {
         if chains.of_modifier[index] != NO_SHADER {
             return chains.of_modifier[index];
         }
-        let id = self.compile_after(chains, modifier, &[]);
+        let above = TextureChain { transmitted: transmitted(chains.scene, modifier), ..chains.bare() };
+        let id = self.compile_after(chains, modifier, &above);
         chains.of_modifier[index] = id;
         id
     }
 
-    /// Shader of a chain that continues the given steps.
+    /// Shader of a chain that another modifier names, below the given textures of the surface.
+    fn compile_below(
+        &mut self,
+        chains: &mut Chains<'_>,
+        modifier: Option<ModifierHandle>,
+        above: &TextureChain,
+    ) -> ShaderId {
+        // Nothing is above it, and as the modifier of a surface it would be the same.
+        if above.steps.is_empty() && above.transmitted == transmitted(chains.scene, modifier) {
+            return self.compile_chain(chains, modifier);
+        }
+        self.compile_after(chains, modifier, above)
+    }
+
+    /// Shader of a chain that continues the given one.
     fn compile_after(
         &mut self,
         chains: &mut Chains<'_>,
         modifier: Option<ModifierHandle>,
-        before: &[Step],
+        above: &TextureChain,
     ) -> ShaderId {
         let nesting = chains.nesting;
-        let (steps, kind) = self.compile(chains, modifier, before).unwrap_or_else(|error| {
+        let (textures, kind) = self.compile(chains, modifier, above).unwrap_or_else(|error| {
             self.errors.push(error);
-            (Vec::new(), Kind::Transparent)
+            (chains.bare(), Kind::Transparent)
         });
         chains.nesting = nesting;
         self.shaders.push(specialised(Shader {
-            textures: TextureChain { steps, home: chains.home.clone() },
+            textures,
             kind,
             modifier,
             tracked: None,
@@ -215,6 +230,11 @@ struct Chains<'s> {
 }
 
 impl Chains<'_> {
+    /// Textures of a chain without any modifier.
+    fn bare(&self) -> TextureChain {
+        TextureChain { home: self.home.clone(), ..TextureChain::default() }
+    }
+
     fn is_material(&self, handle: ModifierHandle) -> bool {
         self.ends_in_material.get(handle.index()) == Some(&true)
     }
@@ -242,22 +262,24 @@ fn at(span: Option<Span>, message: String) -> Diagnostic {
 }
 
 impl Compiler<'_> {
-    /// Steps and material of a chain that continues the given steps.
+    /// Textures and material of a chain that continues the given one.
     fn compile(
         &mut self,
         chains: &mut Chains<'_>,
         first: Option<ModifierHandle>,
-        before: &[Step],
-    ) -> Result<(Vec<Step>, Kind), Diagnostic> {
+        above: &TextureChain,
+    ) -> Result<(TextureChain, Kind), Diagnostic> {
         let scene = chains.scene;
-        let mut steps = before.to_vec();
+        let mut textures = above.clone();
         let mut found = None;
         for (handle, modifier) in scene.chain(first) {
             match &modifier.kind {
-                ModifierKind::Texture(texture) => steps.extend(texture_step(texture)),
-                ModifierKind::Pattern(pattern) => steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?),
+                ModifierKind::Texture(texture) => textures.steps.extend(texture_step(texture)),
+                ModifierKind::Pattern(pattern) => {
+                    textures.steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?);
+                }
                 ModifierKind::Mixture(mixture) if !chains.is_material(handle) => {
-                    steps.push(self.mixed_steps(chains, modifier, mixture)?);
+                    textures.steps.push(self.mixed_steps(chains, modifier, mixture)?);
                 }
                 // An unusable modifier can be of any kind; its reason is reported here.
                 ModifierKind::Material(Material::Unusable { reason }) if found.is_some() => {
@@ -269,18 +291,18 @@ impl Compiler<'_> {
                     return Err(at(modifier.span, format!("material \"{name}\" modifies another material")));
                 }
                 ModifierKind::Mixture(mixture) => {
-                    found = Some(self.mixed_materials(chains, modifier, mixture, &steps)?);
+                    found = Some(self.mixed_materials(chains, modifier, mixture, &textures)?);
                     // The mixture's parts include these steps.
-                    steps.clear();
+                    textures.steps.clear();
                 }
                 ModifierKind::Material(material) => {
                     found = Some(self.compile_material(chains, handle, material)?);
                 }
             }
         }
-        let Some(mut kind) = found else { return Ok((Vec::new(), Kind::Transparent)) };
-        fold_constants(&mut steps, &mut kind);
-        Ok((steps, kind))
+        let Some(mut kind) = found else { return Ok((chains.bare(), Kind::Transparent)) };
+        fold_constants(&mut textures.steps, &mut kind);
+        Ok((textures, kind))
     }
 
     fn mixed_steps(
@@ -322,8 +344,7 @@ impl Compiler<'_> {
         first: ModifierHandle,
     ) -> Result<Appearances, Diagnostic> {
         let steps = self.steps_alone(chains, Some(first))?;
-        let home = chains.home.clone();
-        Ok(Appearances::Own(Box::new(TextureChain { steps, home })))
+        Ok(Appearances::Own(Box::new(TextureChain { steps, ..chains.bare() })))
     }
 
     fn mixed_materials(
@@ -331,7 +352,7 @@ impl Compiler<'_> {
         chains: &mut Chains<'_>,
         modifier: &Modifier,
         mixture: &Mixture,
-        before: &[Step],
+        above: &TextureChain,
     ) -> Result<Kind, Diagnostic> {
         if let Some(parent) = modifier.modifier {
             let name = chains.scene.names.get(modifier.name);
@@ -344,10 +365,7 @@ impl Compiler<'_> {
         self.enter(chains, modifier)?;
         let share = share(chains.scene, modifier, &mixture.amount)?;
         let MixtureArms { foreground, background } = mixture.arms;
-        let arms = [foreground, background].map(|arm| match before {
-            [] => self.compile_chain(chains, arm),
-            _ => self.compile_after(chains, arm, before),
-        });
+        let arms = [foreground, background].map(|arm| self.compile_below(chains, arm, above));
         chains.nesting -= 1;
         let lets_light_through = arms.iter().any(|arm| self.shaders[arm.0 as usize].passes_shadow_rays());
         let (mixtures, depth) = self.size_of_mixture(chains, modifier, arms)?;

@@ -184,7 +184,7 @@ impl MixedSteps {
     ) {
         let Some(share) = self.share.at(scene, interaction, scratch) else { return };
         let before = *appearance;
-        *appearance = Appearance { color: [0.0; BANDS], perturbation: DVec3::ZERO };
+        *appearance = Appearance { color: [0.0; BANDS], perturbation: DVec3::ZERO, ..before };
         for (weight, steps) in [(share, &self.foreground), (1.0 - share, &self.background)] {
             if weight > 0.0 {
                 let mut part = before;
