@@ -219,3 +219,133 @@ fn the_modifier_of_the_surface_tells_whether_textures_only_smooth() {
         (name.to_owned(), format!("void glass m 0 0 3 .8 .8 .8\n{modifiers}{PANE}"), seen)
     }));
 }
+
+/// A pattern and a texture above the material `m`.
+const ABOVE: [&str; 2] = ["m brightfunc above 2 .5 . 0 0\nabove", "m texfunc above 4 .2 .1 0 . 0 0\nabove"];
+
+#[test]
+fn all_parts_of_ward_functions_have_the_patterns_and_textures_above_them() {
+    let parts: [(&str, [Seen; 2]); 7] = [
+        (
+            "void .5 0 0 void 0 0 0 void 1 0 0 . 0 9 0 0 0 0 0 0 0 0 0",
+            [[0.1533, 0.1624, 0.194, 0.0969, 0.1352, 0.0538], [0.3679, 0.3551, 0.3486, 0.1242, 0.2354, 0.1347]],
+        ),
+        (
+            "void 0 0 0 void .5 0 0 void 1 0 0 . 0 9 0 0 0 0 0 0 0 0 0",
+            [[0.1518, 0.1608, 0.0579, 0.0964, 0.1345, 0.1965], [0.2661, 0.3071, 0.1067, 0.1617, 0.2496, 0.3846]],
+        ),
+        (
+            "void .5 .01 .01 void 0 0 0 void 1 0 0 . 0 9 0 0 0 0 0 0 0 0 0",
+            [[0.1518, 0.1608, 0.1921, 0.0965, 0.1345, 0.0535], [0.365, 0.3522, 0.3458, 0.1239, 0.2346, 0.1342]],
+        ),
+        (
+            "void 0 0 0 void 0 0 0 void 1 0 0 . 0 9 .5 .4 .3 .2 .5 .6 0 0 0",
+            [[0.0525, 0.042, 0.0315, 0.021, 0.0525, 0.063], [0.105, 0.084, 0.063, 0.042, 0.105, 0.126]],
+        ),
+        (
+            "void 0 0 0 void 0 0 0 void 1 0 0 . 0 9 0 0 0 0 0 0 .5 .4 .3",
+            [[0.075, 0.06, 0.045, 0.075, 0.06, 0.045], [0.15, 0.12, 0.09, 0.15, 0.12, 0.09]],
+        ),
+        (
+            "own .5 0 0 own .2 0 0 own 1 0 0 . 0 9 .1 .1 .1 .1 .1 .1 .2 .2 .2",
+            [[0.1838, 0.2099, 0.174, 0.1266, 0.1322, 0.1261], [0.3923, 0.4236, 0.3136, 0.1989, 0.2438, 0.2738]],
+        ),
+        (
+            "inherit .5 0 0 inherit .2 0 0 inherit 1 0 0 . 0 9 .1 .1 .1 .1 .1 .1 .2 .2 .2",
+            [[0.1817, 0.1906, 0.1841, 0.1264, 0.164, 0.1241], [0.3957, 0.398, 0.3378, 0.1951, 0.2977, 0.2647]],
+        ),
+    ];
+    let own = "void brightfunc base 2 .7 . 0 0\nbase texfunc own 4 0 .2 0 . 0 0\n";
+    check(parts.into_iter().flat_map(|(words, seen)| {
+        let case = move |above: &str, seen| {
+            (format!("{above} over {words}"), format!("{own}base WGMDfunc m 13 {words}\n{above}{PANE}"), seen)
+        };
+        ABOVE.into_iter().zip(seen).map(move |(above, seen)| case(above, seen))
+    }));
+}
+
+#[test]
+fn alternate_materials_have_the_patterns_and_textures_above_the_material_that_they_replace() {
+    let alternates: [(&str, [Seen; 2]); 3] = [
+        (
+            "plastic a 0 0 5 .5 .4 .3 .05 0",
+            [[0.1033, 0.091, 0.0834, 0.091, 0.0847, 0.0537], [0.1834, 0.1537, 0.1247, 0.1552, 0.1387, 0.0995]],
+        ),
+        (
+            "metal a 0 0 5 .5 .4 .3 .9 0",
+            [[0.1457, 0.1235, 0.1104, 0.0948, 0.1036, 0.0337], [0.3466, 0.2691, 0.1997, 0.1268, 0.1819, 0.0822]],
+        ),
+        (
+            "glass a 0 0 3 .9 .8 .7",
+            [[0.295, 0.2772, 0.1209, 0.1876, 0.233, 0.2637], [0.4853, 0.4853, 0.1763, 0.4026, 0.4535, 0.5157]],
+        ),
+    ];
+    for replaced in ["mirror m 1 a 0 3 .9 .8 .7", "illum m 1 a 0 3 2 1 .5"] {
+        check(alternates.into_iter().flat_map(|(material, seen)| {
+            ABOVE.into_iter().zip(seen).map(move |(above, seen)| {
+                let scene = format!("void {material}\nvoid {replaced}\n{above}{PANE}");
+                (format!("{above} over {replaced}, {material}"), scene, seen)
+            })
+        }));
+    }
+}
+
+#[test]
+fn alternate_materials_and_mixtures_in_each_other_hand_patterns_on() {
+    let mixed = [0.141, 0.1252, 0.0678, 0.1088, 0.1119, 0.1106];
+    let above = ABOVE[0];
+    let cases: [(&str, String, Seen); 4] = [
+        (
+            "the pattern of the illum itself",
+            "void brightfunc own 2 .5 . 0 0\nown illum m 1 a 0 3 2 1 .5\nm".to_owned(),
+            [0.5442, 0.5105, 0.1939, 0.3465, 0.4296, 0.5142],
+        ),
+        (
+            "over a mixture with an illum",
+            format!("void illum i 1 a 0 3 2 1 .5\nvoid mixfunc m 4 i b .3 . 0 0\n{above}"),
+            mixed,
+        ),
+        (
+            "over an illum with a mixture",
+            format!("void mixfunc both 4 a b .3 . 0 0\nvoid illum m 1 both 0 3 2 1 .5\n{above}"),
+            mixed,
+        ),
+        (
+            "over a mirror with an illum",
+            format!(
+                "void illum n 1 a 0 3 2 1 .5\nn brightfunc half 2 .5 . 0 0\nvoid mirror m 1 half 0 3 2 1 .5\n{above}"
+            ),
+            [0.1703, 0.1605, 0.0843, 0.1081, 0.1347, 0.1384],
+        ),
+    ];
+    check(cases.map(|(name, modifiers, seen)| {
+        let parts = "void glass a 0 0 3 .9 .8 .7\nvoid plastic b 0 0 5 .5 .4 .3 0 0\n";
+        (name.to_owned(), format!("{parts}{modifiers}{PANE}"), seen)
+    }));
+}
+
+#[test]
+fn strong_textures_of_brtd_functions_turn_rays_back() {
+    let scene =
+        "void BRTDfunc m 10 0 0 0 .8 .8 .8 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\nm texfunc bump 4 0 0 -1.5 . 0 0\nbump";
+    let seen = [0.5141, 0.5521, 0.5931, 0.2534, 0.4489, 0.1899];
+    check([("a strong texture".to_owned(), format!("{scene}{PANE}"), seen)]);
+}
+
+#[test]
+fn surfaces_of_cuts_have_the_patterns_and_textures_above_the_antimatter() {
+    let sky = [0.3856, 0.5381, 0.786];
+    let of_cuts = [
+        ("m", [0.1452, 0.2747, 0.4998]),
+        ("m brightfunc above 2 .5 . 0 0\nabove", [0.0728, 0.1375, 0.2502]),
+        ("m texfunc above 4 .2 .1 0 . 0 0\nabove", [0.1053, 0.2505, 0.4589]),
+        ("m texfunc above 4 .2*Nz .1*Nx 0 . 0 0\nabove", [0.1955, 0.2542, 0.5049]),
+    ];
+    check(of_cuts.map(|(above, [red, green, blue])| {
+        let scene = format!(
+            "void metal body 0 0 5 .9 .8 .7 .9 0\nvoid metal a 0 0 5 .4 .8 .7 .9 0\nvoid antimatter m 2 a body 0 0\n\
+             body sphere b 0 0 4 .95 .8 -.5 .3\n{above} sphere c 0 0 4 .87 .7 -.26 .24\n"
+        );
+        (above.to_owned(), scene, [red, green, blue, sky[0], sky[1], sky[2]])
+    }));
+}

@@ -80,6 +80,12 @@ impl<'a, const BANDS: usize> BsdfContext<'a, BANDS> {
         if turned.dot(self.interaction.normal) < -GRAZING { turned.normalize() } else { direction }
     }
 
+    /// The same for materials that let a texture turn rays back, as `BRTDfunc` does in Radiance.
+    pub fn straight_or_back(&self) -> DVec3 {
+        let (direction, turn) = (self.interaction.direction, self.appearance.turn());
+        if turn == DVec3::ZERO { direction } else { (direction - turn).normalize_or(direction) }
+    }
+
     /// Frame on the shading normal with x along an orientation function's vector; none if the
     /// function fails or the vector is parallel to the normal.
     pub fn oriented(&self, orientation: &Function, scratch: &mut Scratch) -> Option<Frame> {

@@ -33,7 +33,8 @@ impl Part<'_> {
         let ray = radsight_accel::Ray { origin: outgoing, direction: -outgoing };
         let interaction = SurfaceInteraction::new(&ray, DVec3::ZERO, DVec3::Z, 1.0, 1.0);
         let turned = interaction.turned();
-        let appearance = Appearance { color: [1.0], perturbation: self.perturbation, transmitted: TransmittedRays::Turned };
+        let appearance =
+            Appearance { color: [1.0], perturbation: self.perturbation, transmitted: TransmittedRays::Turned };
         let normal = shading_normal(&interaction, self.perturbation);
         let context = BsdfContext {
             scene: self.scene,

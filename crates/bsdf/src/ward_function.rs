@@ -44,9 +44,7 @@ pub struct Component {
 pub enum Appearances {
     /// The material's own modifier.
     Main,
-    /// No patterns or textures.
-    Plain,
-    /// Another modifier.
+    /// Another modifier or none, after the patterns and textures above the material.
     Own(Box<TextureChain>),
 }
 
@@ -185,7 +183,6 @@ impl WardFunctionKind {
     ) -> Seen<BANDS> {
         match appearances {
             Appearances::Main => Seen { color: context.appearance.color, normal: context.normal },
-            Appearances::Plain => Seen { color: [1.0; BANDS], normal: context.interaction.normal },
             Appearances::Own(chain) => {
                 let appearance = chain.appearance(context.scene, context.interaction, scratch);
                 Seen { color: appearance.color, normal: shading_normal(context.interaction, appearance.perturbation) }

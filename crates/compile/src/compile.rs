@@ -182,22 +182,34 @@ impl Compiler<'_> {
         chains: &mut Chains<'_>,
         of: ModifierHandle,
         cuts: &[Option<ModifierHandle>],
+        above: &TextureChain,
     ) -> Antimatter {
-        let mut compile = |modifier: &Option<ModifierHandle>| {
-            modifier
-                .filter(|modifier| modifier.index() < of.index())
-                .map(|modifier| self.compile_chain(chains, Some(modifier)))
-        };
-        let shade = cuts.first().and_then(&mut compile);
-        Antimatter::new(cuts.iter().filter_map(compile).collect(), shade)
+        let earlier = |modifier: &Option<ModifierHandle>| modifier.filter(|modifier| modifier.index() < of.index());
+        let shade = cuts.first().and_then(earlier).map(|modifier| self.shade_of_cut(chains, modifier, above));
+        let cuts = cuts.iter().filter_map(earlier).map(|modifier| self.compile_chain(chains, Some(modifier)));
+        Antimatter::new(cuts.collect(), shade)
     }
 
-    /// Alternate material of a mirror or illum; `None` if it has its own appearance.
+    /// Shader of a cut's surface, which has the appearance from above the antimatter.
+    fn shade_of_cut(&mut self, chains: &mut Chains<'_>, modifier: ModifierHandle, above: &TextureChain) -> ShaderId {
+        if chains.nesting >= MAX_NESTING {
+            return self.compile_chain(chains, Some(modifier));
+        }
+        let steps = if above.steps.is_empty() { Vec::new() } else { vec![Step::InsideOut(above.steps.clone())] };
+        chains.nesting += 1;
+        let id = self.compile_below(chains, Some(modifier), &TextureChain { steps, ..above.clone() });
+        chains.nesting -= 1;
+        id
+    }
+
+    /// Alternate material of a mirror or illum, with the appearance from above them; `None` if it
+    /// has its own appearance.
     fn substitute(
         &mut self,
         chains: &mut Chains<'_>,
         of: ModifierHandle,
         substitute: Substitute,
+        above: &TextureChain,
     ) -> Result<Option<Substitution>, Diagnostic> {
         let modifier = match substitute {
             Substitute::Own => return Ok(None),
@@ -211,7 +223,7 @@ impl Compiler<'_> {
             return Err(at(chains.scene.modifiers[of].span, message));
         }
         chains.nesting += 1;
-        let id = self.compile_chain(chains, Some(modifier));
+        let id = self.compile_below(chains, Some(modifier), above);
         chains.nesting -= 1;
         Ok(Some(Substitution::Shader(id)))
     }
@@ -296,7 +308,7 @@ impl Compiler<'_> {
                     textures.steps.clear();
                 }
                 ModifierKind::Material(material) => {
-                    found = Some(self.compile_material(chains, handle, material)?);
+                    found = Some(self.compile_material(chains, handle, material, &textures)?);
                 }
             }
         }
@@ -337,14 +349,17 @@ impl Compiler<'_> {
         Ok(steps)
     }
 
-    /// Patterns and textures of a modifier that a material names in addition to its own.
+    /// Patterns and textures of a modifier that a material names in addition to its own, after
+    /// those above the material.
     fn compile_appearances(
         &mut self,
         chains: &mut Chains<'_>,
-        first: ModifierHandle,
+        first: Option<ModifierHandle>,
+        above: &TextureChain,
     ) -> Result<Appearances, Diagnostic> {
-        let steps = self.steps_alone(chains, Some(first))?;
-        Ok(Appearances::Own(Box::new(TextureChain { steps, ..chains.bare() })))
+        let mut textures = above.clone();
+        textures.steps.extend(self.steps_alone(chains, first)?);
+        Ok(Appearances::Own(Box::new(textures)))
     }
 
     fn mixed_materials(
@@ -426,6 +441,7 @@ impl Compiler<'_> {
         chains: &mut Chains<'_>,
         handle: ModifierHandle,
         material: &Material,
+        above: &TextureChain,
     ) -> Result<Kind, Diagnostic> {
         let Compiler { models, bands, .. } = *self;
         let scene = chains.scene;
@@ -449,14 +465,14 @@ impl Compiler<'_> {
                 Ok(Kind::Emitter(Emitter { cone, ..Emitter::light(*radiance) }))
             }
             Material::Illum { radiance, substitute } => {
-                let substitute = self.substitute(chains, handle, *substitute)?.unwrap_or(Substitution::Void);
+                let substitute = self.substitute(chains, handle, *substitute, above)?.unwrap_or(Substitution::Void);
                 let emitter = Emitter { class: EmitterType::Illum, ..Emitter::light(*radiance) };
                 Ok(Kind::Illum { emitter, substitute })
             }
             Material::Plastic(surface) => Ok(Kind::Glossy(glossy(surface, false))),
             Material::Metal(surface) => Ok(Kind::Glossy(glossy(surface, true))),
             Material::Mirror { reflectance, substitute } => {
-                let substitute = self.substitute(chains, handle, *substitute)?;
+                let substitute = self.substitute(chains, handle, *substitute, above)?;
                 Ok(Kind::Mirror { reflectance: *reflectance, substitute })
             }
             Material::Dielectric(body) => Ok(Kind::Dielectric(DielectricInterface::of_body(body))),
@@ -466,7 +482,7 @@ impl Compiler<'_> {
             Material::Glass { transmissivity, refractive_index } => {
                 Ok(Kind::Glass { transmissivity: *transmissivity, refractive_index: *refractive_index })
             }
-            Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts))),
+            Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts, above))),
             Material::Unusable { .. } => Ok(Kind::Unusable),
             Material::Bsdf { data, call, form, added_diffuse } => {
                 let bsdf = scene.bsdfs[*data].bsdf.clone();
@@ -475,7 +491,7 @@ impl Compiler<'_> {
                 Ok(Kind::Scatterer(Box::new(Scatterer::Measured(kind))))
             }
             other => {
-                let appearances = |modifier| self.compile_appearances(chains, modifier);
+                let appearances = |modifier| self.compile_appearances(chains, modifier, above);
                 match compile_scatterer(other, modifier.modifier, appearances) {
                     Some(scatterer) => scatterer.map(|scatterer| Kind::Scatterer(Box::new(scatterer))),
                     None => Err(not_yet("this type of material", modifier.span)),

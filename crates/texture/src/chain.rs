@@ -39,11 +39,8 @@ impl TextureChain {
         interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
     ) -> Appearance<BANDS> {
-        let mut appearance = Appearance {
-            color: [1.0; BANDS],
-            perturbation: interaction.perturbation(),
-            transmitted: self.transmitted,
-        };
+        let mut appearance =
+            Appearance { color: [1.0; BANDS], perturbation: interaction.perturbation(), transmitted: self.transmitted };
         if !self.steps.is_empty() {
             let scene = self.home.scene(scene);
             for step in &self.steps {
