@@ -3,10 +3,14 @@
 use crate::failure::Failure;
 
 /// The programs, and the messages about them.
-const MISSING: [(&[&str], &str); 10] = [
+const MISSING: [(&[&str], &str); 14] = [
     (&["rvu", "rview", "rholo"], "expected rpict, which renders the same view: add -x, -y and -o"),
     (&["mkpmap", "pmapdump"], "radsight has no photon maps: rpict --caustics samples light through mirrors and glass"),
-    (&["lookamb", "ambpos"], "radsight has no files of ambient values"),
+    (&["rtcontrib"], "expected rcontrib, its successor"),
+    (&["rlux"], "expected rtrace -I, and rcalc -e '$1=47.4*$1+120*$2+11.6*$3' for lux"),
+    (&["rcrop"], "expected pcompos -x WIDTH -y HEIGHT PICTURE -LEFT -BOTTOM"),
+    (&["pdfblur"], "expected rpict -pd, which renders with depth of field"),
+    (&["lookamb", "ambpos", "genambpos", "compamb"], "radsight has no files of ambient values"),
     (&["tmesh2rad", "robjutil"], "expected obj2rad or obj2mesh"),
     (
         &["gensdaymtx", "genssky"],
@@ -17,7 +21,7 @@ const MISSING: [(&[&str], &str); 10] = [
         "expected Radiance's own, which reads the pictures and distances (-z) of rpict here",
     ),
     (
-        &["evalglare", "findglare", "glarendx", "xglaresrc"],
+        &["evalglare", "findglare", "glarendx", "xglaresrc", "glare", "pveil"],
         "expected Radiance's own, which reads the pictures of rpict here",
     ),
     (
@@ -42,6 +46,7 @@ const MISSING: [(&[&str], &str); 10] = [
         &[
             "rpiece",
             "ranimate",
+            "ranimove",
             "rtpict",
             "rsensor",
             "ximage",
@@ -59,6 +64,10 @@ const MISSING: [(&[&str], &str); 10] = [
             "debugcal",
             "icalc",
             "lampcolor",
+            "objpict",
+            "normpat",
+            "phisto",
+            "vwright",
         ],
         "expected Radiance's own",
     ),

@@ -96,6 +96,19 @@ fn options_that_are_wrong() {
         ("rvu scene.rad", &["rvu is not part of radsight", "rpict"]),
         ("mkpmap scene.rad", &["mkpmap is not part of radsight"]),
         ("gensdaymtx a b", &["gensdaymtx is not part of radsight"]),
+        ("rtcontrib -m lamp scene.oct", &["rtcontrib is not part of radsight", "rcontrib"]),
+        ("rlux scene.oct", &["rlux is not part of radsight", "rtrace -I"]),
+        ("rcrop 0 0 8 8 picture.hdr", &["rcrop is not part of radsight", "pcompos"]),
+        ("pdfblur .1 8 a.vf", &["pdfblur is not part of radsight", "rpict -pd"]),
+        ("genambpos -l 1 scene.amb", &["genambpos is not part of radsight", "ambient values"]),
+        ("compamb x.rif", &["compamb is not part of radsight", "ambient values"]),
+        ("glare x.glr", &["glare is not part of radsight", "Radiance's own"]),
+        ("pveil picture.hdr", &["pveil is not part of radsight", "Radiance's own"]),
+        ("objpict a.rad", &["objpict is not part of radsight", "Radiance's own"]),
+        ("normpat a.hdr", &["normpat is not part of radsight", "Radiance's own"]),
+        ("phisto a.hdr", &["phisto is not part of radsight", "Radiance's own"]),
+        ("vwright 1", &["vwright is not part of radsight", "Radiance's own"]),
+        ("ranimove a.ran", &["ranimove is not part of radsight", "Radiance's own"]),
     ] {
         if parts.is_empty() {
             // Only the orderly end is checked.

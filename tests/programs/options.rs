@@ -23,7 +23,7 @@ const BEFORE: [(&str, &str); 8] = [
 ];
 
 /// Known options that are rejected with an explanation.
-const REFUSED: [(&str, &str); 10] = [
+const REFUSED: [(&str, &str); 9] = [
     ("rpict", "-ap"),
     ("rtrace", "-ap"),
     ("rcontrib", "-ap"),
@@ -31,7 +31,6 @@ const REFUSED: [(&str, &str); 10] = [
     ("rpict", "-co"),
     ("rad", "-o"),
     ("ra_tiff", "-l"),
-    ("ies2rad", "-g"),
     ("falsecolor", "-spec"),
     ("rcontrib", "--error"),
 ];

@@ -13,6 +13,7 @@ mod furnace;
 mod interpolated_pictures;
 mod light;
 mod luminaires;
+mod modifiers_above;
 mod patterns;
 mod plugin_pictures;
 mod radiance;

@@ -72,11 +72,18 @@ impl<'a, const BANDS: usize> BsdfContext<'a, BANDS> {
     /// Direction of straight-through transmission. A texture turns it, unless it would come back.
     pub fn straight(&self) -> DVec3 {
         let direction = self.interaction.direction;
-        if self.appearance.perturbation == DVec3::ZERO || self.interaction.is_smoothed() {
+        let turn = self.appearance.turn();
+        if turn == DVec3::ZERO {
             return direction;
         }
-        let turned = direction - self.appearance.perturbation;
+        let turned = direction - turn;
         if turned.dot(self.interaction.normal) < -GRAZING { turned.normalize() } else { direction }
+    }
+
+    /// The same for materials that let a texture turn rays back, as `BRTDfunc` does in Radiance.
+    pub fn straight_or_back(&self) -> DVec3 {
+        let (direction, turn) = (self.interaction.direction, self.appearance.turn());
+        if turn == DVec3::ZERO { direction } else { (direction - turn).normalize_or(direction) }
     }
 
     /// Frame on the shading normal with x along an orientation function's vector; none if the

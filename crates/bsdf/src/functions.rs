@@ -129,7 +129,8 @@ impl BrtdKind {
         };
         let transmission = Transmission::new(context.normal, context.colored(bands(transmitted)), None);
         let mirror = SpecularBounce::new(point.mirror_direction(), self.coefficients(MIRROR, &surroundings, scratch));
-        let straight = SpecularBounce::new(context.straight(), self.coefficients(STRAIGHT, &surroundings, scratch));
+        let straight =
+            SpecularBounce::new(context.straight_or_back(), self.coefficients(STRAIGHT, &surroundings, scratch));
         SurfaceScattering { point: point.with_transmission(transmission), mirror, straight }
     }
 

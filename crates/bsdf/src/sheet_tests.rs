@@ -10,7 +10,7 @@ use radsight_brdf::check::{self, CheckLevel, CheckOptions};
 use radsight_brdf::{Brdf, BrdfSample, Density, Lobes};
 use radsight_cal::Scratch;
 use radsight_ir::{Rgb, Scene};
-use radsight_texture::{Appearance, SurfaceInteraction, shading_normal};
+use radsight_texture::{Appearance, SurfaceInteraction, TransmittedRays, shading_normal};
 
 /// One component of a sheet, as a model in the frame of the surface.
 #[derive(Debug)]
@@ -33,7 +33,8 @@ impl Part<'_> {
         let ray = radsight_accel::Ray { origin: outgoing, direction: -outgoing };
         let interaction = SurfaceInteraction::new(&ray, DVec3::ZERO, DVec3::Z, 1.0, 1.0);
         let turned = interaction.turned();
-        let appearance = Appearance { color: [1.0], perturbation: self.perturbation };
+        let appearance =
+            Appearance { color: [1.0], perturbation: self.perturbation, transmitted: TransmittedRays::Turned };
         let normal = shading_normal(&interaction, self.perturbation);
         let context = BsdfContext {
             scene: self.scene,

@@ -12,7 +12,7 @@ use glam::DVec3;
 use radsight_brdf::{GaussianTransmission, WardAnisotropic};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
-use radsight_texture::{Function, TextureChain, bands, luminance, not_negative, shading_normal};
+use radsight_texture::{Function, TextureChain, TransmittedRays, bands, luminance, not_negative, shading_normal};
 
 /// Parameters of `WGMDfunc`.
 #[derive(Clone, Debug)]
@@ -44,9 +44,7 @@ pub struct Component {
 pub enum Appearances {
     /// The material's own modifier.
     Main,
-    /// No patterns or textures.
-    Plain,
-    /// Another modifier.
+    /// Another modifier or none, after the patterns and textures above the material.
     Own(Box<TextureChain>),
 }
 
@@ -185,7 +183,6 @@ impl WardFunctionKind {
     ) -> Seen<BANDS> {
         match appearances {
             Appearances::Main => Seen { color: context.appearance.color, normal: context.normal },
-            Appearances::Plain => Seen { color: [1.0; BANDS], normal: context.interaction.normal },
             Appearances::Own(chain) => {
                 let appearance = chain.appearance(context.scene, context.interaction, scratch);
                 Seen { color: appearance.color, normal: shading_normal(context.interaction, appearance.perturbation) }
@@ -213,7 +210,7 @@ impl WardFunctionKind {
     fn straight<const BANDS: usize>(&self, context: &BsdfContext<'_, BANDS>, transmission: &Specular<BANDS>) -> DVec3 {
         let interaction = context.interaction;
         let turn = transmission.seen.normal - interaction.normal;
-        if turn == DVec3::ZERO || interaction.is_smoothed() {
+        if turn == DVec3::ZERO || context.appearance.transmitted == TransmittedRays::Straight {
             return interaction.direction;
         }
         let turned = interaction.direction - if interaction.behind { -turn } else { turn };

@@ -2,7 +2,7 @@
 
 use crate::antimatter::Antimatter;
 use crate::compile_scatter::compile_scatterer;
-use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step};
+use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step, transmitted};
 use crate::medium::MistKind;
 use crate::model_source::{ModelRequest, ModelSource};
 use crate::native_model::native_or;
@@ -133,26 +133,41 @@ impl Compiler<'_> {
         if chains.of_modifier[index] != NO_SHADER {
             return chains.of_modifier[index];
         }
-        let id = self.compile_after(chains, modifier, &[]);
+        let above = TextureChain { transmitted: transmitted(chains.scene, modifier), ..chains.bare() };
+        let id = self.compile_after(chains, modifier, &above);
         chains.of_modifier[index] = id;
         id
     }
 
-    /// Shader of a chain that continues the given steps.
+    /// Shader of a chain that another modifier names, below the given textures of the surface.
+    fn compile_below(
+        &mut self,
+        chains: &mut Chains<'_>,
+        modifier: Option<ModifierHandle>,
+        above: &TextureChain,
+    ) -> ShaderId {
+        // Nothing is above it, and as the modifier of a surface it would be the same.
+        if above.steps.is_empty() && above.transmitted == transmitted(chains.scene, modifier) {
+            return self.compile_chain(chains, modifier);
+        }
+        self.compile_after(chains, modifier, above)
+    }
+
+    /// Shader of a chain that continues the given one.
     fn compile_after(
         &mut self,
         chains: &mut Chains<'_>,
         modifier: Option<ModifierHandle>,
-        before: &[Step],
+        above: &TextureChain,
     ) -> ShaderId {
         let nesting = chains.nesting;
-        let (steps, kind) = self.compile(chains, modifier, before).unwrap_or_else(|error| {
+        let (textures, kind) = self.compile(chains, modifier, above).unwrap_or_else(|error| {
             self.errors.push(error);
-            (Vec::new(), Kind::Transparent)
+            (chains.bare(), Kind::Transparent)
         });
         chains.nesting = nesting;
         self.shaders.push(specialised(Shader {
-            textures: TextureChain { steps, home: chains.home.clone() },
+            textures,
             kind,
             modifier,
             tracked: None,
@@ -167,22 +182,34 @@ impl Compiler<'_> {
         chains: &mut Chains<'_>,
         of: ModifierHandle,
         cuts: &[Option<ModifierHandle>],
+        above: &TextureChain,
     ) -> Antimatter {
-        let mut compile = |modifier: &Option<ModifierHandle>| {
-            modifier
-                .filter(|modifier| modifier.index() < of.index())
-                .map(|modifier| self.compile_chain(chains, Some(modifier)))
-        };
-        let shade = cuts.first().and_then(&mut compile);
-        Antimatter::new(cuts.iter().filter_map(compile).collect(), shade)
+        let earlier = |modifier: &Option<ModifierHandle>| modifier.filter(|modifier| modifier.index() < of.index());
+        let shade = cuts.first().and_then(earlier).map(|modifier| self.shade_of_cut(chains, modifier, above));
+        let cuts = cuts.iter().filter_map(earlier).map(|modifier| self.compile_chain(chains, Some(modifier)));
+        Antimatter::new(cuts.collect(), shade)
     }
 
-    /// Alternate material of a mirror or illum; `None` if it has its own appearance.
+    /// Shader of a cut's surface, which has the appearance from above the antimatter.
+    fn shade_of_cut(&mut self, chains: &mut Chains<'_>, modifier: ModifierHandle, above: &TextureChain) -> ShaderId {
+        if chains.nesting >= MAX_NESTING {
+            return self.compile_chain(chains, Some(modifier));
+        }
+        let steps = if above.steps.is_empty() { Vec::new() } else { vec![Step::InsideOut(above.steps.clone())] };
+        chains.nesting += 1;
+        let id = self.compile_below(chains, Some(modifier), &TextureChain { steps, ..above.clone() });
+        chains.nesting -= 1;
+        id
+    }
+
+    /// Alternate material of a mirror or illum, with the appearance from above them; `None` if it
+    /// has its own appearance.
     fn substitute(
         &mut self,
         chains: &mut Chains<'_>,
         of: ModifierHandle,
         substitute: Substitute,
+        above: &TextureChain,
     ) -> Result<Option<Substitution>, Diagnostic> {
         let modifier = match substitute {
             Substitute::Own => return Ok(None),
@@ -196,7 +223,7 @@ impl Compiler<'_> {
             return Err(at(chains.scene.modifiers[of].span, message));
         }
         chains.nesting += 1;
-        let id = self.compile_chain(chains, Some(modifier));
+        let id = self.compile_below(chains, Some(modifier), above);
         chains.nesting -= 1;
         Ok(Some(Substitution::Shader(id)))
     }
@@ -215,6 +242,11 @@ struct Chains<'s> {
 }
 
 impl Chains<'_> {
+    /// Textures of a chain without any modifier.
+    fn bare(&self) -> TextureChain {
+        TextureChain { home: self.home.clone(), ..TextureChain::default() }
+    }
+
     fn is_material(&self, handle: ModifierHandle) -> bool {
         self.ends_in_material.get(handle.index()) == Some(&true)
     }
@@ -242,22 +274,24 @@ fn at(span: Option<Span>, message: String) -> Diagnostic {
 }
 
 impl Compiler<'_> {
-    /// Steps and material of a chain that continues the given steps.
+    /// Textures and material of a chain that continues the given one.
     fn compile(
         &mut self,
         chains: &mut Chains<'_>,
         first: Option<ModifierHandle>,
-        before: &[Step],
-    ) -> Result<(Vec<Step>, Kind), Diagnostic> {
+        above: &TextureChain,
+    ) -> Result<(TextureChain, Kind), Diagnostic> {
         let scene = chains.scene;
-        let mut steps = before.to_vec();
+        let mut textures = above.clone();
         let mut found = None;
         for (handle, modifier) in scene.chain(first) {
             match &modifier.kind {
-                ModifierKind::Texture(texture) => steps.extend(texture_step(texture)),
-                ModifierKind::Pattern(pattern) => steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?),
+                ModifierKind::Texture(texture) => textures.steps.extend(texture_step(texture)),
+                ModifierKind::Pattern(pattern) => {
+                    textures.steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?);
+                }
                 ModifierKind::Mixture(mixture) if !chains.is_material(handle) => {
-                    steps.push(self.mixed_steps(chains, modifier, mixture)?);
+                    textures.steps.push(self.mixed_steps(chains, modifier, mixture)?);
                 }
                 // An unusable modifier can be of any kind; its reason is reported here.
                 ModifierKind::Material(Material::Unusable { reason }) if found.is_some() => {
@@ -269,18 +303,18 @@ impl Compiler<'_> {
                     return Err(at(modifier.span, format!("material \"{name}\" modifies another material")));
                 }
                 ModifierKind::Mixture(mixture) => {
-                    found = Some(self.mixed_materials(chains, modifier, mixture, &steps)?);
+                    found = Some(self.mixed_materials(chains, modifier, mixture, &textures)?);
                     // The mixture's parts include these steps.
-                    steps.clear();
+                    textures.steps.clear();
                 }
                 ModifierKind::Material(material) => {
-                    found = Some(self.compile_material(chains, handle, material)?);
+                    found = Some(self.compile_material(chains, handle, material, &textures)?);
                 }
             }
         }
-        let Some(mut kind) = found else { return Ok((Vec::new(), Kind::Transparent)) };
-        fold_constants(&mut steps, &mut kind);
-        Ok((steps, kind))
+        let Some(mut kind) = found else { return Ok((chains.bare(), Kind::Transparent)) };
+        fold_constants(&mut textures.steps, &mut kind);
+        Ok((textures, kind))
     }
 
     fn mixed_steps(
@@ -315,15 +349,17 @@ impl Compiler<'_> {
         Ok(steps)
     }
 
-    /// Patterns and textures of a modifier that a material names in addition to its own.
+    /// Patterns and textures of a modifier that a material names in addition to its own, after
+    /// those above the material.
     fn compile_appearances(
         &mut self,
         chains: &mut Chains<'_>,
-        first: ModifierHandle,
+        first: Option<ModifierHandle>,
+        above: &TextureChain,
     ) -> Result<Appearances, Diagnostic> {
-        let steps = self.steps_alone(chains, Some(first))?;
-        let home = chains.home.clone();
-        Ok(Appearances::Own(Box::new(TextureChain { steps, home })))
+        let mut textures = above.clone();
+        textures.steps.extend(self.steps_alone(chains, first)?);
+        Ok(Appearances::Own(Box::new(textures)))
     }
 
     fn mixed_materials(
@@ -331,7 +367,7 @@ impl Compiler<'_> {
         chains: &mut Chains<'_>,
         modifier: &Modifier,
         mixture: &Mixture,
-        before: &[Step],
+        above: &TextureChain,
     ) -> Result<Kind, Diagnostic> {
         if let Some(parent) = modifier.modifier {
             let name = chains.scene.names.get(modifier.name);
@@ -344,10 +380,7 @@ impl Compiler<'_> {
         self.enter(chains, modifier)?;
         let share = share(chains.scene, modifier, &mixture.amount)?;
         let MixtureArms { foreground, background } = mixture.arms;
-        let arms = [foreground, background].map(|arm| match before {
-            [] => self.compile_chain(chains, arm),
-            _ => self.compile_after(chains, arm, before),
-        });
+        let arms = [foreground, background].map(|arm| self.compile_below(chains, arm, above));
         chains.nesting -= 1;
         let lets_light_through = arms.iter().any(|arm| self.shaders[arm.0 as usize].passes_shadow_rays());
         let (mixtures, depth) = self.size_of_mixture(chains, modifier, arms)?;
@@ -408,6 +441,7 @@ impl Compiler<'_> {
         chains: &mut Chains<'_>,
         handle: ModifierHandle,
         material: &Material,
+        above: &TextureChain,
     ) -> Result<Kind, Diagnostic> {
         let Compiler { models, bands, .. } = *self;
         let scene = chains.scene;
@@ -431,14 +465,14 @@ impl Compiler<'_> {
                 Ok(Kind::Emitter(Emitter { cone, ..Emitter::light(*radiance) }))
             }
             Material::Illum { radiance, substitute } => {
-                let substitute = self.substitute(chains, handle, *substitute)?.unwrap_or(Substitution::Void);
+                let substitute = self.substitute(chains, handle, *substitute, above)?.unwrap_or(Substitution::Void);
                 let emitter = Emitter { class: EmitterType::Illum, ..Emitter::light(*radiance) };
                 Ok(Kind::Illum { emitter, substitute })
             }
             Material::Plastic(surface) => Ok(Kind::Glossy(glossy(surface, false))),
             Material::Metal(surface) => Ok(Kind::Glossy(glossy(surface, true))),
             Material::Mirror { reflectance, substitute } => {
-                let substitute = self.substitute(chains, handle, *substitute)?;
+                let substitute = self.substitute(chains, handle, *substitute, above)?;
                 Ok(Kind::Mirror { reflectance: *reflectance, substitute })
             }
             Material::Dielectric(body) => Ok(Kind::Dielectric(DielectricInterface::of_body(body))),
@@ -448,7 +482,7 @@ impl Compiler<'_> {
             Material::Glass { transmissivity, refractive_index } => {
                 Ok(Kind::Glass { transmissivity: *transmissivity, refractive_index: *refractive_index })
             }
-            Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts))),
+            Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts, above))),
             Material::Unusable { .. } => Ok(Kind::Unusable),
             Material::Bsdf { data, call, form, added_diffuse } => {
                 let bsdf = scene.bsdfs[*data].bsdf.clone();
@@ -457,7 +491,7 @@ impl Compiler<'_> {
                 Ok(Kind::Scatterer(Box::new(Scatterer::Measured(kind))))
             }
             other => {
-                let appearances = |modifier| self.compile_appearances(chains, modifier);
+                let appearances = |modifier| self.compile_appearances(chains, modifier, above);
                 match compile_scatterer(other, modifier.modifier, appearances) {
                     Some(scatterer) => scatterer.map(|scatterer| Kind::Scatterer(Box::new(scatterer))),
                     None => Err(not_yet("this type of material", modifier.span)),

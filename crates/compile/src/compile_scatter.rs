@@ -8,11 +8,12 @@ use radsight_ir::{Anisotropic, FunctionMaterial, Glossy, Material, ModifierHandl
 use radsight_texture::Function;
 
 /// Compiles a scattering material; none for other materials. `appearances` compiles patterns and
-/// textures of a modifier that the material names in addition to `own`, its own modifier.
+/// textures of a modifier that the material names in addition to `own`, its own modifier, or of
+/// `void`.
 pub(crate) fn compile_scatterer(
     material: &Material,
     own: Option<ModifierHandle>,
-    appearances: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
+    appearances: impl FnMut(Option<ModifierHandle>) -> Result<Appearances, Diagnostic>,
 ) -> Option<Result<Scatterer, Diagnostic>> {
     let opaque = |surface: &Anisotropic<Glossy>| {
         let translucent = Translucent { surface: surface.surface, transmissivity: 0.0, transmitted_specularity: 0.0 };
@@ -80,12 +81,11 @@ fn brtd(material: &FunctionMaterial) -> BrtdKind {
 fn ward_function(
     material: &FunctionMaterial,
     own: Option<ModifierHandle>,
-    mut appearances: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
+    mut appearances: impl FnMut(Option<ModifierHandle>) -> Result<Appearances, Diagnostic>,
 ) -> Result<Scatterer, Diagnostic> {
     let mut appearances_of = |part: usize| match material.modifiers.get(part).copied().flatten() {
-        None => Ok(Appearances::Plain),
         Some(modifier) if Some(modifier) == own => Ok(Appearances::Main),
-        Some(modifier) => appearances(modifier),
+        modifier => appearances(modifier),
     };
     Ok(Scatterer::WardFunction(WardFunctionKind {
         function: Function::new(&material.call),

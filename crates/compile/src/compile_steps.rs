@@ -7,7 +7,9 @@ use radsight_ir::{
     Scene, Spectrum, TextPattern, Texture,
 };
 use radsight_spectrum::Conversion;
-use radsight_texture::{BandLayout, Bands, Function, Lettering, Share, SpectralData, SpectralFunction, Step};
+use radsight_texture::{
+    BandLayout, Bands, Function, Lettering, Share, SpectralData, SpectralFunction, Step, TransmittedRays,
+};
 use std::sync::Arc;
 
 /// Step of a texture; none if it never perturbs the normal.
@@ -54,6 +56,15 @@ pub(crate) fn pattern_step(
             return Ok(pattern.map(Step::SpectralData));
         }
     }))
+}
+
+/// Name of the textures that smooth facets, in the output of Radiance's generators and converters.
+const SMOOTHING: &str = "Phong";
+
+/// Whether the textures of surfaces with this modifier turn transmitted rays. As in Radiance, the
+/// name of the modifier decides, whatever its kind.
+pub(crate) fn transmitted(scene: &Scene, modifier: Option<ModifierHandle>) -> TransmittedRays {
+    if scene.modifier_name(modifier) == SMOOTHING { TransmittedRays::Straight } else { TransmittedRays::Turned }
 }
 
 /// Weight of a mixture's foreground.

@@ -180,7 +180,7 @@ impl Shader {
         interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
     ) -> ([f64; BANDS], DVec3) {
-        let Appearance { color, perturbation } = self.appearance(scene, interaction, scratch);
+        let Appearance { color, perturbation, .. } = self.appearance(scene, interaction, scratch);
         (color, if interaction.behind { -perturbation } else { perturbation })
     }
 

@@ -20,7 +20,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Whether textures turn the normal to the viewer for every ray.
 pub(crate) fn turns_the_normal_to_the_viewer(chain: &TextureChain) -> bool {
     let steps = chain.steps.iter().filter(|step| matches!(step, Step::Texture(_))).cloned().collect();
-    let textures = TextureChain { steps, home: chain.home.clone() };
+    let textures = TextureChain { steps, ..chain.clone() };
     let nowhere = Scene::default();
     let mut scratch = Scratch::default();
     (0..TRIALS).all(|trial| {

@@ -147,7 +147,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             }
             Kind::Glass { .. } if is_reflected => Some(reflect(interaction.direction, normal)),
             Kind::Glass { refractive_index, .. } => {
-                Some(through_pane(interaction.direction, appearance.perturbation, *refractive_index))
+                Some(through_pane(interaction.direction, appearance.turn(), *refractive_index))
             }
             Kind::Glossy(glossy) if is_reflected => {
                 let color = appearance.color;

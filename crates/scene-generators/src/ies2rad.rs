@@ -5,7 +5,8 @@
 //! text goes to standard output. `-o` names the luminaire, `-l` and `-p` prepend folders, `-d` sets
 //! the scene's unit (`-dm/10`: tenths of a metre), `-m` multiplies the output, `-i` puts the light
 //! on a sphere of this radius, `-t` `-u` `-c` set the lamp, the default lamp and the colour, `-f`
-//! the lamp table. Formats: ANSI/IES LM-63 of 1986, 1991, 1995, 2002, 2019; photometry of types B
+//! the lamp table. With `-g` the luminaire's own geometry stands in the scene text all the same, not
+//! in an octree. Formats: ANSI/IES LM-63 of 1986, 1991, 1995, 2002, 2019; photometry of types B
 //! and C.
 
 mod luminaire;
@@ -39,6 +40,8 @@ struct Options {
     to_standard_output: bool,
     /// Radius of an `illum` sphere in scene units.
     illum_radius: Option<f64>,
+    /// Whether an octree of the luminaire's geometry is requested.
+    wants_octree: bool,
     multiplier: f64,
     lamp_file: Option<String>,
     lamp: Option<String>,
@@ -91,6 +94,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         units: "meters".to_owned(),
         to_standard_output: false,
         illum_radius: None,
+        wants_octree: false,
         multiplier: 1.0,
         lamp_file: None,
         lamp: None,
@@ -113,10 +117,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
             "-u" => options.default_lamp = Some(arguments.required("default lamp (-u)")?.to_owned()),
             "-c" => options.default_color = arguments.vector("default colour (-c)")?,
             "-m" => options.multiplier = arguments.number("multiplier (-m)")?,
-            "-g" => {
-                let position = arguments.position() - 1;
-                return Err(arguments.mistake(position, "-g writes an octree, which a command in a scene cannot"));
-            }
+            "-g" => options.wants_octree = !options.wants_octree,
             _ => return Err(arguments.unknown()),
         }
     }
@@ -163,7 +164,10 @@ fn choose_lamp(
     let table = match invocation.loader.load(table_name, FileKind::Other) {
         Ok(loaded) => String::from_utf8_lossy(&loaded.bytes).into_owned(),
         Err(_) if options.lamp_file.is_none() => BUILT_IN.to_owned(),
-        Err(error) => return Err(error.into()),
+        Err(error) => {
+            warnings.push(format!("no lamp data: {error}"));
+            return Ok(LampChoice { is_fixed: true, ..choice });
+        }
     };
     choice.lamps = Lamps::read(&table).map_err(|mistake| Error::Input {
         program: "ies2rad".to_owned(),
@@ -367,6 +371,9 @@ impl Conversion<'_> {
             None => file.to_owned(),
         };
         let loaded = self.invocation.loader.load(&path, FileKind::Other)?;
+        if self.options.wants_octree {
+            self.output.warnings.push(format!("-g: the scene holds the geometry of \"{path}\" itself, not an octree"));
+        }
         let scale = self.options.units_per_metre;
         let size = (opening.width.powi(2) + opening.length.powi(2) + opening.height.powi(2)).sqrt();
         let mut materials = MaterialWriter::default();

@@ -287,8 +287,20 @@ fn luminaires_equal_real_ones() {
     let Some(radiance) = Radiance::find() else { return };
     let folder = std::env::temp_dir().join("radsight-generate-ies");
     std::fs::create_dir_all(&folder).unwrap();
-    let options =
-        ["", "-dm", "-di/2", "-dc -m .5", "-t default -c 1 .5 .2", "-i .25", "-t mercury", "-u xenon", "-p sub"];
+    let options = [
+        "",
+        "-dm",
+        "-di/2",
+        "-dc -m .5",
+        "-t default -c 1 .5 .2",
+        "-i .25",
+        "-t mercury",
+        "-u xenon",
+        "-p sub",
+        "-g",
+        "-f none -c 1 .5 .2",
+        "-f none -t mercury",
+    ];
     std::fs::create_dir_all(folder.join("sub")).unwrap();
     let (mut same, mut refused) = (0, 0);
     for (number, text) in luminaires().into_iter().enumerate() {
@@ -322,6 +334,29 @@ fn luminaires_equal_real_ones() {
         }
     }
     println!("ies2rad: {same} files are the same bytes, {refused} luminaires are refused by both");
+}
+
+#[test]
+fn luminaires_are_converted_without_an_octree_or_a_lamp_table() {
+    let plain = ies("IESNA:LM-63-1995", "TILT=NONE", &[0.0], ALL, ".3 .3 0", "1 2");
+    let with_geometry = plain.replace("TILT=NONE", "[LUMINOUSGEOMETRY] body.mgf\nTILT=NONE");
+    let files = [
+        ("plain.ies", plain.as_str()),
+        ("body.ies", with_geometry.as_str()),
+        ("body.mgf", "v a =\n p 0 0 0\nv b =\n p 1 0 0\nv c =\n p 0 1 0\nf a b c\n"),
+    ]
+    .map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()));
+    let loader = TestLoader { files: files.into(), ..TestLoader::default() };
+    for (line, warnings) in [
+        ("ies2rad -t default -g plain.ies", &[][..]),
+        ("ies2rad -t default -g body.ies", &["-g: the scene holds the geometry of \"body.mgf\" itself, not an octree"]),
+        ("ies2rad -f none plain.ies", &["no lamp data: "]),
+    ] {
+        let output = ours(&words(line), b"", &loader).unwrap_or_else(|error| panic!("{line}: {error}"));
+        assert_eq!(output.files.len(), 2, "{line}");
+        assert_eq!(output.warnings.len(), warnings.len(), "{line}: {:?}", output.warnings);
+        assert!(output.warnings.iter().zip(warnings).all(|(found, begin)| found.starts_with(begin)), "{line}");
+    }
 }
 
 /// Wavefront text with flat, curved, smooth, degenerate and many-cornered faces under changing

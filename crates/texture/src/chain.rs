@@ -1,6 +1,6 @@
 //! Patterns and textures of a chain of modifiers.
 
-use crate::appearance::Appearance;
+use crate::appearance::{Appearance, TransmittedRays};
 use crate::interaction::SurfaceInteraction;
 use crate::step::Step;
 use radsight_cal::Scratch;
@@ -26,6 +26,8 @@ pub struct TextureChain {
     pub steps: Vec<Step>,
     /// Scene of the modifiers, which the handles in the steps refer to.
     pub home: Home,
+    /// Whether the textures turn transmitted rays too.
+    pub transmitted: TransmittedRays,
 }
 
 impl TextureChain {
@@ -37,7 +39,8 @@ impl TextureChain {
         interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
     ) -> Appearance<BANDS> {
-        let mut appearance = Appearance { color: [1.0; BANDS], perturbation: interaction.perturbation() };
+        let mut appearance =
+            Appearance { color: [1.0; BANDS], perturbation: interaction.perturbation(), transmitted: self.transmitted };
         if !self.steps.is_empty() {
             let scene = self.home.scene(scene);
             for step in &self.steps {

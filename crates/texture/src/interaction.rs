@@ -98,12 +98,6 @@ impl SurfaceInteraction {
         SurfaceInteraction { behind: false, ..*self }
     }
 
-    /// Whether the normal is interpolated.
-    #[inline]
-    pub fn is_smoothed(&self) -> bool {
-        self.perturbation() != DVec3::ZERO
-    }
-
     /// Unit normal of the surface's own orientation.
     pub(crate) fn front(&self) -> DVec3 {
         if self.behind { -self.normal } else { self.normal }

@@ -18,7 +18,7 @@ mod lettering;
 mod spectral_pattern;
 mod step;
 
-pub use appearance::Appearance;
+pub use appearance::{Appearance, TransmittedRays};
 pub use bands::{BandLayout, BandValues, Bands, bands, gathered, luminance, not_negative, product, spread, strongest};
 pub use chain::{Home, TextureChain};
 pub use function::Function;

@@ -44,6 +44,8 @@ pub enum Step {
     TextureData(Function, [Handle<DataGrid>; 3]),
     /// Mixture of two lists of patterns and textures.
     Mixture(Box<MixedSteps>),
+    /// Steps that see a surface that was turned inside out as it was before.
+    InsideOut(Vec<Step>),
 }
 
 /// Two lists of patterns and textures, and the weight of the first.
@@ -96,6 +98,7 @@ impl Step {
             Step::Constant(bands) => !bands.is_grey(),
             Step::Text { foreground, background, .. } => !(foreground.is_grey() && background.is_grey()),
             Step::Mixture(mixed) => mixed.foreground.iter().chain(&mixed.background).any(Step::is_colored),
+            Step::InsideOut(steps) => steps.iter().any(Step::is_colored),
             Step::Color(_)
             | Step::ColorData(..)
             | Step::Picture(..)
@@ -110,6 +113,7 @@ impl Step {
         match self {
             Step::Texture(_) | Step::TextureData(..) => true,
             Step::Mixture(mixed) => mixed.foreground.iter().chain(&mixed.background).any(Step::is_texture),
+            Step::InsideOut(steps) => steps.iter().any(Step::is_texture),
             _ => false,
         }
     }
@@ -169,6 +173,12 @@ impl Step {
                 }
             }
             Step::Mixture(mixed) => mixed.apply(scene, interaction, scratch, appearance),
+            Step::InsideOut(steps) => {
+                let interaction = SurfaceInteraction { behind: !interaction.behind, ..*interaction };
+                appearance.perturbation = -appearance.perturbation;
+                steps.iter().for_each(|step| step.apply(scene, &interaction, scratch, appearance));
+                appearance.perturbation = -appearance.perturbation;
+            }
         }
     }
 }
@@ -184,7 +194,7 @@ impl MixedSteps {
     ) {
         let Some(share) = self.share.at(scene, interaction, scratch) else { return };
         let before = *appearance;
-        *appearance = Appearance { color: [0.0; BANDS], perturbation: DVec3::ZERO };
+        *appearance = Appearance { color: [0.0; BANDS], perturbation: DVec3::ZERO, ..before };
         for (weight, steps) in [(share, &self.foreground), (1.0 - share, &self.background)] {
             if weight > 0.0 {
                 let mut part = before;

@@ -7,7 +7,7 @@ use radsight_cal::{Bindings, Definitions, Program, Root, Scope, Scratch};
 use radsight_diag::SourceMap;
 use radsight_ir::{FunctionCall, Rgb, Scene, Transform};
 use radsight_texture::{
-    Bands, Function, Home, MixedSteps, Share, Step, SurfaceInteraction, TextureChain, luminance, shading_normal,
+    Bands, Function, MixedSteps, Share, Step, SurfaceInteraction, TextureChain, luminance, shading_normal,
 };
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -64,7 +64,7 @@ fn a_transformed_function_gets_the_ray_in_its_coordinates() {
 }
 
 fn appearance(steps: Vec<Step>, interaction: &SurfaceInteraction) -> ([f64; 3], DVec3) {
-    let chain = TextureChain { steps, home: Home::default() };
+    let chain = TextureChain { steps, ..TextureChain::default() };
     let appearance = chain.appearance::<3>(&Scene::default(), interaction, &mut Scratch::default());
     (appearance.color, appearance.perturbation)
 }

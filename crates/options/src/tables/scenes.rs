@@ -203,7 +203,7 @@ pub(super) const IES2RAD: Program = Program {
                 beginning("-l", "DIR", "Folder of a library, before the name"),
                 beginning("-p", "DIR", "Folder within the library, before the name"),
                 beginning("-s", "", "Write the scene text to standard output"),
-                beginning("-g", "", "Write an octree; not supported"),
+                beginning("-g", "", "No octree of the geometry is written: the scene holds the geometry itself"),
             ],
         },
         TRUST,

@@ -14,7 +14,7 @@ pub(crate) enum Passage {
     /// Reflection by a `mirror`; `straight` without a texture.
     Mirror { straight: bool },
     /// Transmission through a pane.
-    Pane { undisturbed: bool },
+    Pane { undisturbed: bool, image: Image },
     /// Straight transmission through a scattering surface.
     Sheet { undisturbed: bool, image: Image },
     /// Into or out of a dielectric.
@@ -35,11 +35,10 @@ impl Passage {
             Passage::Mirror { straight: true } => BounceType::Mirrored { image: unperturbed },
             Passage::Reflection { image } => BounceType::Mirrored { image },
             Passage::Mirror { straight: false } | Passage::Other => BounceType::Mirrored { image: Image::AtSurface },
-            Passage::Pane { undisturbed: true } => BounceType::Transmitted { image: Image::InPlace },
-            Passage::Pane { undisturbed: false } => BounceType::Transmitted { image: Image::AtSurface },
-            Passage::Refraction { image } | Passage::Prism { image } | Passage::Sheet { image, .. } => {
-                BounceType::Transmitted { image }
-            }
+            Passage::Pane { image, .. }
+            | Passage::Refraction { image }
+            | Passage::Prism { image }
+            | Passage::Sheet { image, .. } => BounceType::Transmitted { image },
         }
     }
 }
@@ -72,7 +71,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if let Some(mis) = &mut mis {
             mis.length += hit.distance;
             match passage {
-                Passage::Pane { undisturbed: true } | Passage::Sheet { undisturbed: true, .. } => {}
+                Passage::Pane { undisturbed: true, .. } | Passage::Sheet { undisturbed: true, .. } => {}
                 Passage::Mirror { straight: true } => mis.reflected(hit.surface),
                 Passage::Refraction { .. } => mis.refracted(),
                 Passage::Prism { .. } => mis.covered(),

@@ -161,10 +161,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let (appearance, normal) = self.appearance(path, shader, interaction);
         let cosine = -interaction.direction.dot(normal);
         let [reflected, transmitted] = pane(transmissivity, refractive_index, cosine.max(1e-9));
-        let direction = through_pane(interaction.direction, appearance.perturbation, refractive_index);
+        let direction = through_pane(interaction.direction, appearance.turn(), refractive_index);
         let undisturbed = direction == interaction.direction;
         let through = product(transmitted, appearance.color);
-        self.specular(path, hit, direction, through, Passage::Pane { undisturbed });
+        let image = if appearance.perturbation == DVec3::ZERO { Image::InPlace } else { Image::AtSurface };
+        self.specular(path, hit, direction, through, Passage::Pane { undisturbed, image });
         let image = self.image_behind(hit, appearance.perturbation);
         self.specular(path, hit, reflect(interaction.direction, normal), reflected, Passage::Reflection { image });
     }
