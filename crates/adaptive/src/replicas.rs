@@ -11,8 +11,13 @@ use crate::pixel_samples::{FIRST_SAMPLES, MAX_SAMPLES, PixelSamples, SampleSums}
 use crate::refine::{PixelSource, SamplingState};
 use std::ops::Range;
 
-/// Least number of pixels, with their replicas, from whose differences an error is estimated.
-const LEAST_ESTIMATES: usize = 16;
+/// Least number of pixels, with their replicas, from whose differences an error is estimated. With 16,
+/// pictures whose noise is that of a few pixels ended at 1.7 times the requested error.
+const LEAST_ESTIMATES: usize = 64;
+
+/// Share of the requested squared error at which replicas end: the estimate of a few ends the work where it
+/// is low by chance.
+const SHARE_FOR_CHANCE: f64 = 0.8;
 
 /// The number of replicas of each pixel: a power of two, and 1 for pictures of enough pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +32,7 @@ impl Replicas {
     /// ```
     /// use radsight_adaptive::{MAX_SAMPLES, Replicas};
     /// let of = |pixels| Replicas::new(pixels, MAX_SAMPLES).count();
-    /// assert_eq!([1, 6, 15, 16, 1 << 20].map(of), [16, 4, 2, 1, 1]);
+    /// assert_eq!([1, 6, 15, 64, 1 << 20].map(of), [64, 16, 8, 1, 1]);
     /// ```
     #[must_use]
     pub fn new(pixels: usize, most_samples: u32) -> Replicas {
@@ -46,6 +51,12 @@ impl Replicas {
     #[must_use]
     pub fn most_samples(self, most_samples: u32) -> u32 {
         most_samples.min(MAX_SAMPLES) / self.0
+    }
+
+    /// The mean squared error of replicas at which that of their pixels is the requested one.
+    #[must_use]
+    pub fn squared_target(self, requested: f64) -> f64 {
+        if self == Replicas::ONE { requested } else { SHARE_FOR_CHANCE * f64::from(self.0) * requested }
     }
 
     /// The replica of a sample of a pixel, and the sample's number within it.
@@ -181,7 +192,7 @@ mod tests {
 
     #[test]
     fn replicas_have_samples_of_their_own() {
-        let replicas = Replicas::new(5, MAX_SAMPLES);
+        let replicas = Replicas::new(20, MAX_SAMPLES);
         let source = ReplicatedSource::new(&Numbers, replicas);
         let [first, second] = [4, 5].map(|replica| source.sums(&mut (), replica, 0..1));
         assert_eq!((first, second), ([0.0, 1.0, 0.0], [f64::from(MAX_SAMPLES / 4), 1.0, 0.0]));

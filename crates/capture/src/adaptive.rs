@@ -248,8 +248,7 @@ impl<'a> AdaptiveSampler<'a> {
     fn refine(&self, state: &mut AdaptiveState, target: ErrorTarget) -> (Estimate, Option<Stop>) {
         let count = self.replicas.count();
         let columns = self.exposer.rays.camera().columns() as usize * count;
-        // The squared error of the mean of replicas is lower than theirs by their number.
-        let squared = count as f64 * (target.error / SELECTION_BIAS).powi(2);
+        let squared = self.replicas.squared_target((target.error / SELECTION_BIAS).powi(2));
         let noise = NoiseTarget {
             most_samples: self.replicas.most_samples(target.most_samples),
             most_passes: MAX_PASSES,

@@ -79,8 +79,7 @@ impl PixelNoise {
         let target = NoiseTarget {
             most_samples: replicas.most_samples(most_samples),
             certainty: Certainty::StandardError { pixels_per_estimate: PIXELS_PER_ESTIMATE },
-            // The squared error of the mean of replicas is lower than theirs by their number.
-            ..NoiseTarget::new(count as f64 * squared, Selection::Every)
+            ..NoiseTarget::new(replicas.squared_target(squared), Selection::Every)
         };
         let of_replicas = PixelNoise { columns: count * self.columns, ..*self };
         let rows = count * range.start..count * range.end;

@@ -22,7 +22,7 @@ impl FlickeringScenes {
     /// alike. `path` names the camera file.
     pub(crate) fn split(scene: &mut Scene, camera: &CameraFile, path: &str) -> Result<FlickeringScenes, Failure> {
         let lamps = lamps(scene, camera);
-        check_names((scene, &lamps), camera, path)?;
+        check_names(scene, camera, path)?;
         let mut groups: Vec<(Flicker, Vec<&str>)> = Vec::new();
         for lamp in &camera.flickering {
             match groups.iter_mut().find(|(flicker, _)| *flicker == lamp.flicker) {
@@ -76,12 +76,16 @@ fn scale((scene, lamps): (&mut Scene, &[String]), share: impl Fn(&str) -> f64) {
     }
 }
 
-/// Whether each lamp is there.
-fn check_names((scene, names): (&mut Scene, &[String]), camera: &CameraFile, path: &str) -> Outcome {
+/// Whether each lamp is there, be it as the name behind an alias.
+fn check_names(scene: &mut Scene, camera: &CameraFile, path: &str) -> Outcome {
+    let gives_light: Vec<bool> =
+        scene.modifiers.items_mut().iter_mut().map(|modifier| modifier.radiance_mut().is_some()).collect();
     let mut lamps: Vec<&str> = Vec::new();
-    for (modifier, name) in scene.modifiers.items_mut().iter_mut().zip(names) {
-        if modifier.radiance_mut().is_some() && !lamps.contains(&name.as_str()) {
-            lamps.push(name);
+    for ((handle, _), _) in scene.modifiers.iter().zip(gives_light).filter(|(_, gives_light)| *gives_light) {
+        for name in [scene.modifier_name(Some(handle)), scene.original_name(Some(handle))] {
+            if !lamps.contains(&name) {
+                lamps.push(name);
+            }
         }
     }
     match camera.flickering.iter().find(|lamp| !lamps.contains(&lamp.modifier.as_str())) {

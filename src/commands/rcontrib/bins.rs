@@ -37,6 +37,13 @@ pub(super) struct Functions {
     parameters: Option<String>,
 }
 
+/// A compiled expression.
+struct Expression {
+    program: Arc<Program>,
+    /// Its value, if it is a constant.
+    constant: Option<f64>,
+}
+
 impl Functions {
     pub(super) fn new() -> Functions {
         let definitions = Definitions::with_initial_library();
@@ -82,7 +89,7 @@ impl Functions {
 
     /// The value of an expression for the number of bins.
     pub(super) fn count(&mut self, text: &str) -> Result<usize, Failure> {
-        let program = self.program(text, None, "option -bn")?.0;
+        let Expression { program, .. } = self.expression(text, None, "option -bn")?;
         let value = program.eval(0, &[], &NoHost, &mut Scratch::new()).unwrap_or(f64::NAN);
         match (value + 0.5) as usize {
             count @ 1..=MOST_BINS => Ok(count),
@@ -90,9 +97,8 @@ impl Functions {
         }
     }
 
-    /// Compiles an expression, with the parameters of one modifier if they are given. Also its value, if it
-    /// is a constant.
-    fn program(&self, text: &str, parameters: Option<&str>, what: &str) -> Result<(Program, Option<f64>), Failure> {
+    /// Compiles an expression, with the parameters of one modifier if they are given.
+    fn expression(&self, text: &str, parameters: Option<&str>, what: &str) -> Result<Expression, Failure> {
         let mut sources = self.sources.clone();
         let with_parameters;
         let definitions = match parameters {
@@ -111,7 +117,8 @@ impl Functions {
         let root = Root::Expression { text, span };
         let program = Program::compile(definitions, &self.scope, &[root], &Bindings::of_ray())
             .map_err(|mistakes: Vec<Diagnostic>| Failure::diagnostics(&mistakes, &sources))?;
-        Ok((program, Program::constant_expression(definitions, &self.scope, text, span)))
+        let constant = Program::constant_expression(definitions, &self.scope, text, span);
+        Ok(Expression { program: Arc::new(program), constant })
     }
 
     /// The bins of modifiers, by name. Where modifiers have different parameters, each has its own again;
@@ -123,28 +130,25 @@ impl Functions {
         let mut given = requests.clone().filter_map(|(_, request)| request.parameters.as_deref());
         let first = given.next();
         let differ = given.any(|parameters| Some(parameters) != first);
-        let mut programs: HashMap<(&str, Option<&str>), (Arc<Program>, Option<f64>)> = HashMap::new();
+        let mut expressions: HashMap<(&str, Option<&str>), Expression> = HashMap::new();
         let mut bins = Bins { of_modifier: Vec::new(), total: 0, ignored: AtomicU64::new(0) };
         for (name, request) in requests {
             let mut program = None;
             let mut count = 1;
             if let Some(expression) = &request.expression {
                 let parameters = request.parameters.as_deref().filter(|_| differ);
-                let (found, constant) = match programs.entry((expression, parameters)) {
-                    Entry::Occupied(made) => made.get().clone(),
-                    Entry::Vacant(free) => {
-                        let (made, constant) = self.program(expression, parameters, "option -b")?;
-                        free.insert((Arc::new(made), constant)).clone()
-                    }
+                let found = match expressions.entry((expression, parameters)) {
+                    Entry::Occupied(compiled) => compiled.into_mut(),
+                    Entry::Vacant(free) => free.insert(self.expression(expression, parameters, "option -b")?),
                 };
-                match constant {
+                match found.constant {
                     Some(value) if (value + 0.5).floor() == 0.0 => {}
                     Some(value) => {
                         return Err(Failure::usage(format!(
                             "rcontrib: bin \"{expression}\" is the constant {value}, expected 0"
                         )));
                     }
-                    None => (program, count) = (Some(found), request.count),
+                    None => (program, count) = (Some(Arc::clone(&found.program)), request.count),
                 }
             }
             if count == 0 {

@@ -4,7 +4,7 @@
 //! seen by one ray in thirty and have all of the noise.
 
 use super::flow::Flow;
-use super::place::{Border, Place, on_rim, on_sides, ray, uniform};
+use super::place::{Border, DrawBorder, Place, on_rim, on_sides, ray, uniform};
 use super::{Motion, ParameterStep, RANDOMISATIONS};
 use crate::radiance::radiance;
 use crate::{Exposer, Workers};
@@ -144,7 +144,7 @@ impl ParameterStep<'_> {
         &self,
         sums: &mut TermSums,
         workers: &mut StepWorkers<'_>,
-        (pixel, flow, border): (u64, &Flow, fn([f64; 4]) -> Border),
+        (pixel, flow, border): (u64, &Flow, DrawBorder),
         numbers: impl Iterator<Item = u64>,
     ) {
         for index in numbers {

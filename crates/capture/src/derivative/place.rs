@@ -22,6 +22,9 @@ pub(super) struct Border {
     pub(super) share: f64,
 }
 
+/// Draws a point of the boundary by random numbers.
+pub(super) type DrawBorder = fn([f64; 4]) -> Border;
+
 pub(super) fn ray(rays: &Rays, pixel: u64, at: Place) -> Option<CameraRay> {
     rays.ray_through(pixel, [at.x, at.y], [at.z, at.w])
 }
