@@ -141,7 +141,8 @@ impl Functions {
                     Entry::Occupied(compiled) => compiled.into_mut(),
                     Entry::Vacant(free) => free.insert(self.expression(expression, parameters, "option -b")?),
                 };
-                match found.constant {
+                // Without a number of bins, a value that is always the same is taken as a constant.
+                match found.constant.or_else(|| found.program.constant(0).filter(|_| request.count == 0)) {
                     Some(value) if (value + 0.5).floor() == 0.0 => {}
                     Some(value) => {
                         return Err(Failure::usage(format!(
