@@ -55,11 +55,6 @@ pub(crate) const CHOICE_SET: u32 = 1 << 24;
 /// Maximum number of passes, whatever the error is.
 pub(crate) const MAX_PASSES: u32 = 64;
 
-/// Replicas of each pixel of a picture.
-pub(crate) fn replicas(pixels: usize) -> Replicas {
-    Replicas::new(pixels, MAX_SAMPLES)
-}
-
 impl Exposer<'_> {
     /// Exposes until the estimated rms error over the pixels is the requested one, relative to the
     /// mean exposure. Continues from a checkpoint of such an exposure.
@@ -83,7 +78,7 @@ impl Exposer<'_> {
         progress: &'a dyn Progress,
     ) -> (Exposure, FilmRecord) {
         let pixels = self.rays.camera().pixel_count() as usize;
-        state.pixels.resize(pixels * replicas(pixels).count(), Pixel::default());
+        state.pixels.resize(pixels * Replicas::new(pixels, MAX_SAMPLES).count(), Pixel::default());
         let mut sampler = AdaptiveSampler::new(self, target.error, shared, progress);
         let (estimate, stop) = sampler.expose(&mut state, target);
         let record = sampler.shared.take_record();
@@ -146,7 +141,7 @@ impl<'a> AdaptiveSampler<'a> {
     ) -> AdaptiveSampler<'a> {
         AdaptiveSampler {
             exposer,
-            replicas: replicas(exposer.rays.camera().pixel_count() as usize),
+            replicas: Replicas::new(exposer.rays.camera().pixel_count() as usize, MAX_SAMPLES),
             bands: bands_apart(exposer.rays, exposer.weights),
             images: images(exposer),
             images_apart: ImagesApart::No,

@@ -1,9 +1,8 @@
 //! The state of an unfinished exposure, which can be saved and resumed with the same bits.
 
-use crate::adaptive::replicas;
 use crate::radiance::bands_apart;
 use crate::sums::{Pixel, Sums};
-use radsight_adaptive::{MAX_SAMPLES, SamplingState};
+use radsight_adaptive::{MAX_SAMPLES, Replicas, SamplingState};
 use radsight_pinhole::{BandWeights, Rays};
 use std::fmt;
 
@@ -111,7 +110,7 @@ impl Checkpoint {
     ) -> Result<Checkpoint, CheckpointError> {
         let bands = bands_apart(rays, weights);
         let pixels = rays.camera().pixel_count() as usize;
-        let counts = [pixels * replicas(pixels).count(), rays.cells() as usize];
+        let counts = [pixels * Replicas::new(pixels, MAX_SAMPLES).count(), rays.cells() as usize];
         Self::of_counts(bytes, key, counts, bands)
     }
 
