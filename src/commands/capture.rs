@@ -142,15 +142,17 @@ fn no_alignment(camera: &str) -> Failure {
     ))
 }
 
-/// Whether there is a sensor, if a grey picture is wanted.
+/// Whether there is a sensor, if a grey picture or its Fisher information is wanted.
 fn check_sensor(arguments: &Capture, camera: &CameraFile) -> Outcome {
-    match (&arguments.output, &camera.sensor) {
-        (None, _) | (_, Some(_)) => Ok(()),
-        (Some(_), None) => Err(Failure::input(format!(
-            "\"{}\" has no [sensor], expected one for a grey picture (or only --exposure)",
-            arguments.camera
-        ))),
-    }
+    let expected = match (&arguments.output, &arguments.fisher) {
+        _ if camera.sensor.is_some() => return Ok(()),
+        (None, None) => return Ok(()),
+        (Some(_), _) => "for a grey picture (or only --exposure)",
+        (None, Some(_)) => {
+            "for --fisher: without noise a picture tells all parameters exactly (or only --derivatives)"
+        }
+    };
+    Err(Failure::input(format!("\"{}\" has no [sensor], expected one {expected}", arguments.camera)))
 }
 
 /// `flickering` is the number of scenes of lamps that flicker.

@@ -22,12 +22,7 @@ pub trait PixelSource: Sync {
 
     /// The first samples of a pixel, with two doublings for the rate of convergence.
     fn first(&self, worker: &mut Self::Worker, pixel: usize) -> PixelSamples<Self::Sums> {
-        let samples = FIRST_SAMPLES / 4;
-        let mut first = PixelSamples::of(self.sums(worker, pixel, 0..samples), samples);
-        for _ in 0..2 {
-            first.double(&self.sums(worker, pixel, first.samples..2 * first.samples));
-        }
-        first
+        first_samples(self, worker, pixel)
     }
 
     /// Whether the work should end now. Once true, it stays true.
@@ -49,6 +44,20 @@ pub trait PixelSource: Sync {
 
     /// Receives the number of samples that were traced.
     fn traced(&self, _samples: u32) {}
+}
+
+/// The first samples of a pixel, with two doublings for the rate of convergence.
+pub(crate) fn first_samples<P: PixelSource + ?Sized>(
+    source: &P,
+    worker: &mut P::Worker,
+    pixel: usize,
+) -> PixelSamples<P::Sums> {
+    let samples = FIRST_SAMPLES / 4;
+    let mut first = PixelSamples::of(source.sums(worker, pixel, 0..samples), samples);
+    for _ in 0..2 {
+        first.double(&source.sums(worker, pixel, first.samples..2 * first.samples));
+    }
+    first
 }
 
 /// The state of adaptive sampling, which can be saved and resumed with the same bits.

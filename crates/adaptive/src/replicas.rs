@@ -8,7 +8,7 @@
 
 use crate::allocation::PixelError;
 use crate::pixel_samples::{FIRST_SAMPLES, MAX_SAMPLES, PixelSamples, SampleSums};
-use crate::refine::{PixelSource, SamplingState};
+use crate::refine::{PixelSource, SamplingState, first_samples};
 use std::ops::Range;
 
 /// Least number of pixels, with their replicas, from whose differences an error is estimated. With 16,
@@ -141,14 +141,10 @@ impl<P: PixelSource> PixelSource for ReplicatedSource<'_, P> {
     }
 
     fn first(&self, worker: &mut P::Worker, pixel: usize) -> PixelSamples<P::Sums> {
-        if self.replicas == Replicas::ONE {
-            return self.source.first(worker, pixel);
+        match self.replicas {
+            Replicas::ONE => self.source.first(worker, pixel),
+            _ => first_samples(self, worker, pixel),
         }
-        let mut first = PixelSamples::of(self.sums(worker, pixel, 0..1), 1);
-        while first.samples < FIRST_SAMPLES {
-            first.double(&self.sums(worker, pixel, first.samples..2 * first.samples));
-        }
-        first
     }
 
     fn stops(&self) -> bool {

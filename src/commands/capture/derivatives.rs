@@ -37,7 +37,6 @@ pub(super) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let capture = configured(arguments, capture, &options);
     let file = capture.camera_file();
     super::check_sensor(arguments, file)?;
-    check_fisher(arguments, file)?;
     let inputs = scene_inputs(&arguments.scenes, None, &arguments.reading.trust)?;
     let (scene, sources) = valid_scene(with_ring(&inputs, file), &arguments.reading, |_| Ok(()))?;
     let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources);
@@ -98,18 +97,6 @@ fn parameters(arguments: &Capture) -> Result<Vec<Parameter>, Failure> {
     match twice {
         Some(index) => Err(Failure::usage(format!("parameter \"{}\" is given twice", parameters[index]))),
         None => Ok(parameters),
-    }
-}
-
-/// Whether there is a sensor, if the Fisher information of its picture is wanted.
-fn check_fisher(arguments: &Capture, file: &CameraFile) -> Outcome {
-    match (&arguments.fisher, &file.sensor) {
-        (None, _) | (_, Some(_)) => Ok(()),
-        (Some(_), None) => Err(Failure::input(format!(
-            "\"{}\" has no [sensor], expected one for --fisher: without noise a picture tells all parameters exactly \
-             (or only --derivatives)",
-            arguments.camera
-        ))),
     }
 }
 

@@ -120,9 +120,7 @@ fn pictures(
             None => {
                 let capture = row.capture((&arguments.camera, &text), table, &loader)?;
                 let capture = configured(arguments, capture, options);
-                if arguments.output.is_some() {
-                    super::check_sensor(arguments, capture.camera_file())?;
-                }
+                super::check_sensor(arguments, capture.camera_file())?;
                 read.push((&row.keys, capture.clone()));
                 capture
             }
