@@ -148,9 +148,7 @@ fn check_sensor(arguments: &Capture, camera: &CameraFile) -> Outcome {
         _ if camera.sensor.is_some() => return Ok(()),
         (None, None) => return Ok(()),
         (Some(_), _) => "for a grey picture (or only --exposure)",
-        (None, Some(_)) => {
-            "for --fisher: without noise a picture tells all parameters exactly (or only --derivatives)"
-        }
+        (None, Some(_)) => "for --fisher: without noise a picture tells all parameters exactly (or only --derivatives)",
     };
     Err(Failure::input(format!("\"{}\" has no [sensor], expected one {expected}", arguments.camera)))
 }

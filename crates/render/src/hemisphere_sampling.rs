@@ -6,6 +6,7 @@ use crate::guiding::{BRIGHT, GuidingDistribution, GuidingSample};
 use crate::path_guide::PathGuide;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
+use radsight_accel::{Intersection, Ray};
 use radsight_brdf::Density;
 use radsight_bsdf::{Bsdf, BsdfSample};
 use radsight_compile::{RenderPlan, VisiblePortals};
@@ -122,17 +123,25 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 .bright
                 .and_then(|bright| bright.seen_from(cache_point.point, cache_point.normal, around as f64)),
         };
-        let directions: Vec<GatherDirection> =
-            (0..around).map(|cell| self.gather_direction(cache_point, gather, cell)).collect();
-        let mut gather_rays: Vec<GatherRay<BANDS>> = directions
+        let mut directions: Vec<(usize, GatherDirection)> =
+            (0..around).map(|cell| (cell, self.gather_direction(cache_point, gather, cell))).collect();
+        let further = self.further_directions(cache_point, gather, &aims);
+        directions.extend(further.into_iter().map(|sample| (gather.hemisphere.cell(sample.local), sample)));
+        // The code that finds surfaces and the code that shades them do not fit into the cache of a
+        // processor together.
+        let first_hit = |(_, sample): &(usize, GatherDirection)| {
+            let ray = Ray { origin: cache_point.point, direction: sample.direction };
+            self.plan.first_hit(&ray, cache_point.primitive)
+        };
+        let hits: Vec<Option<Intersection>> = directions.iter().map(first_hit).collect();
+        let gather_rays: Vec<GatherRay<BANDS>> = directions
             .iter()
-            .enumerate()
-            .map(|(cell, sample)| self.gather_ray(cache_point, (cell, sample), &aims))
+            .zip(hits)
+            .map(|((cell, sample), hit)| {
+                self.known_hit = Some(hit);
+                self.gather_ray(cache_point, (*cell, sample), &aims)
+            })
             .collect();
-        for sample in self.further_directions(cache_point, gather, &aims) {
-            let cell = gather.hemisphere.cell(sample.local);
-            gather_rays.push(self.gather_ray(cache_point, (cell, &sample), &aims));
-        }
         HemisphereSamples::new(cache_point, around, &gather_rays)
     }
 

@@ -117,6 +117,8 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) recorder: Option<Box<DirectRecorder>>,
     pub(crate) radiance: [f64; BANDS],
     pub(crate) first_hit: Option<FirstHit>,
+    /// What the next ray hits, where that was found before.
+    pub(crate) known_hit: Option<Option<Intersection>>,
     effective_distance: f64,
     /// Distance of the last plane mirror or pane of the direct view; 0 for none.
     passed_distance: f64,
@@ -159,6 +161,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             recorder: None,
             radiance: [0.0; BANDS],
             first_hit: None,
+            known_hit: None,
             effective_distance: f64::INFINITY,
             passed_distance: 0.0,
             surface_key: 0,
@@ -363,7 +366,10 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     fn follow(&mut self, path: &mut PathState<BANDS>) {
         // Invisible surfaces and back faces are passed in this loop.
         loop {
-            let mut first = self.plan.first_hit(&path.ray, path.from);
+            let mut first = match self.known_hit.take() {
+                Some(known) => known,
+                None => self.plan.first_hit(&path.ray, path.from),
+            };
             let distance = first.as_ref().map_or(f64::INFINITY, |hit| hit.distance);
             if path.is_limited && path.travelled + distance > self.limit {
                 return;
