@@ -145,11 +145,13 @@ fn no_alignment(camera: &str) -> Failure {
 /// Whether there is a sensor, if a grey picture or its Fisher information is wanted.
 fn check_sensor(arguments: &Capture, camera: &CameraFile) -> Outcome {
     let expected = match (&arguments.output, &arguments.fisher) {
-        _ if camera.sensor.is_some() => return Ok(()),
-        (None, None) => return Ok(()),
         (Some(_), _) => "for a grey picture (or only --exposure)",
         (None, Some(_)) => "for --fisher: without noise a picture tells all parameters exactly (or only --derivatives)",
+        (None, None) => return Ok(()),
     };
+    if camera.sensor.is_some() {
+        return Ok(());
+    }
     Err(Failure::input(format!("\"{}\" has no [sensor], expected one {expected}", arguments.camera)))
 }
 

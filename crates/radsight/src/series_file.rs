@@ -134,7 +134,10 @@ impl SeriesRow {
         loader: &dyn Loader,
     ) -> Result<Capture, Error> {
         let with = |keys: &[(String, String)]| Capture::with_keys(name, text, keys, loader);
-        let Err(together) = with(&self.keys) else { return with(&self.keys) };
+        let together = match with(&self.keys) {
+            Ok(capture) => return Ok(capture),
+            Err(together) => together,
+        };
         with(&[])?;
         let alone = |key: &(String, String)| Some((key.clone(), with(std::slice::from_ref(key)).err()?));
         let mut wrong: Vec<((String, String), Error)> = self.keys.iter().filter_map(alone).collect();

@@ -11,7 +11,7 @@ use crate::specular_chain::SpecularChain;
 use crate::trace::PathIntegrator;
 use crate::trace::path_state::PathState;
 use glam::DVec3;
-use radsight_accel::{PrimitiveId, Ray};
+use radsight_accel::{Intersection, PrimitiveId, Ray};
 use radsight_bsdf::Bsdf;
 use radsight_irradiance_cache::{GatheredRadiance, Limits, Record};
 use radsight_light::Reception;
@@ -159,6 +159,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         GatherDirection { local, direction: (x * local.x + y * local.y + z * local.z).normalize(), sampler }
     }
 
+    /// What a gather ray hits first.
+    pub(crate) fn gather_hit(&self, cache_point: &CachePoint<BANDS>, direction: DVec3) -> Option<Intersection> {
+        self.plan.first_hit(&Ray { origin: cache_point.point, direction }, cache_point.primitive)
+    }
+
     /// The radiance from one direction. Light of sampled sources is excluded: an MIS state with pdf
     /// 0 leaves all of it to light sampling.
     pub(crate) fn gather_radiance(
@@ -167,11 +172,34 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         direction: DVec3,
         sampler: RaySampler,
     ) -> GatheredRadiance<BANDS> {
+        let mut path = self.begin_gather_ray(cache_point, direction, sampler);
+        self.finish(&mut path);
+        GatheredRadiance { radiance: self.radiance, distance: self.first_distance() }
+    }
+
+    /// The same for a ray whose first hit is known.
+    pub(crate) fn gather_radiance_from(
+        &mut self,
+        cache_point: &CachePoint<BANDS>,
+        sample: &GatherDirection,
+        hit: Option<Intersection>,
+    ) -> GatheredRadiance<BANDS> {
+        let mut path = self.begin_gather_ray(cache_point, sample.direction, sample.sampler);
+        self.finish_from(&mut path, hit);
+        GatheredRadiance { radiance: self.radiance, distance: self.first_distance() }
+    }
+
+    fn begin_gather_ray(
+        &mut self,
+        cache_point: &CachePoint<BANDS>,
+        direction: DVec3,
+        sampler: RaySampler,
+    ) -> PathState<BANDS> {
         let medium = self.begin(sampler, cache_point.medium);
         let cut = self.add_subtraction(cache_point.cut.clone());
         let mis =
             MisState::new(0.0, (cache_point.point, direction), Reception::NONE, cache_point.primitive, Lobe::Diffuse);
-        self.finish(&mut PathState {
+        PathState {
             ray: Ray { origin: cache_point.point, direction },
             from: cache_point.primitive,
             throughput: [1.0; BANDS],
@@ -189,8 +217,6 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             follows_no_diffuse: false,
             direct_view: true,
             node: NodeId::NONE,
-        });
-        let distance = self.first_distance();
-        GatheredRadiance { radiance: self.radiance, distance }
+        }
     }
 }

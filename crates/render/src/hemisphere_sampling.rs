@@ -6,7 +6,7 @@ use crate::guiding::{BRIGHT, GuidingDistribution, GuidingSample};
 use crate::path_guide::PathGuide;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
-use radsight_accel::{Intersection, Ray};
+use radsight_accel::Intersection;
 use radsight_brdf::Density;
 use radsight_bsdf::{Bsdf, BsdfSample};
 use radsight_compile::{RenderPlan, VisiblePortals};
@@ -129,18 +129,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         directions.extend(further.into_iter().map(|sample| (gather.hemisphere.cell(sample.local), sample)));
         // The code that finds surfaces and the code that shades them do not fit into the cache of a
         // processor together.
-        let first_hit = |(_, sample): &(usize, GatherDirection)| {
-            let ray = Ray { origin: cache_point.point, direction: sample.direction };
-            self.plan.first_hit(&ray, cache_point.primitive)
-        };
-        let hits: Vec<Option<Intersection>> = directions.iter().map(first_hit).collect();
+        let hits: Vec<Option<Intersection>> =
+            directions.iter().map(|(_, sample)| self.gather_hit(cache_point, sample.direction)).collect();
         let gather_rays: Vec<GatherRay<BANDS>> = directions
             .iter()
             .zip(hits)
-            .map(|((cell, sample), hit)| {
-                self.known_hit = Some(hit);
-                self.gather_ray(cache_point, (*cell, sample), &aims)
-            })
+            .map(|((cell, sample), hit)| self.gather_ray(cache_point, (*cell, sample, hit), &aims))
             .collect();
         HemisphereSamples::new(cache_point, around, &gather_rays)
     }
@@ -181,10 +175,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     fn gather_ray(
         &mut self,
         cache_point: &CachePoint<BANDS>,
-        (cell, sample): (usize, &GatherDirection),
+        (cell, sample, hit): (usize, &GatherDirection, Option<Intersection>),
         aims: &GatherTechniques<'_>,
     ) -> GatherRay<BANDS> {
-        let found = self.gather_radiance(cache_point, sample.direction, sample.sampler);
+        let found = self.gather_radiance_from(cache_point, sample, hit);
         let seen = self.effective_distance();
         // The sky is visible only if the ray is unobstructed.
         let distance = if seen.is_finite() { seen } else { found.distance };

@@ -33,7 +33,7 @@ use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
 use radsight_bsdf::Bsdf;
 use radsight_cal::Scratch;
-use radsight_compile::{FirstHit, Kind, Medium, Quantity, RenderPlan, Uncached};
+use radsight_compile::{FirstHit, Kind, Medium, Quantity, RenderPlan, Shader, Uncached};
 use radsight_light::DiskNodes;
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;
@@ -117,8 +117,6 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) recorder: Option<Box<DirectRecorder>>,
     pub(crate) radiance: [f64; BANDS],
     pub(crate) first_hit: Option<FirstHit>,
-    /// What the next ray hits, where that was found before.
-    pub(crate) known_hit: Option<Option<Intersection>>,
     effective_distance: f64,
     /// Distance of the last plane mirror or pane of the direct view; 0 for none.
     passed_distance: f64,
@@ -161,7 +159,6 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             recorder: None,
             radiance: [0.0; BANDS],
             first_hit: None,
-            known_hit: None,
             effective_distance: f64::INFINITY,
             passed_distance: 0.0,
             surface_key: 0,
@@ -268,11 +265,19 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     pub(crate) fn finish(&mut self, path: &mut PathState<BANDS>) {
         if self.contributions.is_some() {
             self.push(*path);
-        } else if path.throughput.iter().any(|band| *band > 0.0) {
-            // Without the copies of a pending ray.
-            path.node = self.new_node(path, BounceType::Passed);
-            self.follow(path);
+            self.follow_waiting();
+        } else {
+            let first = self.plan.first_hit(&path.ray, path.from);
+            self.finish_from(path, first);
         }
+    }
+
+    /// The same for a ray whose first surface is known, without contributions.
+    pub(crate) fn finish_from(&mut self, path: &mut PathState<BANDS>, first: Option<Intersection>) {
+        debug_assert!(self.contributions.is_none());
+        // Without the copies of a pending ray.
+        path.node = self.new_node(path, BounceType::Passed);
+        self.follow_from(path, first);
         self.follow_waiting();
     }
 
@@ -364,12 +369,13 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     }
 
     fn follow(&mut self, path: &mut PathState<BANDS>) {
+        let first = self.plan.first_hit(&path.ray, path.from);
+        self.follow_from(path, first);
+    }
+
+    fn follow_from(&mut self, path: &mut PathState<BANDS>, mut first: Option<Intersection>) {
         // Invisible surfaces and back faces are passed in this loop.
         loop {
-            let mut first = match self.known_hit.take() {
-                Some(known) => known,
-                None => self.plan.first_hit(&path.ray, path.from),
-            };
             let distance = first.as_ref().map_or(f64::INFINITY, |hit| hit.distance);
             if path.is_limited && path.travelled + distance > self.limit {
                 return;
@@ -377,31 +383,37 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             let Some(hit) = &mut first else {
                 return self.leave(path);
             };
-            if self.plan.has_antimatter {
-                let meeting = self.resolve(path.cut, path.ray.direction, hit);
-                let (AntimatterEvent::Surface(beyond) | AntimatterEvent::Nothing(beyond)) = meeting;
-                path.subtraction_beyond = beyond;
-                if meeting == AntimatterEvent::Nothing(beyond) {
-                    *path = self.without_interaction(path, hit);
-                    continue;
-                }
+            if let Some(shader) = self.interacting(path, hit) {
+                return self.shade(path, hit, shader);
             }
-            let shader = self.plan.shader_at(hit.shader);
-            if matches!(shader.kind, Kind::Transparent) {
-                *path = self.without_interaction(path, hit);
-                continue;
-            }
-            path.follows_no_diffuse = self.plan.excludes_indirect(hit.shader);
-            let behind = path.ray.direction.dot(hit.front) > 0.0;
-            if behind && self.plan.hides_its_back(shader) {
-                *path = self.without_interaction(path, hit);
-                continue;
-            }
-            if self.contributions.is_some() {
-                self.note_tracked_hit(path, hit, shader);
-            }
-            return self.shade(path, hit, shader);
+            *path = self.without_interaction(path, hit);
+            first = self.plan.first_hit(&path.ray, path.from);
         }
+    }
+
+    /// The shader of a hit; `None` if the surface has no effect on the ray.
+    fn interacting(&mut self, path: &mut PathState<BANDS>, hit: &mut Intersection) -> Option<&'p Shader> {
+        if self.plan.has_antimatter {
+            let meeting = self.resolve(path.cut, path.ray.direction, hit);
+            let (AntimatterEvent::Surface(beyond) | AntimatterEvent::Nothing(beyond)) = meeting;
+            path.subtraction_beyond = beyond;
+            if meeting == AntimatterEvent::Nothing(beyond) {
+                return None;
+            }
+        }
+        let shader = self.plan.shader_at(hit.shader);
+        if matches!(shader.kind, Kind::Transparent) {
+            return None;
+        }
+        path.follows_no_diffuse = self.plan.excludes_indirect(hit.shader);
+        let behind = path.ray.direction.dot(hit.front) > 0.0;
+        if behind && self.plan.hides_its_back(shader) {
+            return None;
+        }
+        if self.contributions.is_some() {
+            self.note_tracked_hit(path, hit, shader);
+        }
+        Some(shader)
     }
 
     /// Continues without interaction.
