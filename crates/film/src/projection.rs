@@ -70,6 +70,11 @@ pub(crate) fn projected(camera: &ViewCamera, image: &LightImage) -> Option<Conve
     Some(outline.clipped(&hull(camera, Corners::Positions(&image.frame))?))
 }
 
+/// A convex polygon in the hole of an image, as [`projected`]; `None` where it has none.
+pub(crate) fn projected_hole(camera: &ViewCamera, image: &LightImage) -> Option<ConvexPolygon> {
+    if image.hole.is_empty() { None } else { hull(camera, Corners::Positions(&image.hole)) }
+}
+
 /// How a visit of pixels goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Visit {
@@ -126,9 +131,18 @@ impl PixelSquare {
         DVec2::new(at.x, 1.0 - at.y)
     }
 
+    /// Whether a polygon holds all of it.
+    pub(crate) fn is_within(&self, polygon: &ConvexPolygon) -> bool {
+        !polygon.corners().is_empty() && polygon.holds(&self.on_film())
+    }
+
+    fn on_film(&self) -> ConvexPolygon {
+        ConvexPolygon::square().map(|at| self.corner + at * self.side)
+    }
+
     /// The part of the unit square that an outline covers.
     pub(crate) fn cover(&self, outline: &ConvexPolygon) -> Cover {
-        let square = ConvexPolygon::square().map(|at| self.corner + at * self.side);
+        let square = self.on_film();
         if outline.holds(&square) {
             return Cover::All;
         }

@@ -51,10 +51,25 @@ impl LightForm {
         }
     }
 
-    /// The share of the area in its outline that the light covers, where it is round; else 1.
+    /// Points on the edge of the hole of a ring, scene units, whose convex hull is free of light.
+    /// Empty where there is none.
+    #[must_use]
+    pub fn hole(&self) -> Vec<DVec3> {
+        match self {
+            LightForm::Disk { center, x, y, inner_squared, .. } if *inner_squared > 0.0 => {
+                let radius = inner_squared.sqrt();
+                circle(*center, *x * radius, *y * radius).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The share of the area in its outline that the light covers, where it is round; else 1. That of
+    /// a ring with a hole depends on how much of the hole is in the view, so it is 1.
     #[must_use]
     pub fn share_of_outline(&self) -> f64 {
         match self {
+            LightForm::Disk { inner_squared, .. } if *inner_squared > 0.0 => 1.0,
             LightForm::Disk { .. } | LightForm::Sphere { .. } | LightForm::Distant { .. } => {
                 let half_angle = PI / CORNERS as f64;
                 half_angle / half_angle.tan()
@@ -67,9 +82,14 @@ impl LightForm {
 /// The corners of a polygon around an ellipse with these half axes.
 fn around(center: DVec3, x: DVec3, y: DVec3) -> impl Iterator<Item = DVec3> {
     let stretch = (PI / CORNERS as f64).cos().recip();
+    circle(center, x * stretch, y * stretch)
+}
+
+/// Points on an ellipse with these half axes.
+fn circle(center: DVec3, x: DVec3, y: DVec3) -> impl Iterator<Item = DVec3> {
     (0..CORNERS).map(move |corner| {
         let (sine, cosine) = (corner as f64 * TAU / CORNERS as f64).sin_cos();
-        center + (x * cosine + y * sine) * stretch
+        center + x * cosine + y * sine
     })
 }
 

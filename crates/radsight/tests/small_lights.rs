@@ -192,3 +192,61 @@ fn interpolated_pictures_show_small_lights_in_mirrors_and_behind_panes() {
         }
     }
 }
+
+/// The mean of a default picture over many seeds, and its standard error.
+fn interpolated_statistics(scene: &str, view: &str, size: [usize; 2], seeds: u64) -> [f64; 2] {
+    let means: Vec<f64> = (0..seeds).map(|seed| interpolated_mean(scene, view, size, seed)).collect();
+    let mean = means.iter().sum::<f64>() / seeds as f64;
+    let variance = means.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (seeds - 1) as f64;
+    [mean, (variance / seeds as f64).sqrt()]
+}
+
+/// What rays to a light miss must not be drawn in full where they happen to meet it.
+#[test]
+fn a_light_behind_slats_is_as_bright_as_what_they_leave_of_it() {
+    let (view, area) = view_of("v", [24, 24]);
+    // Squares of half a pixel to two, with a fifth of their height free.
+    for size in [0.05, 0.1, 0.19] {
+        let slat = |index: i32| {
+            let z = f64::from(index) * 0.1 - 0.51;
+            format!("black polygon s{index} 0 0 12 -1 4 {z} 1 4 {z} 1 4 {0} -1 4 {0}\n", z + 0.08)
+        };
+        let slats: String = (0..11).map(slat).collect();
+        let (low, high) = (0.09 - 0.5 * size, 0.09 + 0.5 * size);
+        let lamp = format!("bright polygon lamp 0 0 12 {low} 5 {low} {high} 5 {low} {high} 5 {high} {low} 5 {high}");
+        let scene = format!("void light bright 0 0 3 1e3 1e3 1e3  {lamp}\nvoid plastic black 0 0 5 0 0 0 0 0\n{slats}");
+        // In tangents: the slats are at 4, the light at 5.
+        let [low, high] = [low, high].map(|at| at / 5.0);
+        let hidden: f64 = (0..11)
+            .map(|index| [f64::from(index) * 0.025 - 0.1275, f64::from(index) * 0.025 - 0.1075])
+            .map(|[from, to]| (to.min(high) - from.max(low)).max(0.0))
+            .sum();
+        let expected = 1e3 * (high - low - hidden) * (high - low) / area;
+        let [found, error] = interpolated_statistics(&scene, &view, [24, 24], 200);
+        assert!((found - expected).abs() < 3.0 * error, "{found} ± {error} for {expected}, {size}");
+        assert!(error < 0.05 * expected, "{found} ± {error}");
+    }
+}
+
+#[test]
+fn a_ring_of_light_has_the_brightness_of_its_band() {
+    let size = [48, 40];
+    for kind in ["v", "l", "a"] {
+        let (view, area) = view_of(kind, size);
+        // A pixel is 0.02 of a tangent: bands from a third of one to six, around holes of up to thirty.
+        for (inner, outer) in [(0.3, 0.307), (0.28, 0.3), (0.2, 0.32), (0.018, 0.03)] {
+            let distance = if kind == "l" { 1.0 } else { 5.0 };
+            let scene = format!(
+                "void light bright 0 0 3 1e3 1e3 1e3  bright ring lamp 0 0 8 .03 5 .02 0 -1 0 {} {}",
+                inner * distance,
+                outer * distance
+            );
+            let band = PI * (outer * outer - inner * inner);
+            let [found, error] = interpolated_statistics(&scene, &view, size, 12);
+            // Equal angles are not equal tangents: up to 6 % at the edge of the ring.
+            let allowed = 0.02 + if kind == "a" { 1.5 * outer * outer } else { 0.0 };
+            let expected = 1e3 * band / area;
+            assert!((found / expected - 1.0).abs() < allowed, "{found} ± {error} for {expected}: {inner} {view}");
+        }
+    }
+}

@@ -34,6 +34,8 @@ pub struct LightImage {
     pub is_distant: bool,
     /// Points in whose convex hull lies the surface that reflects it; empty for a direct view.
     pub frame: Vec<DVec3>,
+    /// Points of a ring's hole, scene units; empty without one.
+    pub hole: Vec<DVec3>,
     /// The share of the area in its outline that it covers, where it is round; else 1.
     pub share_of_outline: f64,
     emitter: SurfaceHandle,
@@ -99,8 +101,15 @@ impl LightImage {
         }
         let outline = form.outline(eye);
         let is_distant = radius.is_infinite();
-        let (frame, share_of_outline) = (Vec::new(), form.share_of_outline());
-        let image = LightImage { outline, is_distant, frame, share_of_outline, emitter, mirrors: mirrors.to_vec() };
+        let image = LightImage {
+            outline,
+            is_distant,
+            frame: Vec::new(),
+            hole: form.hole(),
+            share_of_outline: form.share_of_outline(),
+            emitter,
+            mirrors: mirrors.to_vec(),
+        };
         (!image.outline.is_empty()).then_some(image)
     }
 
