@@ -198,6 +198,25 @@ impl<'l> LightSampler<'l> {
         }
     }
 
+    /// The radiance that the receiver sees in a unit direction, relative to the mean over all
+    /// directions out of the light, as the light's emission profile tabulates it. 1 where no profile is
+    /// sampled.
+    #[inline]
+    #[must_use]
+    pub fn relative_radiance(&self, direction: DVec3) -> f64 {
+        match &self.sampled {
+            SampledPart::Profile(mixture) => 2.0 * PI * mixture.profile.pdf(-direction),
+            _ => 1.0,
+        }
+    }
+
+    /// Whether an emission profile is sampled.
+    #[inline]
+    #[must_use]
+    pub fn follows_profile(&self) -> bool {
+        matches!(self.sampled, SampledPart::Profile(_))
+    }
+
     /// Density with which a point at `distance` along `direction` is found, for the cosine at the light,
     /// 1/sr.
     #[inline]

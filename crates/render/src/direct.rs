@@ -373,6 +373,20 @@ impl DirectSampler<'_> {
         expected: f64,
         bsdf_value: &BsdfValue<BANDS>,
     ) -> Option<[[f64; BANDS]; 2]> {
+        let weight = self.weight(light, sample, expected, bsdf_value)?;
+        let radiance = self.radiance(tracer, light, sample);
+        product(weight, radiance).iter().any(|band| *band != 0.0).then_some([weight, radiance])
+    }
+
+    /// The weight of the radiance of a light sample; `None` if it is zero.
+    #[inline]
+    pub(crate) fn weight<const BANDS: usize>(
+        &self,
+        light: &Light,
+        sample: &LightSample,
+        expected: f64,
+        bsdf_value: &BsdfValue<BANDS>,
+    ) -> Option<[f64; BANDS]> {
         let pdf = sample.pdf * expected;
         // No sampled ray reaches a light through a prism.
         let shares_diffuse = self.shares_diffuse && !light.is_redirected();
@@ -402,8 +416,7 @@ impl DirectSampler<'_> {
         if light.focal_distance > 0.0 {
             weight = weight.map(|band| band * light.focal_factor(sample.distance));
         }
-        let radiance = self.radiance(tracer, light, sample);
-        product(weight, radiance).iter().any(|band| *band != 0.0).then_some([weight, radiance])
+        Some(weight)
     }
 
     /// Records a contribution if requested.

@@ -19,12 +19,25 @@ use crate::trace::PathIntegrator;
 use crate::unshadowed_sample::UnshadowedSample;
 use radsight_bsdf::Bsdf;
 use radsight_compile::{LightDivision, VisibilityClass};
-use radsight_sampling::DimensionSet;
+use radsight_light::LightSample;
+use radsight_sampling::{DimensionSet, choose};
 use radsight_texture::product;
 
 /// Share of a point's unshadowed light below which a sample is weak, with the default threshold of
 /// direct light (`-dt`).
 const WEAK_SHARE: f64 = 0.02;
+
+/// Number of points of which one is selected for each sample of a light with an emission profile. In
+/// the fish-eye view of Radiance's render test `tfunc` without interreflection, 8 have half of the rms
+/// error of one, and 16 take 1.5 times as long for little more.
+const CANDIDATES: usize = 8;
+
+/// Added to the radiance of an emission profile relative to its mean, for light where the table has
+/// none.
+const LEAST_RADIANCE: f64 = 0.02;
+
+/// The step of a lattice in the unit interval: the golden ratio, less 1.
+const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
 impl DirectSampler<'_> {
     /// Whether shadow rays may be selected: neighbouring pixels average the noise, and nobody asks
@@ -64,12 +77,60 @@ impl DirectSampler<'_> {
         u: [f64; 2],
     ) -> Option<UnshadowedSample<'p, BANDS>> {
         let light = numbered.sampler.light();
+        let (sample, weight) = if numbered.sampler.follows_profile() {
+            self.selected_candidate(tracer, point, numbered, u)?
+        } else {
+            self.candidate(tracer, point, numbered, u)?
+        };
+        let radiance = self.radiance(tracer, light, &sample);
+        let strength = product(weight, radiance).iter().sum();
+        (strength != 0.0).then_some(UnshadowedSample { light, between, sample, weight, radiance, strength })
+    }
+
+    /// A sample of a light and the weight of its radiance; `None` if that is zero.
+    #[inline]
+    fn candidate<const BANDS: usize>(
+        &self,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        point: &Bsdf<'_, BANDS>,
+        numbered: &NumberedLight<'_>,
+        u: [f64; 2],
+    ) -> Option<(LightSample, [f64; BANDS])> {
         let sample = self.light_sample(tracer, &numbered.sampler, u)?;
         let scratch = &mut tracer.workspace.scratch;
         let value = point.eval(sample.direction, sample.pdf, self.pdf_request(), scratch);
-        let [weight, radiance] = self.unshadowed(tracer, light, &sample, f64::from(numbered.samples), &value)?;
-        let strength = product(weight, radiance).iter().sum();
-        Some(UnshadowedSample { light, between, sample, weight, radiance, strength })
+        let weight = self.weight(numbered.sampler.light(), &sample, f64::from(numbered.samples), &value)?;
+        Some((sample, weight))
+    }
+
+    /// One of several samples of a light with an emission profile, selected in proportion to what it
+    /// would contribute with the radiance of the profile, and its weight (Talbot, Cline and Egbert,
+    /// "Importance Resampling for Global Illumination", EGSR 2005, Eq. 4). Only its radiance and its
+    /// shadow are computed, which cost more than all candidates.
+    fn selected_candidate<const BANDS: usize>(
+        &self,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        point: &Bsdf<'_, BANDS>,
+        numbered: &NumberedLight<'_>,
+        [u, v]: [f64; 2],
+    ) -> Option<(LightSample, [f64; BANDS])> {
+        let (mut candidates, mut strengths, mut found) = ([None; CANDIDATES], [0.0; CANDIDATES], 0);
+        for index in 0..CANDIDATES {
+            let step = index as f64;
+            let shifted = [u + step / CANDIDATES as f64, v + step * GOLDEN_RATIO].map(f64::fract);
+            let Some(candidate) = self.candidate(tracer, point, numbered, shifted) else { continue };
+            let (sample, weight) = candidate;
+            let expected = numbered.sampler.relative_radiance(sample.direction) + LEAST_RADIANCE;
+            (candidates[found], strengths[found]) = (Some(candidate), weight.iter().sum::<f64>() * expected);
+            found += 1;
+        }
+        let choice = tracer.sampler.take(DimensionSet::render(tracer.next_set))[0];
+        tracer.next_set += 1;
+        let total: f64 = strengths[..found].iter().sum();
+        let (selected, _) = choose(strengths[..found].iter().copied(), choice * total)?;
+        let (sample, weight) = candidates[selected]?;
+        let scale = total / (CANDIDATES as f64 * strengths[selected]);
+        Some((sample, weight.map(|band| band * scale)))
     }
 
     /// What a sample contributes, after its shadow ray.

@@ -2,10 +2,10 @@
 
 mod build;
 
-use build::{Builder, mean};
+use build::{Builder, mean, values};
 use glam::DVec3;
 use radsight_ir::{Cone, Facing, Material, Rgb, Ring, Sphere};
-use radsight_render::{PathLimit, Quantity, RenderOptions, Skipping};
+use radsight_render::{LightDivision, PathLimit, Quantity, RenderOptions, Skipping};
 use std::f64::consts::PI;
 
 const DOWN: DVec3 = DVec3::new(0.0, 0.0, -1.0);
@@ -42,6 +42,39 @@ fn a_narrow_beam_of_a_large_light_is_found_from_near() {
     for place in [DVec3::ZERO, DVec3::new(4.1, -2.3, 0.0)] {
         assert_close(mean(&scene, irradiance(), place, DVec3::Z, 4096), expected, 0.01);
     }
+}
+
+/// Previews select one of several points of such a light for each sample.
+#[test]
+fn a_narrow_beam_in_a_preview_has_its_mean_and_less_noise() {
+    let corner = |x: f64, y: f64| DVec3::new(x, y, 1.0);
+    // E = 2π ∫ L cos θ sin θ dθ: πL sin²θ of a cone, and 2πL/(n + 2) of a power of the cosine.
+    let beams = [
+        ("if(Dz-.999,5,0)", PI * 5.0 * (1.0 - 0.999f64 * 0.999)),
+        ("5*abs(Dz)^200", 2.0 * PI * 5.0 / 202.0),
+        ("5*abs(Dz)^30", 2.0 * PI * 5.0 / 32.0),
+    ];
+    for (pattern, expected) in beams {
+        let mut scene = Builder::default();
+        let light = scene.patterned(pattern, Material::Light { radiance: Rgb::WHITE });
+        scene.polygon(light, &[corner(9.0, 9.0), corner(9.0, -9.0), corner(-9.0, -9.0), corner(-9.0, 9.0)]);
+        for place in [DVec3::ZERO, DVec3::new(4.1, -2.3, 0.0)] {
+            let [single, selected] = [LightDivision::Whole, LightDivision::BySize(1e-3)].map(|light_division| {
+                let options = RenderOptions { light_division, ..irradiance() };
+                statistics(&values(&scene, options, place, DVec3::Z, 4096))
+            });
+            for [mean, deviation] in [single, selected] {
+                assert!((mean - expected).abs() < 3.0 * deviation / 64.0, "{mean} ± {deviation} for {expected}");
+            }
+            assert!(selected[1] < 0.6 * single[1], "{selected:?} and {single:?} of {pattern}");
+        }
+    }
+}
+
+/// Mean and standard deviation.
+fn statistics(values: &[f64]) -> [f64; 2] {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    [mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()]
 }
 
 #[test]
