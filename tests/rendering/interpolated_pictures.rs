@@ -319,3 +319,40 @@ fn silhouettes_end_at_the_aft_clipping_plane() {
         }
     }
 }
+
+/// Small surfaces in random positions within a ball.
+fn leaves(count: u32) -> String {
+    let mut text =
+        "void plastic leaf 0 0 5 .5 .5 .5 0 0\nvoid glow white 0 0 4 1 1 1 0\nwhite source sky 0 0 4 0 0 1 360\n"
+            .to_owned();
+    let number = |index: u32, step: f64| (f64::from(index + 1) * step).fract();
+    for index in 0..count {
+        let radius = 1.5 * number(index, 0.819_172_5).cbrt();
+        let (z, turn) = (2.0 * number(index, 0.671_043_6) - 1.0, 6.283 * number(index, 0.549_700_5));
+        let across = radius * (1.0 - z * z).sqrt();
+        let center = [across * turn.cos(), across * turn.sin(), radius * z];
+        let (tilt, side) = (6.283 * number(index, 0.318_309_9), 0.06);
+        let (along, beside) =
+            ([side * tilt.cos(), side * tilt.sin(), 0.0], [0.0, 0.5 * side, side * (3.0 * tilt).sin()]);
+        let corner = |a: f64, b: f64| {
+            let at = |axis: usize| (center[axis] + a * along[axis] + b * beside[axis]).to_string();
+            [at(0), at(1), at(2)].join(" ")
+        };
+        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)].join(" ");
+        writeln!(text, "leaf polygon l{index} 0 0 12 {corners}").unwrap();
+    }
+    text
+}
+
+/// A single ray from a point between leaves meets either a leaf or the sky.
+#[test]
+fn leaves_that_no_record_reaches_are_not_black() {
+    let scene = leaves(2500);
+    let view = "-vp 0 -9 0 -vd 0 1 0 -vh 20 -vv 20 -x 128 -y 128 -ff -ab 1";
+    let (preview, correct) = (red(&scene, view), red(&scene, &format!("{view} --samples 64 -aa 0")));
+    let is_dark = |value: &&f64| **value < 0.02;
+    let [dark, dark_correct] = [&preview, &correct].map(|pixels| pixels.iter().filter(is_dark).count());
+    assert!(dark < dark_correct + preview.len() / 500, "{dark} of {} dark pixels, {dark_correct} are", preview.len());
+    let [mean, expected] = [&preview, &correct].map(|pixels| pixels.iter().sum::<f64>() / pixels.len() as f64);
+    assert!((mean / expected - 1.0).abs() < 0.01, "{mean} for {expected}");
+}

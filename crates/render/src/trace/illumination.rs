@@ -15,6 +15,7 @@ use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
 use radsight_brdf::Density;
 use radsight_bsdf::{Bsdf, BsdfSample, PdfRequest, sum};
+use radsight_compile::LightDivision;
 use radsight_sampling::DimensionSet;
 use radsight_texture::product;
 
@@ -29,6 +30,9 @@ const MAX_PDF_RATIO: f64 = 1e6;
 
 /// Maximum number of highlight rays (`-ss`): they are all pending at once.
 const MAX_HIGHLIGHT_SAMPLES: f64 = 16.0;
+
+/// Maximum number of diffuse rays from a point of a preview that no record reaches.
+const MAX_RAYS_OF_UNREACHED: u32 = 16;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Direct light, and the rays for indirect light.
@@ -72,7 +76,13 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 None => 0,
             },
         };
-        let mut branches = if self.splits { self.branches(path, point, requested) } else { requested };
+        let mut branches = if self.splits {
+            self.branches(path, point, requested)
+        } else if follow_diffuse && self.lacks_record(path) {
+            Branches { diffuse: self.rays_of_unreached(), ..requested }
+        } else {
+            requested
+        };
         if images.is_some() {
             branches.highlight = requested.highlight;
         }
@@ -131,6 +141,20 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             1 => self.sample_diffuse(path, &direct, point, set + u32::from(is_split)),
             rays => self.split_diffuse(path, &direct, point, (set + 1, rays)),
         }
+    }
+
+    /// Whether a point of a preview is reached by no record of the irradiance cache, as between leaves:
+    /// few other rays average what a single ray would find from there.
+    fn lacks_record(&self, path: &PathState<BANDS>) -> bool {
+        let options = &self.plan.options;
+        let is_preview = options.light_division != LightDivision::Whole;
+        let is_first = path.ambient_bounces == options.ambient_bounces;
+        is_preview && is_first && !path.is_scattered() && self.caches[0].is_some()
+    }
+
+    /// Number of diffuse rays from such a point.
+    fn rays_of_unreached(&self) -> u32 {
+        self.plan.options.gathering.divisions.clamp(1, MAX_RAYS_OF_UNREACHED)
     }
 
     /// Adds highlight rays, which are pending at once.
