@@ -1,6 +1,6 @@
 //! Camera models beyond the pinhole, and sensors, through the program.
 
-use crate::pictures::greys;
+use crate::pictures::{exposure_file, greys};
 use crate::program::{Folder, Run, command, radsight_with, run_with};
 
 const CAMERA: &str = "[camera]\nposition_m = [0.0, 0.0, 0.48]\ndirection = [0.0, 0.0, -1.0]\nup = [0.0, 1.0, 0.0]\npixels = [24, 20]\n\
@@ -293,4 +293,30 @@ fn weights_for_another_number_of_bands_are_shown_in_the_camera_file() {
     let run = run(&folder, &words, b"");
     assert_eq!(run.code, 1);
     assert!(run.messages.contains("camera.toml:19:16: error: 3 bands but 2 band weights\n"), "{}", run.messages);
+}
+
+/// Every LED of the ring is seen in the ball as a point of a thousandth of a pixel: in the focus of the lens all of its
+/// points see it through the same point of the pixel, out of focus through few of them each.
+#[test]
+fn a_polished_ball_shows_every_led_to_a_lens_in_focus_and_out_of_focus() {
+    let ball = "void metal chrome 0 0 5 .8 .8 .8 1 0 chrome sphere ball 0 0 4 .0004 .0002 .006 .006";
+    let rig = "[rig]\nleds = 4\nring_diameter_mm = 24\nled_diameter_mm = 9\nled_intensity_w_per_sr = 0.05\nled_cone_deg = 40\n";
+    for focus in [0.471, 0.468, 0.44] {
+        let camera = CAMERA.replace("[24, 20]", "[8, 6]").replace("[100, 110]", "[14, 16]");
+        let lens = format!("lens_focal_length_mm = 8\nf_number = 2\nfocus_distance_m = {focus}\n");
+        let folder = folder(&[("camera.toml", format!("{camera}{lens}{rig}")), ("ball.rad", ball.to_owned())]);
+        let exposure = |asked: [&str; 2]| {
+            let words = ["capture", "camera.toml", "ball.rad", asked[0], asked[1], "--exposure", "x.pfm"];
+            run(&folder, &words, b"").done();
+            exposure_file(&folder.path("x.pfm")).data().iter().map(|value| f64::from(*value)).collect::<Vec<_>>()
+        };
+        // Rays that meet LEDs by chance.
+        let (found, expected) = (exposure(["--error", "0.01"]), exposure(["--samples", "65536"]));
+        let [sum, expected_sum] = [&found, &expected].map(|values| values.iter().sum::<f64>());
+        assert!((sum / expected_sum - 1.0).abs() < 0.06, "{sum} for {expected_sum} in focus at {focus} m");
+        let brightest = expected.iter().copied().fold(0.0, f64::max);
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() < 0.1 * brightest, "{found} for {expected} in focus at {focus} m");
+        }
+    }
 }

@@ -1,7 +1,8 @@
 //! The two dimensions in which images of lights are searched and sampled.
 //!
 //! A ray of a pixel is a point on the pixel and a point on the pinhole. One of them, here `fixed`,
-//! is sampled uniformly; the other, a point of the domain, is aimed at images.
+//! is sampled uniformly; the other, a point of the domain, is aimed at images. Where an image is
+//! blurred over more than a pixel, points of the pinhole are aimed; in focus, points on the pixel.
 
 use glam::DVec2;
 use radsight_pinhole::{CameraRay, Hole, Rays};
@@ -13,7 +14,7 @@ use std::f64::consts::PI;
 pub(crate) enum Domain {
     /// The pinhole, in its radii.
     Disk,
-    /// The pixel in front of a point pinhole.
+    /// The pixel.
     Square,
 }
 
@@ -21,6 +22,7 @@ impl Domain {
     /// The middle of the pixel, for [`Domain::Disk`] the middle of the fixed points.
     pub(crate) const MIDDLE_OF_PIXEL: DVec2 = DVec2::splat(0.5);
 
+    /// That of all images behind a hole, unless they are in focus.
     pub(crate) fn of(hole: Hole) -> Domain {
         if hole == Hole::Point { Domain::Square } else { Domain::Disk }
     }
@@ -29,9 +31,21 @@ impl Domain {
         if self == Domain::Square { Domain::MIDDLE_OF_PIXEL } else { DVec2::ZERO }
     }
 
+    /// The middle of the fixed points.
+    pub(crate) fn middle_of_fixed(self) -> DVec2 {
+        if self == Domain::Square { DVec2::ZERO } else { Domain::MIDDLE_OF_PIXEL }
+    }
+
+    /// The fixed point and the point of the domain of a point on the pixel and one on the pinhole.
+    pub(crate) fn fixed_and_drawn(self, on_pixel: DVec2, on_pinhole: DVec2) -> (DVec2, DVec2) {
+        if self == Domain::Square { (on_pinhole, on_pixel) } else { (on_pixel, on_pinhole) }
+    }
+
     /// The ray through a fixed point and a point of the domain.
     pub(crate) fn ray(self, rays: &Rays, pixel: u64, fixed: DVec2, at: DVec2) -> Option<CameraRay> {
-        let (on_pixel, on_pinhole) = if self == Domain::Square { (at, DVec2::ZERO) } else { (fixed, at) };
+        // The same exchange leads back.
+        let (on_pixel, on_pinhole) = self.fixed_and_drawn(fixed, at);
+        let on_pinhole = if rays.hole() == Hole::Point { DVec2::ZERO } else { on_pinhole };
         rays.ray_through(pixel, on_pixel.into(), on_pinhole.into())
     }
 

@@ -9,8 +9,8 @@ const STEP: f64 = 1e-4;
 /// An ellipse in the domain that moves with the fixed point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ellipse {
-    /// For the middle of the fixed points.
-    center: DVec2,
+    /// For the fixed point 0.
+    origin: DVec2,
     /// Derivative of the centre by the fixed point.
     slope: DMat2,
     /// From the unit disk.
@@ -19,16 +19,17 @@ pub(crate) struct Ellipse {
 }
 
 impl Ellipse {
-    pub(crate) fn new(center: DVec2, slope: DMat2, map: DMat2) -> Ellipse {
-        Ellipse { center, slope, map, inverse: map.inverse() }
+    /// With its centre for the fixed point 0.
+    pub(crate) fn new(origin: DVec2, slope: DMat2, map: DMat2) -> Ellipse {
+        Ellipse { origin, slope, map, inverse: map.inverse() }
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        self.inverse.is_finite() && self.center.is_finite()
+        self.inverse.is_finite() && self.origin.is_finite()
     }
 
     pub(crate) fn scaled(&self, by: f64) -> Ellipse {
-        Ellipse::new(self.center, self.slope, self.map * by)
+        Ellipse::new(self.origin, self.slope, self.map * by)
     }
 
     /// Its area in units of that of the unit disk.
@@ -37,7 +38,7 @@ impl Ellipse {
     }
 
     pub(crate) fn center_at(&self, fixed: DVec2) -> DVec2 {
-        self.center + self.slope * (fixed - Domain::MIDDLE_OF_PIXEL)
+        self.origin + self.slope * fixed
     }
 
     /// The point at a place of the unit disk.
@@ -103,6 +104,6 @@ impl LinearMap {
             let [x, y] = [DVec2::X, DVec2::Y].map(|side| function(Domain::MIDDLE_OF_PIXEL + side * STEP));
             self.inverse * DMat2::from_cols((self.value - x?) / STEP, (self.value - y?) / STEP)
         };
-        Some(Ellipse::new(self.zero(), slope, self.inverse))
+        Some(Ellipse::new(self.zero() - slope * Domain::MIDDLE_OF_PIXEL, slope, self.inverse))
     }
 }

@@ -4,8 +4,9 @@
 //! a pixel in size. Rays that are uniform over pixel and pinhole hit it by chance only. Where such
 //! an image is found, some of the rays of the pixel are aimed at it. For a point on the pixel, the
 //! points of the pinhole that see the image fill an ellipse, known from the linear map from pinhole
-//! to light. The rays of a pixel are then drawn from a mixture of densities and divided by its pdf,
-//! so the estimate stays unbiased (Owen and Zhou 2000).
+//! to light. In the focus of a lens all of its points see the same, so the points on the pixel that
+//! see the image are used instead ([`Domain`]). The rays of a pixel are then drawn from a mixture of
+//! densities and divided by its pdf, so the estimate stays unbiased (Owen and Zhou 2000).
 //!
 //! Images in plane mirrors are known exactly, so rays aimed at them form strata of their own
 //! ([`PlaneImages`]).
@@ -20,6 +21,7 @@ use radsight_pinhole::{CameraRay, Rays};
 use radsight_render::{MirroredLight, Ray, RayWorker, RenderPlan, Renderer};
 use radsight_sampling::choose;
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Newton's method takes at most this many steps, and converges within this fraction of a light's
 /// radius.
@@ -51,6 +53,8 @@ pub(crate) struct PixelImages {
 struct PixelImage {
     /// Index of the image.
     image: usize,
+    /// Where its rays are aimed.
+    domain: Domain,
     /// The image of the light's disk by the linear map.
     ellipse: Ellipse,
     /// Share of the draws.
@@ -75,28 +79,22 @@ impl PixelImages {
 
     /// The ray that passes through a pixel and the pinhole.
     pub(crate) fn plain_ray(&self, rays: &Rays, passage: &PixelPassage) -> Option<CameraRay> {
-        let (fixed, at) = self.fixed_and_drawn(passage);
+        let (fixed, at) = self.domain.fixed_and_drawn(passage.on_pixel, passage.on_pinhole);
         self.domain.ray(rays, passage.pixel as u64, fixed, at)
-    }
-
-    /// The fixed point of a ray, and the point of the domain.
-    fn fixed_and_drawn(&self, passage: &PixelPassage) -> (DVec2, DVec2) {
-        let PixelPassage { on_pixel, on_pinhole, .. } = *passage;
-        if self.domain == Domain::Square { (on_pinhole, on_pixel) } else { (on_pixel, on_pinhole) }
     }
 
     /// Whether rays are aimed where a ray passes. With plane mirrors they are aimed everywhere.
     pub(crate) fn are_aimed_at(&self, passage: &PixelPassage) -> bool {
-        let (fixed, at) = self.fixed_and_drawn(passage);
-        let is_aimed_at = |image: &PixelImage| self.density(image, fixed, at) > 0.0;
+        let is_aimed_at = |image: &PixelImage| self.density(image, passage.on_pixel, passage.on_pinhole) > 0.0;
         let curved = || self.images.get(passage.pixel).is_some_and(|images| images.iter().any(is_aimed_at));
         self.plane.sees_any(passage.pixel) || curved()
     }
 
     /// The pdf of the samples of an image, relative to uniform sampling.
-    fn density(&self, image: &PixelImage, fixed: DVec2, at: DVec2) -> f64 {
+    fn density(&self, image: &PixelImage, on_pixel: DVec2, on_pinhole: DVec2) -> f64 {
+        let (fixed, at) = image.domain.fixed_and_drawn(on_pixel, on_pinhole);
         let pdf = self.curved[image.image].footprint.pdf(image.ellipse.offset(fixed, at));
-        image.probability * pdf * self.domain.area() / image.ellipse.relative_area()
+        image.probability * pdf * image.domain.area() / image.ellipse.relative_area()
     }
 
     /// Whether a pixel sees an image in a plane mirror.
@@ -166,10 +164,8 @@ impl PixelImages {
         if !self.sees_any(pixel) {
             return Some((rays.ray(pixel as u64, u), 1.0));
         }
-        // If the pinhole is a point, the point on the pixel is drawn from the image.
         let is_point = self.domain == Domain::Square;
         let [fixed, drawn] = if is_point { [[u[2], u[3]], [u[0], u[1]]] } else { [[u[0], u[1]], [u[2], u[3]]] };
-        let fixed = DVec2::from(fixed);
         let curved = self.images.get(pixel).map_or(&[][..], Vec::as_slice);
         let mixed = |drawn| self.mixed_point((curved, aimed), fixed, drawn);
         let ray = |fixed, at| self.domain.ray(rays, pixel as u64, fixed, at);
@@ -177,36 +173,41 @@ impl PixelImages {
             let ray = ray(fixed, at).and_then(|ray| Ray::new(ray.origin, ray.direction));
             ray.is_some_and(|ray| self.in_plane_mirrors[light].is_in_plane_mirror(plan, &ray))
         };
-        let Some(strata) = self.plane.of_pixel(pixel) else {
-            let (at, weight) = mixed(drawn)?;
-            return Some((ray(fixed, at)?, weight));
+        let WeightedPoint { fixed, at, weight } = match self.plane.of_pixel(pixel) {
+            None => mixed(drawn)?,
+            Some(strata) => strata.sample((fixed.into(), drawn), hits, mixed)?,
         };
-        let WeightedPoint { fixed, at, weight } = strata.sample((fixed, drawn), hits, mixed)?;
         Some((ray(fixed, at)?, weight))
     }
 
-    /// A point of the pinhole, or of the pixel for a point pinhole, with its weight.
+    /// A point of the pinhole, or of the pixel for a point pinhole, and its fixed point, with their
+    /// weight. `None` where the aimed one of them misses the pinhole or the pixel.
     fn mixed_point(
         &self,
         (images, aimed): (&[PixelImage], f64),
-        fixed: DVec2,
+        uniform: [f64; 2],
         drawn: [f64; 2],
-    ) -> Option<(DVec2, f64)> {
+    ) -> Option<WeightedPoint> {
+        let fixed = DVec2::from(uniform);
         if images.is_empty() {
-            return Some((self.domain.uniform(drawn), 1.0));
+            return Some(WeightedPoint { fixed, at: self.domain.uniform(drawn), weight: 1.0 });
         }
-        let at = if drawn[0] < aimed {
+        let (on_pixel, on_pinhole) = if drawn[0] < aimed {
             let (chosen, u) = choose(images.iter().map(|image| image.probability), drawn[0] / aimed)?;
-            let image = &images[chosen];
-            image.ellipse.point(fixed, self.curved[image.image].footprint.sample([u, drawn[1]]))
+            let PixelImage { domain, ellipse, image, .. } = &images[chosen];
+            let fixed = if *domain == self.domain { fixed } else { self.domain.uniform(uniform) };
+            let at = ellipse.point(fixed, self.curved[*image].footprint.sample([u, drawn[1]]));
+            if !domain.contains(at) {
+                return None;
+            }
+            domain.fixed_and_drawn(fixed, at)
         } else {
-            self.domain.uniform([(drawn[0] - aimed) / (1.0 - aimed), drawn[1]])
+            let at = self.domain.uniform([(drawn[0] - aimed) / (1.0 - aimed), drawn[1]]);
+            self.domain.fixed_and_drawn(fixed, at)
         };
-        if !self.domain.contains(at) {
-            return None;
-        }
-        let density = images.iter().map(|image| self.density(image, fixed, at)).sum::<f64>();
-        Some((at, (1.0 - aimed + aimed * density).recip()))
+        let density = images.iter().map(|image| self.density(image, on_pixel, on_pinhole)).sum::<f64>();
+        let (fixed, at) = self.domain.fixed_and_drawn(on_pixel, on_pinhole);
+        Some(WeightedPoint { fixed, at, weight: (1.0 - aimed + aimed * density).recip() })
     }
 }
 
@@ -393,26 +394,26 @@ impl Search<'_, '_> {
 
     /// The images in curved mirrors that the pixel sees.
     fn curved_images(&self, cone: &PixelCone, images: &[CurvedImage]) -> Vec<PixelImage> {
-        let seen = |(index, image): (usize, &CurvedImage)| {
-            let is_near = cone.meets(image.direction(), image.reach());
-            is_near.then(|| Some((index, self.curved_image(image)?, image.light())))?
+        let seen = |(image, curved): (usize, &CurvedImage)| {
+            let is_near = cone.meets(curved.direction(), curved.reach());
+            let (domain, ellipse) = is_near.then(|| self.curved_image(curved))??;
+            Some(PixelImage { image, domain, ellipse, probability: curved.light() })
         };
-        let seen: Vec<_> = images.iter().enumerate().filter_map(seen).collect();
-        let total: f64 = seen.iter().map(|(_, _, light)| light).sum();
-        let of_share = |(image, ellipse, light)| PixelImage { image, ellipse, probability: light / total };
-        seen.into_iter().map(of_share).collect()
+        let mut seen: Vec<PixelImage> = images.iter().enumerate().filter_map(seen).collect();
+        let total: f64 = seen.iter().map(|image| image.probability).sum();
+        seen.iter_mut().for_each(|image| image.probability /= total);
+        seen
     }
 
-    /// The image of a light in curved mirrors; `None` if the pixel does not see it.
-    fn curved_image(&self, image: &CurvedImage) -> Option<Ellipse> {
-        let domain = self.domain;
-        let tangents = |fixed: DVec2, at: DVec2| {
-            let ray = self.ray(fixed, at)?;
+    /// Where the light of an image in curved mirrors is seen; `None` if the pixel does not see it.
+    fn curved_image(&self, image: &CurvedImage) -> Option<(Domain, Ellipse)> {
+        let tangents = |on_pixel: DVec2, on_pinhole: DVec2| {
+            let ray = Domain::Disk.ray(self.rays, self.pixel, on_pixel, on_pinhole)?;
             Some(image.tangents(ray.origin, ray.direction))
         };
-        let (middle, fixed) = (domain.middle(), Domain::MIDDLE_OF_PIXEL);
-        let own = tangents(fixed, middle)?;
-        // Differences over the whole domain.
+        let middle = Domain::MIDDLE_OF_PIXEL;
+        let own = tangents(middle, DVec2::ZERO)?;
+        // Differences over the whole pixel, and over half of the pinhole.
         let across = |of_side: &dyn Fn(DVec2) -> Option<DVec2>| {
             let [x, y] = [DVec2::X, DVec2::Y].map(|side| {
                 let [low, high] = [-0.5, 0.5].map(|half| of_side(half * side));
@@ -420,17 +421,21 @@ impl Search<'_, '_> {
             });
             Some(DMat2::from_cols(x?, y?))
         };
-        let inverse = across(&|side| tangents(fixed, middle + side))?.inverse();
-        let slope = match domain {
-            Domain::Disk => -(inverse * across(&|side| tangents(fixed + side, middle))?),
-            // In front of a point pinhole nothing depends on the fixed point.
-            Domain::Square => DMat2::ZERO,
-        };
-        let center = middle + inverse * (image.center - own);
-        let ellipse = Ellipse::new(center, slope, inverse * image.map);
-        let moved = 0.5 * (slope.x_axis.length() + slope.y_axis.length());
+        let by_pixel = across(&|side| tangents(middle + side, DVec2::ZERO))?;
+        let by_pinhole = across(&|side| tangents(middle, side))?;
+        // The directions through all of the pinhole, and those of the pixel.
+        let is_blurred = PI * by_pinhole.determinant().abs() > by_pixel.determinant().abs();
+        let (domain, by_drawn, by_fixed) =
+            if is_blurred { (Domain::Disk, by_pinhole, by_pixel) } else { (Domain::Square, by_pixel, by_pinhole) };
+        let inverse = by_drawn.inverse();
+        let slope = -(inverse * by_fixed);
+        let center = domain.middle() + inverse * (image.center - own);
+        let ellipse = Ellipse::new(center - slope * domain.middle_of_fixed(), slope, inverse * image.map);
+        // Half of the pixel, or the radius of the pinhole.
+        let reach_of_fixed = if domain == Domain::Disk { 0.5 } else { 1.0 };
+        let moved = reach_of_fixed * (slope.x_axis.length() + slope.y_axis.length());
         let reach = image.footprint.reach() * ellipse.widest() + moved;
-        (ellipse.is_finite() && domain.meets(center, reach)).then_some(ellipse)
+        (ellipse.is_finite() && domain.meets(center, reach)).then_some((domain, ellipse))
     }
 
     /// The image of a light in a plane mirror; `None` if the pixel does not see it.

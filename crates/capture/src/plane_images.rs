@@ -135,11 +135,11 @@ impl PlaneStrata {
         &self,
         (fixed, drawn): (DVec2, [f64; 2]),
         hits: impl Fn(DVec2, DVec2, usize) -> bool,
-        rest: impl FnOnce([f64; 2]) -> Option<(DVec2, f64)>,
+        rest: impl FnOnce([f64; 2]) -> Option<WeightedPoint>,
     ) -> Option<WeightedPoint> {
         let is_seen = |image: &PlaneImage, fixed, at| image.contains(fixed, at) && hits(fixed, at, image.light);
         if drawn[0] < REST {
-            let (at, weight) = rest([drawn[0] / REST, drawn[1]])?;
+            let WeightedPoint { fixed, at, weight } = rest([drawn[0] / REST, drawn[1]])?;
             let is_aimed_at = self.images.iter().any(|image| is_seen(image, fixed, at));
             return (!is_aimed_at).then_some(WeightedPoint { fixed, at, weight: weight / REST });
         }
@@ -426,10 +426,11 @@ mod tests {
         Ellipse::new(center.into(), DMat2::ZERO, DMat2::from_cols_array(&map))
     }
 
-    /// An image that moves with the fixed point.
+    /// An image that moves with the fixed point, with its centre for the middle of the pixel.
     fn moving(center: [f64; 2], map: [f64; 4]) -> PlaneImage {
         let slope = DMat2::from_cols_array(&[0.3, 0.0, 0.05, 0.35]);
-        let ellipse = Ellipse::new(center.into(), slope, DMat2::from_cols_array(&map));
+        let origin = DVec2::from(center) - slope * Domain::MIDDLE_OF_PIXEL;
+        let ellipse = Ellipse::new(origin, slope, DMat2::from_cols_array(&map));
         PlaneImage::new(ellipse, 0, Domain::Disk).expect("an ellipse")
     }
 
