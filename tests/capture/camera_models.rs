@@ -320,3 +320,21 @@ fn a_polished_ball_shows_every_led_to_a_lens_in_focus_and_out_of_focus() {
         }
     }
 }
+
+/// By rounding, a ray that is aimed at an image may pass beside it: its light is 0, and so is its density.
+#[test]
+fn no_pixel_of_a_picture_of_mirrored_lamps_is_not_a_number() {
+    let mirror =
+        "void metal chrome 0 0 5 .8 .8 .8 1 0 chrome polygon m 0 0 12 -.02 -.02 0 .02 -.02 0 .02 .02 0 -.02 .02 0";
+    let rig = "[rig]\nleds = 4\nring_diameter_mm = 24\nled_diameter_mm = 0.5\nled_intensity_w_per_sr = 0.05\nled_cone_deg = 40\n";
+    let camera = CAMERA.replace("[24, 20]", "[48, 40]").replace("[100, 110]", "[14, 16]");
+    let lens = "lens_focal_length_mm = 8\nf_number = 2\nfocus_distance_m = 0.48\n";
+    let folder = folder(&[("camera.toml", format!("{camera}{lens}{rig}")), ("mirror.rad", mirror.to_owned())]);
+    let sum = |seed: u32| {
+        let words = ["capture", "camera.toml", "mirror.rad", "--error", "0.02", "--exposure", "x.pfm", "--seed"];
+        run(&folder, &[&words[..], &[&seed.to_string()]].concat(), b"").done();
+        exposure_file(&folder.path("x.pfm")).data().iter().map(|value| f64::from(*value)).sum::<f64>()
+    };
+    let sums: Vec<f64> = (1..9).map(sum).collect();
+    assert!(sums.iter().all(|sum| (sum / sums[0] - 1.0).abs() < 0.05), "{sums:?}");
+}

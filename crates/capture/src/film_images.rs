@@ -223,6 +223,10 @@ impl FilmImages {
         let FilmImage { curved, blur, .. } = &self.images[part.image];
         let place = curved.footprint.sample_cells(part.cells.clone(), u);
         let density = curved.footprint.in_cells(place) / curved.footprint.probability(part.cells.clone());
+        if density <= 0.0 {
+            // On the side of a cell, by rounding.
+            return None;
+        }
         let origin = rays.ray_through(0, [0.5; 2], on_pinhole.into())?.origin;
         let direction = curved.direction_to(place, origin);
         let at = rays.picture_point(direction, on_pinhole.into())?;

@@ -206,8 +206,10 @@ impl PixelImages {
             self.domain.fixed_and_drawn(fixed, at)
         };
         let density = images.iter().map(|image| self.density(image, on_pixel, on_pinhole)).sum::<f64>();
+        let pdf = 1.0 - aimed + aimed * density;
         let (fixed, at) = self.domain.fixed_and_drawn(on_pixel, on_pinhole);
-        Some(WeightedPoint { fixed, at, weight: (1.0 - aimed + aimed * density).recip() })
+        // By rounding a point may lie outside of the image that it was drawn from.
+        (pdf > 0.0).then(|| WeightedPoint { fixed, at, weight: pdf.recip() })
     }
 }
 

@@ -459,8 +459,10 @@ mod tests {
 
     /// The mean of a function of the fixed point and the domain by strata.
     fn mean_by_strata(strata: &PlaneStrata, value: impl Fn(DVec2, DVec2) -> f64) -> f64 {
-        let uniform = |u| Some((strata.domain.uniform(u), 1.0));
-        let light = |u| strata.sample(u, hits, uniform);
+        let light = |(fixed, u)| {
+            let uniform = |u| Some(WeightedPoint { fixed, at: strata.domain.uniform(u), weight: 1.0 });
+            strata.sample((fixed, u), hits, uniform)
+        };
         let sum: f64 = points().filter_map(light).map(|point| point.weight * value(point.fixed, point.at)).sum();
         sum / f64::from(COUNT)
     }
