@@ -524,9 +524,30 @@ fn limits_are_options_and_variables() {
     let ended = with("eval-kill", "RADSIGHT_ISOLATE_PLUGINS", "1");
     assert_fault(&ended, "variable", IN_SELF_CHECK, "its process was ended by signal 9");
     let ended = with("", "RADSIGHT_PLUGIN_MEMORY_LIMIT", "much");
-    assert_eq!(ended.code, Some(1), "{ended:?}");
+    assert_eq!(ended.code, Some(2), "{ended:?}");
     let said = "the variable RADSIGHT_PLUGIN_MEMORY_LIMIT is \"much\", expected a number of MB, 0 for no limit";
     assert!(ended.complaints.contains(said), "{ended:?}");
+    for words in [&["plugin", "list"][..], &["check", "s.rad"], &["plugin", "check", "evil"]] {
+        let mut command = bench.command("", words);
+        command.env("RADSIGHT_PLUGIN_TIME_LIMIT", "foo");
+        let ended = finish(command, "");
+        assert_eq!(ended.code, Some(2), "{words:?}: {ended:?}");
+        let said = "the variable RADSIGHT_PLUGIN_TIME_LIMIT is \"foo\", expected seconds, 0 for no limit";
+        assert!(ended.complaints.contains(said), "{words:?}: {ended:?}");
+    }
+}
+
+#[test]
+fn a_library_file_that_is_not_there_is_named_so() {
+    let Some(bench) = Bench::new() else { return };
+    for name in ["/nonexist.so", "./libevil", "evil.so"] {
+        let ended = bench.run("", &["plugin", "check", name]);
+        assert_eq!(ended.code, Some(1), "{ended:?}");
+        let said = format!("cannot find plugin library \"{name}\": there is no such file");
+        assert!(ended.complaints.contains(&said), "{ended:?}");
+    }
+    let folder = bench.run("", &["plugin", "check", "."]);
+    assert!(folder.complaints.contains("\".\" is a folder, expected a plugin library"), "{folder:?}");
 }
 
 #[test]

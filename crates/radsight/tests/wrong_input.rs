@@ -254,3 +254,17 @@ fn a_rounding_error_of_a_material_below_zero_is_zero() {
     assert!(image.pixels().iter().flatten().all(|band| *band >= 0.0));
     assert!(ball(Wrong::NOTHING).is_ok());
 }
+
+#[test]
+fn an_empty_scene_is_one_mistake() {
+    let Err(Error::Scene(report)) = Scene::from_text("") else { panic!("it is empty") };
+    assert_eq!(report.diagnostics.len(), 1, "{report}");
+}
+
+#[test]
+fn a_cache_without_records_has_no_negative_noise() {
+    let scene = Scene::from_text("void glow sky 0 0 4 1 1 1 0  sky source dome 0 0 4 0 0 1 360").unwrap();
+    let image = Renderer::new(&scene).unwrap().ambient_bounces(1).render(&example::view(), 8, 8).unwrap();
+    let report = image.report().to_string();
+    assert!(report.contains("irradiance cache: 0.00 % noise"), "{report}");
+}
