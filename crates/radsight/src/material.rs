@@ -116,12 +116,13 @@ impl Brdf for CheckedModel {
         weights.fill(0.0);
         let sampled = self.model.sample(outgoing, u, weights)?;
         let incident = sampled.incident;
-        if !((incident.length_squared() - 1.0).abs() < UNIT_TOLERANCE) {
+        let is_unit = (incident.length_squared() - 1.0).abs() < UNIT_TOLERANCE;
+        if !is_unit {
             self.mistake("sampled direction below, expected a unit vector", outgoing, incident);
             return None;
         }
         if let Density::Continuous(pdf) = sampled.density
-            && !(pdf > 0.0 && pdf <= f64::MAX)
+            && (pdf == 0.0 || !(0.0..=f64::MAX).contains(&pdf))
         {
             self.mistake(&format!("density {pdf} of a sample, expected a finite number above 0"), outgoing, incident);
             return None;
