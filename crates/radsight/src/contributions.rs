@@ -77,7 +77,7 @@ impl Renderer {
                 || renderer.worker(),
                 |worker, (index, ray)| {
                     let mut sums = vec![[0.0; 3]; names.len()];
-                    let number = first + before + index as u64;
+                    let number = first.wrapping_add(before + index as u64);
                     worker.contributions(number, ray, |found| add(&mut sums[found.modifier], sampling, &found));
                     let contribution =
                         |(modifier, name): (usize, &usize)| ModifierContribution { modifier, value: sums[*name] };

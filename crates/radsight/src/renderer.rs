@@ -430,9 +430,10 @@ impl Renderer {
             if progress.stops() {
                 return Ok(None);
             }
-            let number = first + results.len() as u64;
-            let answer =
-                |worker: &mut RayWorker<'_>, (place, ray): (usize, &Ray)| of(worker.trace(number + place as u64, ray));
+            let number = first.wrapping_add(results.len() as u64);
+            let answer = |worker: &mut RayWorker<'_>, (place, ray): (usize, &Ray)| {
+                of(worker.trace(number.wrapping_add(place as u64), ray))
+            };
             let of_a_thread = RAYS_OF_A_THREAD.min(some.len().div_ceil(rayon::current_num_threads()));
             let answers = some.par_iter().enumerate().with_min_len(of_a_thread);
             results.par_extend(answers.map_init(|| renderer.worker(), answer));

@@ -268,3 +268,17 @@ fn a_cache_without_records_has_no_negative_noise() {
     let report = image.report().to_string();
     assert!(report.contains("irradiance cache: 0.00 % noise"), "{report}");
 }
+
+#[test]
+fn huge_arguments_do_not_overflow() {
+    let rays = [Ray::new(DVec3::ZERO, DVec3::Y).unwrap(); 3];
+    let value = |traced: radsight::Traced| traced.value;
+    let traced = renderer().trace_part(u64::MAX, &rays, value, &radsight::Silent).unwrap().unwrap();
+    assert_eq!(traced, [[1.0; 3]; 3]);
+    let found = renderer().contributions_part(u64::MAX, &rays, &["white"], &radsight::Silent).unwrap().unwrap();
+    assert!(found.iter().all(|found| found[0].value == [1.0; 3]));
+    assert!(radsight::png_rgb8(usize::MAX, vec![0; 3]).is_none());
+    for size in [[usize::MAX, usize::MAX], [usize::MAX, 1], [0, 8]] {
+        assert!(matches!(renderer().render_camera(&example::view(), size[0], size[1]), Err(Error::Size { .. })));
+    }
+}
