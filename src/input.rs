@@ -265,7 +265,7 @@ pub(crate) fn plan_split<T>(
         Ok(())
     };
     let (scene, sources) = valid_scene(scene_inputs(paths, camera, &reading.trust)?, reading, change)?;
-    let planner = Planner::new(&scene, paths, reading, &sources);
+    let planner = Planner::new(&scene, paths, reading, &sources)?;
     let fingerprint = reading.fingerprint(&scene);
     let plan = planner.plan(scene, render_options.clone())?;
     let mut others = Vec::new();
@@ -297,7 +297,7 @@ fn plan_inputs(
     change: impl FnOnce(&mut Scene) -> Outcome,
 ) -> Result<Planned, Failure> {
     let (scene, sources) = valid_scene(inputs, reading, change)?;
-    let planner = Planner::new(&scene, paths, reading, &sources);
+    let planner = Planner::new(&scene, paths, reading, &sources)?;
     let fingerprint = reading.fingerprint(&scene);
     let plan = planner.plan(scene, render_options)?;
     let registry = planner.models.map(Models::into_registry);
@@ -317,11 +317,20 @@ pub(crate) struct Planner<'s> {
 }
 
 impl<'s> Planner<'s> {
-    pub(crate) fn new(scene: &Scene, paths: &[String], reading: &Reading, sources: &'s SourceMap) -> Planner<'s> {
+    /// Fails if a plugin is used and the environment gives it a limit that is none.
+    pub(crate) fn new(
+        scene: &Scene,
+        paths: &[String],
+        reading: &Reading,
+        sources: &'s SourceMap,
+    ) -> Result<Planner<'s>, Failure> {
         let is_plugin = |modifier: &Modifier| matches!(&modifier.kind, ModifierKind::Material(Material::Plugin { library, .. }) if !radsight_render::is_native_library(library));
         let has_plugins = scene.modifiers.items().iter().any(is_plugin);
+        if has_plugins {
+            reading.plugin_guard.check()?;
+        }
         let models = has_plugins.then(|| Models::new(&reading.plugin_options(), paths, sources));
-        Planner { models, sources }
+        Ok(Planner { models, sources })
     }
 
     fn models(&self) -> &dyn ModelSource {

@@ -73,6 +73,11 @@ impl PluginGuard {
         registry.isolated(Isolation { child: ChildCommand::this_program(&CHILD_WORDS), memory })
     }
 
+    /// Checks the environment variables of the limits, before the work.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        self.limits().map(drop).map_err(Failure::usage)
+    }
+
     /// The limits of plugins.
     pub(crate) fn limits(&self) -> Result<Limits, String> {
         let defaults = Limits::default();

@@ -247,7 +247,7 @@ pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut Re
     if used > 0 {
         if reading.trust.word_origin() == Origin::File && reading.plugin_guard.allows_more_than(&before) {
             return Err(Failure::input(format!(
-                "option \"{}\" comes from a file and is ignored\nhint: only the command line may raise limits of plugins",
+                "option \"{}\" comes from a file and is refused\nhint: only the command line may raise limits of plugins",
                 words[..used].join(" ")
             )));
         }

@@ -22,7 +22,7 @@ pub(crate) fn run(arguments: &Check) -> Outcome {
     let modifiers = scene.modifiers.len();
     match scene.validate() {
         Ok(valid) => {
-            let planner = Planner::new(&valid.scene, &arguments.scenes, &arguments.reading, &sources);
+            let planner = Planner::new(&valid.scene, &arguments.scenes, &arguments.reading, &sources)?;
             diagnostics.extend(valid.warnings.into_iter().chain(planner.check_materials(&valid.scene)));
             report_faults(planner.registry());
         }

@@ -118,7 +118,7 @@ fn check(arguments: &PluginCheck) -> Outcome {
     let library = library_file(&arguments.library, &arguments.plugin_path)?;
     let mut options = CheckOptions::new(library, ChildCommand::this_program(&CHILD_WORDS));
     options.seed = arguments.seed;
-    options.memory = PluginGuard::default().limits().map_err(Failure::fault)?.memory;
+    options.memory = PluginGuard::default().limits().map_err(Failure::usage)?.memory;
     options.time_limit = Duration::from_secs(arguments.time_limit.max(1));
     if let Some(model) = &arguments.model {
         let example = parse_model(model)?;
@@ -150,6 +150,7 @@ fn parse_model(text: &str) -> Result<Example, Failure> {
 /// The guard over plugins in this process, as configured by the environment.
 fn guarded() -> Result<PluginGuard, Failure> {
     let guard = PluginGuard::default();
+    guard.check()?;
     guard.guard_program().map_err(Failure::fault)?;
     Ok(guard)
 }
@@ -160,8 +161,16 @@ fn search(folders: &[PathBuf]) -> SearchPath {
 
 /// A file that exists, or a library found by its name.
 fn library_file(name: &str, folders: &[PathBuf]) -> Result<PathBuf, Failure> {
-    if Path::new(name).is_file() {
+    let path = Path::new(name);
+    if path.is_file() {
         return Ok(PathBuf::from(name));
+    }
+    if path.is_dir() {
+        return Err(Failure::input(format!("\"{name}\" is a folder, expected a plugin library")));
+    }
+    // Names of libraries have neither folders nor suffixes.
+    if path.components().count() > 1 || path.extension().is_some() {
+        return Err(Failure::input(format!("cannot find plugin library \"{name}\": there is no such file")));
     }
     search(folders).find(name).map_err(|error| Failure::input(error.to_string()))
 }

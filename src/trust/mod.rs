@@ -220,7 +220,7 @@ impl Trust {
         };
         if self.word == Origin::File && grants != self.grants {
             return Err(Failure::input(format!(
-                "option \"{}\" comes from a file and is ignored\nhint: only the command line may give it",
+                "option \"{}\" comes from a file and is refused\nhint: only the command line may give it",
                 words[..used].join(" ")
             )));
         }

@@ -162,7 +162,7 @@ impl Trust {
             return Ok(());
         }
         Err(Failure::input(format!(
-            "option \"{option}\" comes from a file and is ignored\nhint: the command line may give it, or --allow-outputs"
+            "option \"{option}\" comes from a file and is refused\nhint: the command line may give it, or --allow-outputs"
         )))
     }
 

@@ -152,8 +152,14 @@ const DEEDS: [(&str, &str); 11] = [
 const IN_SELF_CHECK: &str = "eval_pdf or sample";
 
 /// Names of the faults in the plugin, and in the messages.
-const FUNCTIONS: [(&str, &str); 5] =
-    [("load", "load"), ("describe", "describe"), ("create", "create"), ("eval", "eval_pdf"), ("sample", "sample")];
+const FUNCTIONS: [(&str, &str); 6] = [
+    ("load", "load"),
+    ("count", "count"),
+    ("describe", "describe"),
+    ("create", "create"),
+    ("eval", "eval_pdf"),
+    ("sample", "sample"),
+];
 
 #[test]
 fn crashes_and_exits_in_each_function_end_with_code_3_and_the_place() {
@@ -299,6 +305,31 @@ fn what_plugins_print_is_not_in_the_data() {
     assert!(listed.code == Some(0) && !String::from_utf8_lossy(&listed.output).contains("evil words"), "{listed:?}");
     let plotted = bench.run("create-print", &["plugin", "plot", "evil", "lambert(.5,.5,.5)"]);
     assert!(plotted.code == Some(0) && plotted.output.starts_with(b"<svg"), "{plotted:?}");
+}
+
+#[test]
+fn a_closed_standard_file_is_a_fault_with_the_place() {
+    let Some(bench) = Bench::new() else { return };
+    for file in 0..3 {
+        for (function, name) in FUNCTIONS {
+            for options in [&[][..], &["--isolate-plugins"]] {
+                let case = format!("{function}-close_fd{file}");
+                let ended = bench.trace(&case, options);
+                // The self-check calls both functions.
+                let name = if ["eval", "sample"].contains(&function) { "" } else { name };
+                let place = format!("fault in {WHERE}{name}");
+                let what = ": it closed or replaced standard input, output or error";
+                assert_eq!(ended.code, Some(3), "{case} {options:?}: {ended:?}");
+                let said = ended.complaints.contains(&place) && ended.complaints.contains(what);
+                assert!(said, "{case} {options:?}: no {place:?} in {ended:?}");
+                assert_eq!(ended.output, b"", "{case}");
+            }
+        }
+    }
+    // A file that is closed after the last check is found at the end.
+    let ended = bench.trace("destroy-close_fd1", &[]);
+    assert_fault(&ended, "destroy", "destroy", "it closed or replaced");
+    bench.assert_nothing_is_left("closed files");
 }
 
 #[test]
@@ -493,9 +524,30 @@ fn limits_are_options_and_variables() {
     let ended = with("eval-kill", "RADSIGHT_ISOLATE_PLUGINS", "1");
     assert_fault(&ended, "variable", IN_SELF_CHECK, "its process was ended by signal 9");
     let ended = with("", "RADSIGHT_PLUGIN_MEMORY_LIMIT", "much");
-    assert_eq!(ended.code, Some(1), "{ended:?}");
+    assert_eq!(ended.code, Some(2), "{ended:?}");
     let said = "the variable RADSIGHT_PLUGIN_MEMORY_LIMIT is \"much\", expected a number of MB, 0 for no limit";
     assert!(ended.complaints.contains(said), "{ended:?}");
+    for words in [&["plugin", "list"][..], &["check", "s.rad"], &["plugin", "check", "evil"]] {
+        let mut command = bench.command("", words);
+        command.env("RADSIGHT_PLUGIN_TIME_LIMIT", "foo");
+        let ended = finish(command, "");
+        assert_eq!(ended.code, Some(2), "{words:?}: {ended:?}");
+        let said = "the variable RADSIGHT_PLUGIN_TIME_LIMIT is \"foo\", expected seconds, 0 for no limit";
+        assert!(ended.complaints.contains(said), "{words:?}: {ended:?}");
+    }
+}
+
+#[test]
+fn a_library_file_that_is_not_there_is_named_so() {
+    let Some(bench) = Bench::new() else { return };
+    for name in ["/nonexist.so", "./libevil", "evil.so"] {
+        let ended = bench.run("", &["plugin", "check", name]);
+        assert_eq!(ended.code, Some(1), "{ended:?}");
+        let said = format!("cannot find plugin library \"{name}\": there is no such file");
+        assert!(ended.complaints.contains(&said), "{ended:?}");
+    }
+    let folder = bench.run("", &["plugin", "check", "."]);
+    assert!(folder.complaints.contains("\".\" is a folder, expected a plugin library"), "{folder:?}");
 }
 
 #[test]

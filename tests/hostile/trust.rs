@@ -190,7 +190,7 @@ fn files_of_options_widen_nothing() {
     }
     trap.refuses(
         &["rpict", "@commands.opt", "command.rad"],
-        "option \"--allow-commands\" comes from a file and is ignored\nhint: only the command line may give it",
+        "option \"--allow-commands\" comes from a file and is refused\nhint: only the command line may give it",
     );
     // Options of the command line also apply to a file's words; a variable is trusted.
     trap.run(&["rtrace", "--allow-commands", "@commands.opt", "command.rad"]).done();

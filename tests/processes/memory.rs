@@ -147,7 +147,7 @@ fn a_file_of_options_cannot_let_plugins_take_more() {
         let words = ["rpict", "@options", "-x", "4", "-y", "4", "scene.rad"];
         let run = run_with(command(&words).current_dir(folder.path("")), b"");
         assert_eq!(run.code, code, "{options}: {}", run.messages);
-        assert_eq!(run.messages.contains("comes from a file and is ignored"), code == INPUT, "{}", run.messages);
+        assert_eq!(run.messages.contains("comes from a file and is refused"), code == INPUT, "{}", run.messages);
     }
 }
 

@@ -15,6 +15,9 @@ use radsight_brdf::Lambert;
 use std::f64::consts::PI;
 use std::ops::Range;
 
+/// Negative numbers down to this are rounding errors of zero, 1/sr.
+const ROUNDING: f64 = -1e-9;
+
 /// A Python object with `evaluate(outgoing, incident)`, and `pdf` and `sample` where cosine-weighted directions are not good enough.
 #[derive(Debug)]
 pub(crate) struct PythonMaterial {
@@ -191,13 +194,14 @@ impl PythonMaterial {
         Err(self.wrong(&format!("{method} gave an array of shape {found}, expected {}", expected.join(" or "))))
     }
 
-    /// Says for which directions a value is not a number.
+    /// Says for which directions a value is not a number, or negative by more than rounding.
     fn check(&self, method: &str, values: &[f64], bands: usize, pairs: &Pairs) -> PyResult<()> {
-        let Some(place) = values.iter().position(|value| !value.is_finite()) else { return Ok(()) };
+        let is_wrong = |value: &f64| !(ROUNDING..=f64::MAX).contains(value);
+        let Some(place) = values.iter().position(is_wrong) else { return Ok(()) };
         let text = |direction: DVec3| format!("({:.6}, {:.6}, {:.6})", direction.x, direction.y, direction.z);
         let (outgoing, incident) = (pairs.outgoing[place / bands], pairs.incident[place / bands]);
         Err(self.wrong(&format!(
-            "{method} gave {} for outgoing {} and incident {}, expected a finite number",
+            "{method} gave {} for outgoing {} and incident {}, expected a finite number of 0 or more",
             values[place],
             text(outgoing),
             text(incident)

@@ -58,10 +58,14 @@ arguments! {
     seed: u64,
 }
 
+/// Largest number of threads, as in the program: to start many more takes minutes, or fails.
+const MOST_THREADS: usize = 4096;
+
 /// A number of threads: not 0, which would be as many as there are cores.
 fn threads(given: &Bound<'_, PyAny>) -> PyResult<usize> {
     match whole("threads", given)? {
         0 => Err(wrong("threads", 0, "at least 1, or None for all cores")),
+        threads if threads > MOST_THREADS => Err(wrong("threads", threads, "at most 4096")),
         threads => Ok(threads),
     }
 }

@@ -177,6 +177,10 @@ def test_exceptions_of_python_code_end_the_work():
         def evaluate(self, outgoing, incident):
             return np.full(len(incident), np.nan)
 
+    class Negative:
+        def evaluate(self, outgoing, incident):
+            return np.full(len(incident), -0.1)
+
     class Number:
         def evaluate(self, outgoing, incident):
             return 0.5 / np.pi
@@ -194,6 +198,7 @@ def test_exceptions_of_python_code_end_the_work():
         (Broken(), ZeroDivisionError, "a mistake"),
         (Short(), ValueError, r'"grey": evaluate gave an array of shape \(\d+,\), expected \(\d+,\) or \(\d+, 3\)'),
         (NotANumber(), ValueError, r"evaluate gave NaN for outgoing \(.*\) and incident \("),
+        (Negative(), ValueError, r"evaluate gave -0.1 for outgoing \(.*\), expected a finite number of 0 or more"),
         (Number(), ValueError, r"evaluate gave an array of shape \(\)"),
         (Density(), ValueError, "pdf gave inf for outgoing"),
         (Direction(), ValueError, r"sample gave an array of shape \(\d+, 2\), expected \(\d+, 3\)"),
@@ -212,6 +217,16 @@ def test_exceptions_of_python_code_end_the_work():
 
     with pytest.raises(ValueError, match="\"grey\": evaluate gave NoneType, expected an array"):
         radsight.Renderer(radsight.Scene.from_text(TABLE, materials={"grey": Nothing()})).trace(rays)
+
+
+def test_a_rounding_error_of_a_material_below_zero_is_zero():
+    class Black:
+        def evaluate(self, outgoing, incident):
+            return np.full(len(incident), -1e-17)
+
+    scene = radsight.Scene.from_text(TABLE, materials={"grey": Black()})
+    traced = radsight.Renderer(scene).trace(np.array([[0, 0, 1, 0, 0, -1.0]]))
+    np.testing.assert_array_equal(traced.radiance_w_per_sr_m2, np.zeros((1, 3)))
 
 
 def with_row(*numbers):

@@ -179,7 +179,7 @@ fn call_create(
         // the call returns.
         unsafe { create(index, &raw const call, &raw mut made) }
     };
-    guard::take_back_handlers(Some(breadcrumb));
+    guard::after_call(breadcrumb);
     if status == status::OK { Ok(made) } else { Err(refusal(library, model, status, &error)) }
 }
 

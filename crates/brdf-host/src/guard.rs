@@ -79,7 +79,7 @@ pub fn install(limits: &Limits) -> std::io::Result<()> {
 
 /// Restores signal handlers that a plugin replaced, and reports that once: with the current call,
 /// or without one.
-pub(crate) fn take_back_handlers(breadcrumb: Option<Breadcrumb>) {
+fn take_back_handlers(breadcrumb: Option<Breadcrumb>) {
     static TOLD: AtomicBool = AtomicBool::new(false);
     let replaced = signals::reinstall();
     if !replaced.is_empty() && !TOLD.swap(true, Ordering::Relaxed) {
@@ -91,8 +91,24 @@ pub(crate) fn take_back_handlers(breadcrumb: Option<Breadcrumb>) {
 
 /// Call it after a library's initialisers have run: undoes what they may have done to the guard.
 pub(crate) fn after_load(breadcrumb: Breadcrumb) {
-    take_back_handlers(Some(breadcrumb));
+    after_call(breadcrumb);
     endings::come_first();
+}
+
+/// Call it after each call that does not count for speed: undoes what it may have done to the
+/// guard, and ends the program if it closed a standard file.
+pub(crate) fn after_call(breadcrumb: Breadcrumb) {
+    take_back_handlers(Some(breadcrumb));
+    if !standard_output::is_intact() {
+        endings::end_for_closed_files(Some(breadcrumb));
+    }
+}
+
+/// Ends the program if one of the last calls closed a standard file.
+pub(crate) fn check_files() {
+    if !standard_output::is_intact() {
+        endings::end_for_closed_files(None);
+    }
 }
 
 /// The guard of a process that runs only a plugin, and whose parent enforces the limits: a crash

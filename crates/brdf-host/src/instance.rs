@@ -165,7 +165,8 @@ impl PluginBrdf {
         }
     }
 
-    fn in_self_check(&self) -> Breadcrumb {
+    /// Description of the calls of a self-check.
+    pub(crate) fn in_self_check(&self) -> Breadcrumb {
         let Label { material, place } = &self.label;
         Breadcrumb::for_model(self.library.name(), &self.model.name, material, place, "eval_pdf or sample")
     }
@@ -304,8 +305,12 @@ impl Drop for PluginBrdf {
         match (&self.home, self.library.home()) {
             (Made::Here(functions), Home::Here(loaded)) => {
                 let _one_thread = loaded.one_thread();
-                let _trail = guard::enter(self.in_destroy);
-                functions.destroy();
+                guard::check_files();
+                {
+                    let _trail = guard::enter(self.in_destroy);
+                    functions.destroy();
+                }
+                guard::after_call(self.in_destroy);
             }
             (Made::There(id), Home::There(worker)) => worker.destroy(*id, self.in_destroy),
             _ => {}

@@ -114,7 +114,7 @@ impl Library {
             load_entry(path)?
         };
         guard::after_load(crumb("load"));
-        let describing = crumb("describe");
+        let describing = ["count", "describe"].map(crumb);
         Self::of_entry(name, path, entry, describing)
     }
 
@@ -131,14 +131,12 @@ impl Library {
         let path = Path::new(name);
         // SAFETY: the caller's promise.
         let entry = unsafe { read_entry(path, entry.cast()) }?;
-        Self::of_entry(name.to_owned(), path, entry, Breadcrumb::for_library(name, "describe"))
+        let describing = ["count", "describe"].map(|function| Breadcrumb::for_library(name, function));
+        Self::of_entry(name.to_owned(), path, entry, describing)
     }
 
-    fn of_entry(name: String, path: &Path, entry: abi::Entry, describing: Breadcrumb) -> Result<Library, Error> {
-        let models = {
-            let _trail = guard::enter(describing);
-            read_models(&name, &entry)?
-        };
+    fn of_entry(name: String, path: &Path, entry: abi::Entry, describing: [Breadcrumb; 2]) -> Result<Library, Error> {
+        let models = read_models(&name, &entry, describing)?;
         let host = Box::new(LibraryHost {
             visible: abi::Host {
                 struct_size: size_of::<abi::Host>() as u32,
@@ -322,18 +320,28 @@ unsafe fn read_entry(path: &Path, entry: *const u8) -> Result<abi::Entry, Error>
     Ok(entry)
 }
 
-fn read_models(library: &str, entry: &abi::Entry) -> Result<Vec<ModelInfo>, Error> {
+/// Calls the library's `count` and `describe`, with their breadcrumbs.
+fn read_models(
+    library: &str,
+    entry: &abi::Entry,
+    [counting, describing]: [Breadcrumb; 2],
+) -> Result<Vec<ModelInfo>, Error> {
     let broken = |what: String| Error::BrokenRule { library: library.to_owned(), what };
     let (Some(count), Some(describe)) = (entry.count, entry.describe) else {
         return Err(broken("the entry lacks count or describe".to_owned()));
     };
-    // SAFETY: nothing else of this library runs yet.
-    let count = unsafe { count() };
+    let count = {
+        let _trail = guard::enter(counting);
+        // SAFETY: nothing else of this library runs yet.
+        unsafe { count() }
+    };
+    guard::after_call(counting);
     if count == 0 || count > MOST_ROWS {
         return Err(broken(format!("it has {count} models, expected 1 to {MOST_ROWS}")));
     }
     let mut models: Vec<ModelInfo> = Vec::new();
     for index in 0..count {
+        let trail = guard::enter(describing);
         // SAFETY: as above.
         let descriptor = unsafe { describe(index) };
         if descriptor.is_null() {
@@ -341,11 +349,13 @@ fn read_models(library: &str, entry: &abi::Entry) -> Result<Vec<ModelInfo>, Erro
         }
         // SAFETY: the plugin's descriptor lives as long as the library.
         let model = unsafe { read_model(descriptor) }.map_err(|what| broken(format!("model {index}: {what}")))?;
+        drop(trail);
         if models.iter().any(|other| other.name == model.name) {
             return Err(broken(format!("two models have the name \"{}\"", model.name)));
         }
         models.push(model);
     }
+    guard::after_call(describing);
     Ok(models)
 }
 

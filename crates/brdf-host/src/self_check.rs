@@ -35,6 +35,12 @@ pub(crate) fn self_check(brdf: &PluginBrdf, mode: SelfCheck) -> Vec<String> {
     if mode == SelfCheck::Off {
         return Vec::new();
     }
+    let findings = findings(brdf);
+    crate::guard::after_call(brdf.in_self_check());
+    findings
+}
+
+fn findings(brdf: &PluginBrdf) -> Vec<String> {
     if let Some(finding) = unknown_kind(brdf) {
         return vec![finding];
     }

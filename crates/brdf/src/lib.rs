@@ -89,4 +89,10 @@ pub trait Brdf: Send + Sync + std::fmt::Debug {
     /// `u` is uniform in [0,1)³: the first two numbers choose the direction, the third the lobe.
     /// `None` means absorption.
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample>;
+
+    /// A mistake of the model in one of the calls so far, which makes a picture invalid. Default
+    /// none.
+    fn fault(&self) -> Option<String> {
+        None
+    }
 }

@@ -28,6 +28,7 @@ mod mist_lights;
 mod model_source;
 mod narrow_highlight;
 mod native_model;
+mod option_check;
 mod options;
 mod outlined_surface;
 mod plan;
@@ -60,6 +61,7 @@ pub use mist_lights::MistLights;
 pub use model_source::{ModelRequest, ModelSource, NoModels};
 pub use narrow_highlight::SeenSurface;
 pub use native_model::is_native_library;
+pub use option_check::OptionOutOfRange;
 pub use options::{
     AmbientSurfaces, BackFaces, BareSurfaces, Caustics, Gathering, GlobalMedium, LightDivision, Lights, PathLimit,
     Quantity, RayTreeOutput, RenderOptions, Skip, Skipping, TrackedValue, Uncached,

@@ -164,6 +164,10 @@ impl Gathering {
     /// Relative interpolation error above which tracing single rays is more accurate.
     pub const MAX_INTERPOLATION_ERROR: f64 = 0.2;
 
+    /// Largest number of hemisphere samples, and of additional ones: a million takes some hundred
+    /// megabytes for each thread.
+    pub const MOST_RAYS: u32 = 1 << 20;
+
     /// Number of hemisphere samples of a cache point; with fewer than two a single ray is traced
     /// instead.
     pub fn rays(&self) -> usize {

@@ -129,11 +129,21 @@ impl RenderPlan {
         self.options.caustics == Caustics::Sampled && are_followed && !self.reflectors.is_empty()
     }
 
-    /// Error that makes the picture invalid: a ray hit a surface whose material cannot be used, or
-    /// functions took too many steps too often.
+    /// Error that makes the picture invalid: a ray hit a surface whose material cannot be used, a
+    /// reflectance model made a mistake, or functions took too many steps too often.
     #[must_use]
     pub fn fatal_fault(&self) -> Option<Diagnostic> {
-        self.unusable_material().or_else(|| self.exhausted_function())
+        self.unusable_material().or_else(|| self.faulty_model()).or_else(|| self.exhausted_function())
+    }
+
+    fn faulty_model(&self) -> Option<Diagnostic> {
+        self.shaders.iter().find_map(|shader| {
+            let Kind::Plugin(model) = &shader.kind else { return None };
+            let error = Diagnostic::error(model.fault()?);
+            let mut chain = shader.textures.home.scene(&self.scene).chain(shader.modifier);
+            let material = chain.find(|(_, modifier)| matches!(modifier.kind, ModifierKind::Material(_)));
+            Some(material.and_then(|(_, modifier)| modifier.span).into_iter().fold(error, Diagnostic::at))
+        })
     }
 
     fn unusable_material(&self) -> Option<Diagnostic> {

@@ -35,9 +35,9 @@ use radsight_loader::Loader;
 #[must_use]
 pub fn read_scene(inputs: &[Input], loader: &dyn Loader, options: &ReadOptions) -> Read {
     let mut reader = reader::Reader::new(loader, options);
+    reader.refuse_empty_files(inputs);
     for input in inputs {
         reader.read_input(input);
     }
-    reader.refuse_empty_files(inputs);
     reader.finish()
 }

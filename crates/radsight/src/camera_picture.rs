@@ -1,9 +1,9 @@
 //! Pictures of custom cameras and integrators.
 
-use crate::camera::{self, Camera};
+use crate::camera::{Camera, CheckedCamera};
 use crate::image::{Image, Maps};
 use crate::integrator::{Integrator, RayQueries};
-use crate::renderer::{check_budget, check_materials, header, report};
+use crate::renderer::{check_materials, header, report};
 use crate::{Error, Renderer, report_page};
 use radsight_adaptive::{
     ErrorTarget, FIRST_SAMPLES, PixelSamples, PixelSource, SampleCounter, Stop, pixel_of_ray, ray_number,
@@ -25,7 +25,7 @@ const CAMERA_BATCH: usize = 4096;
 struct CameraRays<'s> {
     renderer: &'s radsight_render::Renderer,
     integrator: &'s dyn Integrator,
-    camera: &'s dyn Camera,
+    camera: &'s CheckedCamera<'s>,
     size: [usize; 2],
     progress: &'s dyn Progress,
     /// Of samples to an error, of pixels with a fixed number of samples.
@@ -48,29 +48,31 @@ impl Renderer {
         progress: &dyn Progress,
     ) -> Result<Option<Image>, Error> {
         Image::check_size(size[0], size[1])?;
+        self.check(camera)?;
         let mut options = self.options.clone();
         let budget = match self.budget.apply(&mut options) {
             SamplingBudget::Interpolated(_) => SamplingBudget::Samples(USUAL_SAMPLES),
             budget => budget,
         };
-        check_budget(budget)?;
         if let SamplingBudget::Error(_) = budget {
             // The error would not include that of cached irradiance.
             options.gathering.accuracy = 0.0;
         }
         let (used, sources, asked) = (options.clone(), self.scene.sources.clone(), self.budget.asked_error());
-        if self.gather(&options, || central_rays(camera, size), RaySpacing::UNKNOWN, progress)?.is_none() {
+        let camera = CheckedCamera::new(camera);
+        if self.gather(&options, || central_rays(&camera, size), RaySpacing::UNKNOWN, progress)?.is_none() {
             return Ok(None);
         }
         let renderer = &*self.prepare(options)?;
         let per_pixel = if let SamplingBudget::Error(_) = budget { FIRST_SAMPLES } else { 1 };
         let counter = SampleCounter::new(0, (size[0] * size[1]) as u64 * u64::from(per_pixel));
-        let rays = CameraRays { renderer, integrator, camera, size, progress, counter };
+        let rays = CameraRays { renderer, integrator, camera: &camera, size, progress, counter };
         let finished = match budget {
             SamplingBudget::Error(target) => rays.to_error(target),
             SamplingBudget::Samples(samples) => rays.with_samples(samples),
             SamplingBudget::Interpolated(_) => unreachable!("it was replaced above"),
         };
+        camera.fault().take()?;
         let Some(Finished { pixels, maps, estimate }) = finished else { return Ok(None) };
         check_materials(renderer.plan(), &sources)?;
         let image = Image::new(size[0], pixels, header(""), report(renderer, estimate));
@@ -98,17 +100,31 @@ impl CameraRays<'_> {
         };
         let (film, aperture): (Vec<_>, Vec<_>) = numbers.iter().map(at).unzip();
         for (number, ray) in numbers.iter().zip(self.camera.rays(&film, &aperture)) {
-            let Some((ray, weight)) = ray.and_then(camera::checked) else { continue };
+            let Some((ray, weight)) = ray else { continue };
             let value = self.integrator.radiance(&mut RayQueries::new(worker, seed, *number), &ray);
+            if !value.iter().all(|band| band.is_finite()) {
+                let [red, green, blue] = value;
+                let mistake = format!(
+                    "it gave ({red}, {green}, {blue}) for the ray from {} along {}, expected finite numbers",
+                    ray.origin, ray.direction
+                );
+                self.camera.fault().set(Error::OwnIntegrator(mistake));
+                return;
+            }
             visit(*number, value.map(|band| weight * band));
         }
+    }
+
+    /// Whether the work ends: it was stopped, or camera or integrator made a mistake.
+    fn ends(&self) -> bool {
+        self.progress.stops() || self.camera.fault().is_set()
     }
 
     /// A fixed number of rays per pixel; `None` if it was stopped.
     fn with_samples(&self, samples: u32) -> Option<Finished> {
         let (pixels, at_once) = (self.pixels(), (CAMERA_BATCH / samples as usize).max(1));
         let batch = |worker: &mut RayWorker<'_>, batch: usize| {
-            if self.progress.stops() {
+            if self.ends() {
                 return None;
             }
             let range = batch * at_once..pixels.min((batch + 1) * at_once);
@@ -178,7 +194,7 @@ impl<'s> PixelSource for CameraRays<'s> {
     }
 
     fn stops(&self) -> bool {
-        self.progress.stops()
+        self.ends()
     }
 
     fn plan(&self, samples: u64) {
@@ -196,14 +212,14 @@ fn film_point([columns, rows]: [usize; 2], pixel: usize, [x, y]: [f64; 2]) -> [f
 }
 
 /// The rays through the centres of pixels and aperture.
-fn central_rays(camera: &dyn Camera, size: [usize; 2]) -> Vec<Option<Ray>> {
+fn central_rays(camera: &CheckedCamera<'_>, size: [usize; 2]) -> Vec<Option<Ray>> {
     let pixels = size[0] * size[1];
     let mut first = Vec::with_capacity(pixels);
     for begin in (0..pixels).step_by(CAMERA_BATCH) {
         let batch = begin..pixels.min(begin + CAMERA_BATCH);
         let film: Vec<[f64; 2]> = batch.map(|pixel| film_point(size, pixel, [0.5; 2])).collect();
         let rays = camera.rays(&film, &vec![[0.5; 2]; film.len()]);
-        first.extend(rays.into_iter().map(|ray| ray.and_then(camera::checked).map(|(ray, _)| ray)));
+        first.extend(rays.into_iter().map(|ray| ray.map(|(ray, _)| ray)));
     }
     first
 }

@@ -1,15 +1,17 @@
 //! Captures of a scene with a real camera.
 
-use crate::camera::{Camera, CameraRay};
+use crate::camera::{Camera, CameraFault, CameraRay, checked};
 use crate::error::{Error, Report};
 use crate::error_budget::ErrorBudget;
 use crate::file_loader::FileLoader;
+use crate::option_check::{check_budget, check_options, wrong};
 use crate::renderer::check_materials;
 use crate::report_page;
 use crate::scene::{LIGHT_RING, Scene};
 use radsight_camera::CameraFile;
 use radsight_capture::{Checkpoint, ErrorTarget, Exposer, Exposure, PixelStatistics, Progress, Silent};
 use radsight_diag::{Diagnostic, SourceMap};
+use radsight_film::SamplingBudget;
 use radsight_loader::{FileKind, Loader};
 use radsight_pinhole::{FilmRay, FilmRays, Rays};
 use radsight_render::{RenderOptions, RenderPlan};
@@ -50,10 +52,52 @@ impl fmt::Debug for OwnCamera {
     }
 }
 
-impl FilmRays for OwnCamera {
+/// The checked rays of a custom camera for one exposure.
+#[derive(Debug)]
+struct OwnRays {
+    camera: OwnCamera,
+    fault: CameraFault,
+}
+
+impl FilmRays for OwnRays {
     fn ray(&self, film: [f64; 2], aperture: [f64; 2]) -> Option<FilmRay> {
-        let CameraRay { origin, direction, weight } = self.0.ray(film, aperture)?;
-        Some(FilmRay { origin, direction, weight })
+        let given = self.camera.0.ray(film, aperture)?;
+        match checked(given, film) {
+            // A ray of usual length keeps its bits.
+            Ok((ray, weight)) => {
+                let is_usual = given.direction.try_normalize().is_some();
+                let direction = if is_usual { given.direction } else { ray.direction };
+                Some(FilmRay { origin: given.origin, direction, weight })
+            }
+            Err(mistake) => {
+                self.fault.set(Error::OwnCamera(mistake));
+                None
+            }
+        }
+    }
+}
+
+/// Stops an exposure after a mistake of its custom camera.
+struct UntilFault<'p> {
+    progress: &'p dyn Progress,
+    own: Option<&'p OwnRays>,
+}
+
+impl Progress for UntilFault<'_> {
+    fn report(&self, done: u64, total: u64) {
+        self.progress.report(done, total);
+    }
+
+    fn wants_checkpoint(&self) -> bool {
+        self.progress.wants_checkpoint()
+    }
+
+    fn save(&self, checkpoint: Checkpoint) {
+        self.progress.save(checkpoint);
+    }
+
+    fn stops(&self) -> bool {
+        self.progress.stops() || self.own.is_some_and(|own| own.fault.is_set())
     }
 }
 
@@ -79,16 +123,24 @@ impl FilmRays for OwnCamera {
 #[derive(Clone, Debug)]
 pub struct CaptureCamera {
     rays: Rays,
+    own: Option<OwnCamera>,
 }
 
 impl Camera for CaptureCamera {
     fn ray(&self, [x, y]: [f64; 2], [u, v]: [f64; 2]) -> Option<CameraRay> {
+        if let Some(own) = &self.own {
+            return own.0.ray([x, y], [u, v]);
+        }
         let camera = self.rays.camera();
         let [columns, rows] = [camera.columns(), camera.rows()].map(f64::from);
         let [column, row] = [(x * columns).min(columns - 1.0).floor(), (y * rows).min(rows - 1.0).floor()];
         let pixel = row as u64 * u64::from(camera.columns()) + column as u64;
         let ray = self.rays.ray(pixel, [x * columns - column, y * rows - row, u, v]);
         (ray.cos4 > 0.0).then_some(CameraRay { origin: ray.origin, direction: ray.direction, weight: ray.cos4 })
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        self.own.as_ref().map_or(Ok(()), |own| own.0.check())
     }
 }
 
@@ -328,7 +380,7 @@ impl Capture {
     /// ```
     #[must_use]
     pub fn camera(&self) -> CaptureCamera {
-        CaptureCamera { rays: self.rays() }
+        CaptureCamera { rays: self.rays(None), own: self.own_camera.clone() }
     }
 
     /// Adds the camera file's light ring to a scene.
@@ -387,18 +439,20 @@ impl Capture {
             .map_err(|errors| Error::Scene(Report::new(errors, scene.sources.clone())))?;
         let weights = self.file.band_weights_for(plan.bands()).map_err(|error| Error::Bands(error.to_string()))?;
         let renderer = radsight_render::Renderer::new(plan);
-        let rays = self.rays();
+        let own = self.own_camera.clone().map(|camera| Arc::new(OwnRays { camera, fault: CameraFault::default() }));
+        let rays = self.rays(own.clone());
         let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &[] };
-        let exposure = self.sampled(&exposer, None, progress);
+        let exposure = self.sampled(&exposer, None, &UntilFault { progress, own: own.as_deref() });
+        own.map_or(Ok(()), |own| own.fault.take())?;
         check_materials(renderer.plan(), &scene.sources)?;
         Ok(self.image(exposure, report_page::record(&renderer, &self.options)))
     }
 
-    /// The rays of the camera.
-    fn rays(&self) -> Rays {
+    /// The rays of the custom camera, or of the file's.
+    fn rays(&self, own: Option<Arc<OwnRays>>) -> Rays {
         let (camera, samples) = (&self.file.camera, self.fixed_samples().unwrap_or(1));
-        match &self.own_camera {
-            Some(own) => Rays::with_own(camera, Arc::new(own.clone()), samples, self.options.seed),
+        match own {
+            Some(own) => Rays::with_own(camera, own, samples, self.options.seed),
             None => Rays::new(camera, samples, self.options.seed),
         }
     }
@@ -410,18 +464,18 @@ impl Capture {
         if self.own_camera.is_some() { Err(Error::Option { option, value, expected }) } else { Ok(()) }
     }
 
-    /// Checks the options.
+    /// Checks options and camera.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
-        match (self.budget.asked_error(), self.fixed_samples()) {
-            (None, None) => return wrong("budget", "a preview".to_owned(), "an error or a number of samples"),
-            (_, Some(0)) => return wrong("samples", "0".to_owned(), "at least 1"),
-            (Some(error), _) if !(error > 0.0 && error.is_finite()) => {
-                return wrong("error", error.to_string(), "a relative error above 0, such as 0.005");
+        match self.budget.asked() {
+            SamplingBudget::Interpolated(_) => {
+                return Err(wrong("budget", "a preview", "an error or a number of samples"));
             }
-            _ => {}
+            SamplingBudget::Samples(0) => return Err(wrong("samples", 0, "at least 1")),
+            SamplingBudget::Samples(_) => {}
+            SamplingBudget::Error(_) => check_budget(&self.budget)?,
         }
-        Ok(())
+        check_options(&self.options)?;
+        self.own_camera.as_ref().map_or(Ok(()), |own| own.0.check())
     }
 
     /// The parsed camera file.

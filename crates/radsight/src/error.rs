@@ -131,6 +131,12 @@ pub enum Error {
         /// Largest number of pixels.
         most: usize,
     },
+    /// A custom camera gave rays that cannot be traced.
+    #[error("the custom camera is wrong: {0}")]
+    OwnCamera(String),
+    /// A custom integrator gave a value that is not finite.
+    #[error("the integrator is wrong: {0}")]
+    OwnIntegrator(String),
     /// The camera has no sensor.
     #[error("the camera file has no [sensor], which is needed for grey values")]
     NoSensor,

@@ -94,7 +94,8 @@ impl ErrorBudget {
 
     /// The same with a maximum number of rays per pixel; a number of rays or a preview is unchanged.
     /// The limit of a picture holds for an error of 0.02 or more; for a lower one it grows with the
-    /// inverse square of the error.
+    /// inverse square of the error. The error is estimated from the first four rays of a pixel, so
+    /// pictures and captures refuse a limit below four with [`Error::Option`](crate::Error::Option).
     ///
     /// ```
     /// use radsight::{ErrorBudget, Renderer, Scene, View};
@@ -109,7 +110,7 @@ impl ErrorBudget {
     #[must_use]
     pub fn at_most(mut self, samples: u32) -> ErrorBudget {
         if let Asked::Error(target) = &mut self.0 {
-            target.most_samples = samples.clamp(1, ErrorBudget::MOST_SAMPLES);
+            target.most_samples = samples.min(ErrorBudget::MOST_SAMPLES);
         }
         self
     }
@@ -149,6 +150,15 @@ impl ErrorBudget {
             SamplingBudget::Samples(samples) => Asked::Samples(samples),
             SamplingBudget::Interpolated(interpolation) => Asked::Preview(interpolation),
         })
+    }
+
+    /// What was requested.
+    pub(crate) fn asked(&self) -> SamplingBudget {
+        match self.0 {
+            Asked::Error(target) => SamplingBudget::Error(target),
+            Asked::Samples(samples) => SamplingBudget::Samples(samples),
+            Asked::Preview(interpolation) => SamplingBudget::Interpolated(interpolation),
+        }
     }
 
     /// The requested number of rays per pixel, if any.
@@ -214,7 +224,8 @@ impl ErrorBudget {
                 gathering.allocation_floor = ALLOCATION_FLOOR;
                 if gathering.accuracy > 0.0 && gathering.divisions > 1 {
                     let thoroughness = (COARSE_ERROR / error).powi(2).clamp(1.0, MOST_THOROUGH);
-                    gathering.divisions = (f64::from(gathering.divisions) * thoroughness) as u32;
+                    let divisions = f64::from(gathering.divisions) * thoroughness;
+                    gathering.divisions = divisions.min(Gathering::MOST_RAYS.into()) as u32;
                 }
                 gathering.caustic_error = (CAUSTIC_NOISES * gathering.noise).min(Gathering::MAX_INTERPOLATION_ERROR);
                 gathering.accuracy = gathering.accuracy.min((REACH_SHARE * error.sqrt()).max(NEAR_ENOUGH));
@@ -224,7 +235,7 @@ impl ErrorBudget {
             }
             Asked::Samples(samples) => SamplingBudget::Samples(samples),
             Asked::Preview(interpolation) => {
-                let rays = f64::from(gathering.divisions + gathering.super_samples);
+                let rays = gathering.rays() as f64;
                 let thoroughness = (rays / FEW_RAYS).max(1.0).powf(THOROUGHNESS);
                 gathering.noise = NOISE_OF_A_RAY / (thoroughness * rays.max(1.0).sqrt());
                 gathering.accuracy = gathering.accuracy.min(INTERPOLATION_NOISES * gathering.noise);

@@ -269,7 +269,7 @@ impl fmt::Display for RenderReport {
 /// ```
 #[must_use]
 pub fn png_rgb8(columns: usize, values: Vec<u8>) -> Option<Vec<u8>> {
-    let rows = values.len().checked_div(3 * columns)?;
+    let rows = values.len().checked_div(columns.checked_mul(3)?)?;
     let image = radsight_picture::Image::new(columns, rows, 3, values).ok()?;
     radsight_picture::write_png_rgb8(&image, None).ok()
 }

@@ -37,7 +37,7 @@ const FURTHER_RAYS_FROM: u32 = 40;
 pub trait Integrator: Sync {
     /// Radiance along a ray towards its origin, W/(sr·m²), or another quantity for the image. The
     /// result must be a function of the ray and of `queries` alone, so that threads do not change
-    /// images.
+    /// images. A number that is not finite is [`Error::OwnIntegrator`](crate::Error::OwnIntegrator).
     fn radiance(&self, queries: &mut RayQueries<'_, '_>, ray: &Ray) -> [f64; 3];
 }
 

@@ -41,6 +41,7 @@ pub mod camera_file;
 mod camera_picture;
 mod capture;
 mod capture_series;
+mod contributions;
 mod derivatives;
 mod error;
 mod error_budget;
@@ -51,6 +52,7 @@ mod image;
 mod integrator;
 mod irradiance_cache;
 mod material;
+mod option_check;
 pub mod options;
 mod part_move;
 mod recording_loader;
@@ -67,6 +69,7 @@ pub use glam;
 pub use camera::{Camera, CameraRay};
 pub use capture::{Capture, CaptureCamera, CapturedImage};
 pub use capture_series::{CaptureSeries, SeriesExposure, SeriesPicture, SeriesScenes, expose_series};
+pub use contributions::ModifierContribution;
 pub use derivatives::{
     CaptureDerivatives, ExposureDerivatives, FisherInformation, Parameter, ParameterDerivative, expose_derivatives,
 };
@@ -87,7 +90,7 @@ pub use radsight_render::{CacheError, Contribution, FirstHit, Ray, RenderOptions
 pub use radsight_report::{ErrorMap, Page, Quantity, RunRecord, Stage, viridis};
 pub use recording_loader::RecordingLoader;
 pub use render_job::{JobResult, JobTarget, MergedJob, RayFormat, RayQuantity, RenderJob, Tile};
-pub use renderer::{ModifierContribution, Renderer};
+pub use renderer::Renderer;
 pub use scene::{Scene, SceneBuilder};
 pub use series_file::{SeriesRow, check_moved_parts, read_series};
 pub use view::View;

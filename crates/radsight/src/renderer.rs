@@ -6,18 +6,17 @@ use crate::error_budget::ErrorBudget;
 use crate::image::{Image, Maps, RenderReport};
 use crate::integrator::{Integrator, PathIntegrator};
 use crate::irradiance_cache::CacheFilling;
+use crate::option_check::{check_budget, check_options, check_pixel_jitter};
 use crate::{Scene, View, report_page};
 use radsight_capture::{Progress, Silent};
 use radsight_diag::SourceMap;
-use radsight_film::{ErrorTarget, Film, SamplingBudget, ViewCamera};
+use radsight_film::{Film, SamplingBudget, ViewCamera};
 use radsight_picture::Header;
-use radsight_render::{
-    Contribution, Gathering, Ray, RaySpacing, RayWorker, RenderOptions, RenderPlan, Sampling, Traced, Uncached,
-};
+use radsight_render::{Gathering, Ray, RaySpacing, RayWorker, RenderOptions, RenderPlan, Traced, Uncached};
 use rayon::prelude::*;
 
 /// Number of rays between two progress reports.
-const RAYS_AT_A_TIME: usize = 1 << 17;
+pub(crate) const RAYS_AT_A_TIME: usize = 1 << 17;
 
 /// Number of consecutive rays that a thread traces, where there are as many for each.
 const RAYS_OF_A_THREAD: usize = 1024;
@@ -44,26 +43,6 @@ pub struct Renderer {
     /// A loaded irradiance cache, applied to each new renderer.
     pub(crate) loaded: Option<Vec<u8>>,
     pub(crate) filling: CacheFilling,
-}
-
-/// The contribution of one of the requested modifiers to a ray.
-///
-/// ```
-/// use glam::DVec3;
-/// use radsight::{Ray, Renderer, Scene};
-/// let scene = Scene::from_text("void glow white 0 0 4 1 2 3 0 white sphere ball 0 0 4 0 9 0 2")?;
-/// let ahead = Ray::new(DVec3::ZERO, DVec3::Y).unwrap();
-/// let found = Renderer::new(&scene)?.contributions(&[ahead], &["white"])?;
-/// assert_eq!((found[0][0].modifier, found[0][0].value), (0, [1.0, 2.0, 3.0]));
-/// # Ok::<(), radsight::Error>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ModifierContribution {
-    /// Index of the modifier in the request.
-    pub modifier: usize,
-    /// Red, green and blue, W/(sr·m²), or W/m² if irradiance is requested. In spectral rendering it
-    /// is the colour of the traced bands.
-    pub value: [f64; 3],
 }
 
 impl Renderer {
@@ -293,12 +272,12 @@ impl Renderer {
     ) -> Result<Option<Image>, Error> {
         let (columns, rows) = view.view.fit(columns, rows, 1.0);
         Image::check_size(columns, rows)?;
+        self.check(view)?;
         let mut camera = ViewCamera::new(view.view, columns, rows);
         camera.aperture = view.aperture;
         camera.jitter = self.jitter.unwrap_or(self.budget.pixel_jitter());
         let mut options = self.options.clone();
         let pixels = self.budget.apply(&mut options);
-        check_budget(pixels)?;
         let (asked, used) = (self.budget.asked_error(), options.clone());
         let side = self.budget.prepass_spacing();
         let sources = self.scene.sources.clone();
@@ -451,9 +430,10 @@ impl Renderer {
             if progress.stops() {
                 return Ok(None);
             }
-            let number = first + results.len() as u64;
-            let answer =
-                |worker: &mut RayWorker<'_>, (place, ray): (usize, &Ray)| of(worker.trace(number + place as u64, ray));
+            let number = first.wrapping_add(results.len() as u64);
+            let answer = |worker: &mut RayWorker<'_>, (place, ray): (usize, &Ray)| {
+                of(worker.trace(number.wrapping_add(place as u64), ray))
+            };
             let of_a_thread = RAYS_OF_A_THREAD.min(some.len().div_ceil(rayon::current_num_threads()));
             let answers = some.par_iter().enumerate().with_min_len(of_a_thread);
             results.par_extend(answers.map_init(|| renderer.worker(), answer));
@@ -461,65 +441,6 @@ impl Renderer {
         }
         self.check_met()?;
         Ok(Some(results))
-    }
-
-    /// The contributions of modifiers with these names to each ray: the radiance of their emitters
-    /// times its coefficient, as in `rcontrib`. A name that the scene does not have contributes 0.
-    ///
-    /// ```
-    /// # use radsight::example::scene;
-    /// use glam::DVec3;
-    /// use radsight::{Ray, Renderer};
-    /// let ahead = Ray::new(DVec3::ZERO, DVec3::Y).unwrap();
-    /// let found = Renderer::new(&scene())?.contributions(&[ahead], &["sky", "white"])?;
-    /// assert_eq!((found[0][0].value, found[0][1].value), ([0.0; 3], [1.0; 3]));
-    /// # Ok::<(), radsight::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// As [`Renderer::trace`].
-    pub fn contributions(&mut self, rays: &[Ray], modifiers: &[&str]) -> Result<Vec<Vec<ModifierContribution>>, Error> {
-        Ok(self.contributions_part(0, rays, modifiers, &Silent)?.expect("nobody stopped it"))
-    }
-
-    /// The same for a part of a longer list, as in [`Renderer::trace_part`].
-    ///
-    /// # Errors
-    /// As [`Renderer::trace`].
-    pub fn contributions_part(
-        &mut self,
-        first: u64,
-        rays: &[Ray],
-        modifiers: &[&str],
-        progress: &dyn Progress,
-    ) -> Result<Option<Vec<Vec<ModifierContribution>>>, Error> {
-        let mut options = self.options.clone();
-        options.tracked_modifiers = modifiers.iter().map(|name| (*name).to_owned()).collect();
-        options.tracked_value = radsight_render::TrackedValue::Radiance;
-        options.gathering.accuracy = 0.0;
-        options.gathering.uncached = Uncached::Split;
-        let sampling = options.sampling;
-        let renderer = &*self.prepare(options)?;
-        let mut contributions = Vec::with_capacity(rays.len());
-        for some in rays.chunks(RAYS_AT_A_TIME) {
-            if progress.stops() {
-                return Ok(None);
-            }
-            let before = contributions.len() as u64;
-            let of_rays = some.par_iter().enumerate().map_init(
-                || renderer.worker(),
-                |worker, (index, ray)| {
-                    let mut sums = vec![[0.0; 3]; modifiers.len()];
-                    let number = first + before + index as u64;
-                    worker.contributions(number, ray, |found| add(&mut sums[found.modifier], sampling, &found));
-                    numbered(sums)
-                },
-            );
-            contributions.extend(of_rays.collect::<Vec<_>>());
-            progress.report(contributions.len() as u64, rays.len() as u64);
-        }
-        self.check_met()?;
-        Ok(Some(contributions))
     }
 
     /// The compiled renderer for these options.
@@ -532,8 +453,17 @@ impl Renderer {
         self.ready.as_ref().map_or(Ok(()), |(_, renderer)| check_materials(renderer.plan(), &self.scene.sources))
     }
 
+    /// Checks options and camera before a picture.
+    pub(crate) fn check(&self, camera: &dyn Camera) -> Result<(), Error> {
+        check_options(&self.options)?;
+        check_budget(&self.budget)?;
+        self.jitter.map_or(Ok(()), check_pixel_jitter)?;
+        camera.check()
+    }
+
     /// The compiled renderer for these options, rebuilt if they changed.
     pub(crate) fn prepare(&mut self, options: RenderOptions) -> Result<&mut radsight_render::Renderer, Error> {
+        check_options(&options)?;
         if self.ready.as_ref().is_none_or(|(made, _)| *made != options) {
             self.ready = None;
             let plan = RenderPlan::new(self.scene.scene.clone(), options.clone(), &self.scene.materials)
@@ -546,20 +476,6 @@ impl Renderer {
         }
         Ok(&mut self.ready.as_mut().expect("it was created above").1)
     }
-}
-
-/// Adds the colour of a contribution; a grey one has one band.
-fn add(sum: &mut [f64; 3], sampling: Sampling, contribution: &Contribution) {
-    let color = match contribution.value.as_slice() {
-        [grey] => [f64::from(*grey); 3],
-        bands => sampling.rgb(&bands.iter().map(|band| f64::from(*band)).collect::<Vec<_>>()),
-    };
-    *sum = std::array::from_fn(|band| sum[band] + color[band]);
-}
-
-fn numbered(values: Vec<[f64; 3]>) -> Vec<ModifierContribution> {
-    let numbered = values.into_iter().enumerate();
-    numbered.map(|(modifier, value)| ModifierContribution { modifier, value }).collect()
 }
 
 /// The error estimate of a picture, and the skipped work.
@@ -576,19 +492,6 @@ pub(crate) fn header(view: &str) -> Header {
         header.push_variable("VIEW", view);
     }
     header
-}
-
-pub(crate) fn check_budget(budget: SamplingBudget) -> Result<(), Error> {
-    let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
-    match budget {
-        SamplingBudget::Error(ErrorTarget { error, .. }) if !(error > 0.0 && error.is_finite()) => {
-            wrong("error", error.to_string(), "a relative error above 0, such as 0.02")
-        }
-        SamplingBudget::Samples(samples) if !(1..=radsight_film::MAX_SAMPLES).contains(&samples) => {
-            wrong("samples", samples.to_string(), "1 to 65536")
-        }
-        _ => Ok(()),
-    }
 }
 
 pub(crate) fn check_materials(plan: &RenderPlan, sources: &SourceMap) -> Result<(), Error> {

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::camera::{Camera, CameraRay};
+use crate::option_check::check_aperture;
 use radsight_film::ViewCamera;
 use radsight_picture::ViewOptions;
 use std::str::FromStr;
@@ -68,8 +69,8 @@ impl View {
             .map_err(|error| Error::View(error.to_string()))
     }
 
-    /// The same view through a thin lens: the diameter of its aperture in scene units (`-pd`). The
-    /// length of the view direction is the distance of the plane of focus.
+    /// The same view through a thin lens: the diameter of its aperture in scene units (`-pd`), 0 or
+    /// more. The length of the view direction is the distance of the plane of focus.
     ///
     /// ```
     /// use radsight::{Renderer, Scene, View};
@@ -116,5 +117,9 @@ impl Camera for View {
         camera.aperture = self.aperture;
         let ray = camera.ray_through([x, 1.0 - y], aperture)?;
         Some(CameraRay { origin: ray.origin, direction: ray.direction, weight: 1.0 })
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        check_aperture(self.aperture)
     }
 }

@@ -339,3 +339,18 @@ fn parameters_that_a_capture_does_not_have_are_errors() {
     let exposed = derivatives(&ringed, BOX, &["distance"], 0.5);
     assert!(matches!(FisherInformation::new(&exposed, None), Err(Error::NoSensor)));
 }
+
+#[test]
+fn the_rotation_of_a_sphere_about_its_middle_is_zero_after_the_first_rays() {
+    let scene = "void light lamp 0 0 3 100 100 100 lamp sphere bulb 0 0 4 .1 .05 .3 .01
+        void metal steel 0 0 5 .5 .5 .5 .9 .05 steel sphere ball 0 0 4 0 0 .01 .01
+        void plastic stone 0 0 5 .5 .5 .5 0 0 stone ring floor 0 0 8 0 0 0 0 0 1 0 .1";
+    let capture = Setup::new([12, 10], 200.0).capture();
+    for name in ["ball.rx", "ball.rz"] {
+        let found = derivative(&capture, scene, name, 0.05);
+        assert!(found.values.iter().chain(&found.standard_errors).all(|value| *value == 0.0), "{name}");
+        assert!(found.relative_error == 0.0 && found.rays < 200_000, "{name}: {} rays", found.rays);
+    }
+    // A shift of the same ball is none of that.
+    assert!(derivative(&capture, scene, "ball.x", 0.1).values.iter().any(|value| *value != 0.0));
+}

@@ -262,7 +262,8 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
             let fit = cache.fitted(index).1;
             fit.standard_error() / weighed_against(fit, typical).max(f64::MIN_POSITIVE)
         };
-        let squares: f64 = (0..cache.len()).map(|index| share(index).powi(2)).sum();
+        // The sum over no records would be -0.
+        let squares = (0..cache.len()).fold(0.0, |sum, index| sum + share(index).powi(2));
         (squares / cache.len().max(1) as f64).sqrt()
     }
 

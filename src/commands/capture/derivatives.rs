@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     super::check_sensor(arguments, file)?;
     let inputs = scene_inputs(&arguments.scenes, None, &arguments.reading.trust)?;
     let (scene, sources) = valid_scene(with_ring(&inputs, file), &arguments.reading, |_| Ok(()))?;
-    let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources);
+    let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources)?;
     let scenes = FileScenes::new(inputs, &arguments.reading, planner, &sources).with_notes_on(&file.camera);
     let bar = Bar::new("differentiating");
     let postponed = interrupt::postpone();

@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &Capture, table: &str, render: RenderOptions) -> Ou
     let (scene, sources) =
         valid_scene(with_ring(&inputs, first.capture.camera_file()), &arguments.reading, |_| Ok(()))?;
     check_moved_parts(table, &text, &rows, &scene)?;
-    let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources);
+    let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources)?;
     let scenes = FileScenes::new(inputs, &arguments.reading, planner, &sources);
     let bar = Bar::new("capturing");
     let postponed = interrupt::postpone();

@@ -37,7 +37,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let options = Options::parse(words, trust)?;
     use_threads(options.threads)?;
     let (scene, sources) = read_valid_scene(&options.scenes, &options.reading)?;
-    let planner = Planner::new(&scene, &options.scenes, &options.reading, &sources);
+    let planner = Planner::new(&scene, &options.scenes, &options.reading, &sources)?;
     // Lights that are seen through a surface are sampled through it where it is an illum with an
     // alternate material, and by the light finder where it becomes a light.
     let plan = planner.plan(scene, RenderOptions { lights: Lights::Invisible, ..options.render.clone() })?;

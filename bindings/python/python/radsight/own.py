@@ -87,6 +87,6 @@ class Material(Protocol):
         Returns
         -------
         (n,) or (n, 3) array of float
-            Finite; what is below zero counts as zero.
+            Finite, and 0 or more; a rounding error below zero (down to -1e-9) counts as zero. Other numbers raise ``ValueError``.
         """
         ...

@@ -47,6 +47,8 @@ impl Breadcrumb {
 pub(super) struct Slot {
     /// Null outside of calls.
     current: AtomicPtr<Text>,
+    /// The call that began last; null before the first.
+    last: AtomicPtr<Text>,
     /// Number of calls, which distinguishes two calls of the same function.
     calls: AtomicU64,
     /// Bits of the outgoing direction in the surface's frame; NaN if there is none.
@@ -80,6 +82,14 @@ impl Drop for GiveBack {
     }
 }
 
+/// The calls that began last in each thread, each once.
+pub(super) fn last_calls() -> Vec<&'static str> {
+    let mut texts: Vec<&str> = all_slots().into_iter().filter_map(Slot::last_text).map(|text| &*text.0).collect();
+    texts.sort_unstable();
+    texts.dedup();
+    texts
+}
+
 /// A call as seen by another thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct CallSnapshot {
@@ -97,6 +107,11 @@ impl Slot {
     pub(super) fn text(&self) -> Option<&'static Text> {
         // SAFETY: only pointers to texts that are kept for ever are stored, and null.
         unsafe { self.current.load(Ordering::Acquire).as_ref() }
+    }
+
+    fn last_text(&self) -> Option<&'static Text> {
+        // SAFETY: as for `text`.
+        unsafe { self.last.load(Ordering::Acquire).as_ref() }
     }
 
     pub(super) fn outgoing(&self) -> Option<[f64; 3]> {
@@ -144,7 +159,9 @@ pub(crate) fn enter_at(breadcrumb: Breadcrumb, outgoing: [f64; 3]) -> Trail {
         place.store(number.to_bits(), Ordering::Relaxed);
     }
     slot.calls.store(slot.calls.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
-    slot.current.store(std::ptr::from_ref(breadcrumb.0).cast_mut(), Ordering::Release);
+    let text = std::ptr::from_ref(breadcrumb.0).cast_mut();
+    slot.last.store(text, Ordering::Relaxed);
+    slot.current.store(text, Ordering::Release);
     Trail { slot, before }
 }
 
@@ -167,6 +184,7 @@ fn take_slot() -> &'static Slot {
     let slot = free.unwrap_or_else(|| {
         let slot = Box::leak(Box::new(Slot {
             current: AtomicPtr::new(null_mut()),
+            last: AtomicPtr::new(null_mut()),
             calls: AtomicU64::new(0),
             outgoing: [const { AtomicU64::new(0) }; 3],
             stack_end: AtomicUsize::new(0),

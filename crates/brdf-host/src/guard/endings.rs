@@ -1,7 +1,7 @@
 //! Ways in which a plugin can end or duplicate the process without a crash: `exit`, `quick_exit`,
 //! `_exit`, `fork`.
 
-use super::call::own_slot;
+use super::call::{Breadcrumb, last_calls, own_slot};
 use super::message::{end_now, is_first_to_speak, loaded, report, report_call, wait_for_the_end};
 
 /// Installs the handlers. Call it once, before any plugin is loaded.
@@ -26,11 +26,19 @@ pub(super) fn end_if_in_call(what: &str) {
     wait_for_the_end()
 }
 
-/// Ends the program because standard input or output was replaced.
-pub(super) fn end_for_closed_files() -> ! {
+/// Ends the program because standard input, output or error was replaced: by the call, if it is
+/// known, or by one of the last calls.
+pub(super) fn end_for_closed_files(call: Option<Breadcrumb>) -> ! {
     if is_first_to_speak() {
-        let names = loaded().unwrap_or("none");
-        report(&["fault of a plugin: it closed standard input or output; loaded are ", names]);
+        let calls = match call {
+            Some(call) => call.text().0.to_string(),
+            None => last_calls().join(" or "),
+        };
+        let what = "it closed or replaced standard input, output or error";
+        match calls.as_str() {
+            "" => report(&["fault of a plugin: ", what, "; loaded are ", loaded().unwrap_or("none")]),
+            calls => report(&["fault in ", calls, ": ", what]),
+        }
         end_now(super::FAULT);
     }
     wait_for_the_end()
@@ -89,8 +97,9 @@ mod unix {
         at_exit();
         // SAFETY: writes what plugins printed; no conditions.
         unsafe { libc::fflush(std::ptr::null_mut()) };
-        if status == 0 && !standard_output::is_intact() {
-            end_for_closed_files();
+        // Whatever else failed may have failed for this reason.
+        if !standard_output::is_intact() {
+            end_for_closed_files(None);
         }
         end_now(status)
     }

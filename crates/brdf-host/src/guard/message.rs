@@ -168,7 +168,7 @@ impl Line {
         let text = &self.bytes[..=self.length];
         #[cfg(unix)]
         // SAFETY: `write` is async-signal-safe; the slice is valid.
-        let written = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
+        let written = unsafe { libc::write(super::standard_output::messages(), text.as_ptr().cast(), text.len()) };
         #[cfg(not(unix))]
         let written = std::io::Write::write(&mut std::io::stderr(), text).unwrap_or(0);
         // SAFETY: the pointer is null or leads to a number that stays.

@@ -1,13 +1,15 @@
 //! Keeps standard output for data: the output of plugins goes elsewhere.
 //!
 //! After redirection, descriptor 1, to which plugins print, is standard error. Data goes through a
-//! private descriptor.
+//! private descriptor, and so do the guard's messages: a plugin may close standard error.
 
 use std::fs::File;
 use std::io::{self, Write};
 #[cfg(unix)]
-use std::os::fd::{AsFd, BorrowedFd};
+use std::os::fd::{AsFd, BorrowedFd, IntoRawFd};
 use std::sync::OnceLock;
+#[cfg(unix)]
+use std::sync::atomic::{AtomicI32, Ordering};
 
 static ASIDE: OnceLock<File> = OnceLock::new();
 
@@ -28,14 +30,33 @@ pub(super) fn set_aside() -> io::Result<()> {
             Err(_) => rustix::stdio::dup2_stdout(File::options().write(true).open("/dev/null")?)?,
         }
         let private = ASIDE.get_or_init(|| File::from(private));
-        let _ = FILES.set([identity(rustix::stdio::stdin()), identity(private.as_fd())]);
+        if let Ok(messages) = rustix::io::fcntl_dupfd_cloexec(rustix::stdio::stderr(), LEAST_PRIVATE_DESCRIPTOR) {
+            MESSAGES.store(messages.into_raw_fd(), Ordering::Release);
+        }
+        let _ = FILES.set(identities(private));
     }
     Ok(())
 }
 
-/// Device and inode of standard input and of the data's standard output, at redirection.
+/// The descriptor of the guard's messages, which a signal handler reads.
 #[cfg(unix)]
-static FILES: OnceLock<[Option<(u64, u64)>; 2]> = OnceLock::new();
+static MESSAGES: AtomicI32 = AtomicI32::new(libc::STDERR_FILENO);
+
+/// The descriptor of the guard's messages: a private copy of standard error after redirection.
+#[cfg(unix)]
+pub(super) fn messages() -> i32 {
+    MESSAGES.load(Ordering::Acquire)
+}
+
+/// Device and inode of the three standard files and of the data's standard output, at redirection.
+#[cfg(unix)]
+static FILES: OnceLock<[Option<(u64, u64)>; 4]> = OnceLock::new();
+
+#[cfg(unix)]
+fn identities(private: &File) -> [Option<(u64, u64)>; 4] {
+    let [input, output, error] = [rustix::stdio::stdin(), rustix::stdio::stdout(), rustix::stdio::stderr()];
+    [input, output, error, private.as_fd()].map(identity)
+}
 
 #[cfg(unix)]
 fn identity(file: BorrowedFd<'_>) -> Option<(u64, u64)> {
@@ -44,12 +65,12 @@ fn identity(file: BorrowedFd<'_>) -> Option<(u64, u64)> {
     rustix::fs::fstat(file).ok().map(|found| (found.st_dev as u64, found.st_ino as u64))
 }
 
-/// Whether standard input and output are still the same files. A plugin that closes them would make
-/// the program read nothing, or write elsewhere.
+/// Whether standard input, output and error are still the same files. If a plugin closes one of
+/// them, the program reads nothing, or the next file that it opens takes what is printed.
 pub(super) fn is_intact() -> bool {
     #[cfg(unix)]
     if let (Some(before), Some(private)) = (FILES.get(), ASIDE.get()) {
-        return *before == [identity(rustix::stdio::stdin()), identity(private.as_fd())];
+        return *before == identities(private);
     }
     true
 }

@@ -43,7 +43,7 @@ fn watch(limits: &Limits, tick: Duration, ready: &std::sync::mpsc::Sender<()>) {
         }
         super::take_back_handlers(None);
         if !standard_output::is_intact() {
-            endings::end_for_closed_files();
+            endings::end_for_closed_files(None);
         }
     }
 }

@@ -1,6 +1,6 @@
 /*
  * A Lambert that does evil where the variable EVIL says: "FUNCTION-DEED", such as "eval-segfault".
- * Functions: load, describe, create, eval, sample, destroy, end. EVIL_AFTER lets so many calls pass.
+ * Functions: load, count, describe, create, eval, sample, destroy, end. EVIL_AFTER lets so many calls pass.
  */
 #define _GNU_SOURCE
 #include "radsight_brdf.h"
@@ -115,6 +115,7 @@ static void do_deed(const char *deed) {
     else if (!strcmp(deed, "terminate")) raise(SIGTERM);
     else if (!strcmp(deed, "stop")) raise(SIGSTOP);
     else if (!strcmp(deed, "close")) for (int i = 0; i < 256; i++) close(i);
+    else if (!strncmp(deed, "close_fd", 8)) close(atoi(deed + 8));
     else if (!strcmp(deed, "close_and_exit")) { for (int i = 0; i < 256; i++) close(i); _exit(0); }
     else if (!strcmp(deed, "kill_parent")) kill(getppid(), SIGKILL), sleep_for_ever();
 }
@@ -184,7 +185,10 @@ static const RadsightBrdfModel model = {
     .summary = "ideal diffuse reflection, or worse",
 };
 
-static uint32_t count(void) { return 1; }
+static uint32_t count(void) {
+    evil("count");
+    return 1;
+}
 
 static const RadsightBrdfModel *describe(uint32_t index) {
     evil("describe");

@@ -80,6 +80,9 @@ const MAX_PASSES: u32 = 48;
 /// derivative counts as zero.
 const LEAST_CHANGE: f64 = 3e-5;
 
+/// Change of a pixel over a step, relative to its exposure, that rounding makes.
+const ROUNDING: f64 = 1e-9;
+
 /// First samples of each randomisation. Fewer miss the few samples that change sides at a shadow
 /// edge, and with them the noise.
 const FIRST_SAMPLES: u32 = 8;
@@ -106,6 +109,19 @@ pub(super) fn derivative(
     let rays = step.center.rays;
     if !rays.hole().has_points() {
         return None;
+    }
+    if let DerivativeSamples::ToError(_) = samples
+        && let Some(traced) = rays_without_change(step, progress)
+    {
+        let zeros = vec![0.0; rays.camera().pixel_count() as usize];
+        return Some(Derivative {
+            values: zeros.clone(),
+            standard_errors: zeros,
+            relative_error: 0.0,
+            step_error: 0.0,
+            rays: traced,
+            outline_pixels: 0,
+        });
     }
     let outlines = outlines(step, progress);
     let flow = |(pixel, outline): (usize, &Option<_>)| Flow::following(step, pixel as u64, (*outline)?);
@@ -138,6 +154,22 @@ pub(super) fn derivative(
         rays: sampler.traced.load(Ordering::Relaxed),
         outline_pixels: flows.iter().flatten().count(),
     })
+}
+
+/// Number of first rays, if the step changes none of them, as the rotation of a sphere about its
+/// middle does: the derivative is zero. Samples that follow an outline would have noise without
+/// end, and a relative error of zero cannot be reached. `None` at the first change.
+fn rays_without_change(step: &ParameterStep<'_>, progress: &dyn Progress) -> Option<u64> {
+    let flows = vec![None; step.center.rays.camera().pixel_count() as usize];
+    let sampler = Sampler { step, flows: &flows, progress, traced: AtomicU64::new(0) };
+    let is_unchanged = |workers: &mut StepWorkers<'_>, cell: usize| {
+        let sums = sampler.sums_of_step(step, workers, cell, 0..FIRST_SAMPLES);
+        sums.slopes.iter().all(|slope| (slope * step.step).abs() <= ROUNDING * sums.exposure.abs())
+    };
+    // Without a flow there are only `Term::Rest` and `Term::Moving`.
+    let cells = (0..2 * flows.len()).into_par_iter();
+    let unchanged = cells.map_init(|| step.step_workers(), |workers, cell| is_unchanged(workers, cell)).all(|is| is);
+    unchanged.then(|| sampler.traced.load(Ordering::Relaxed))
 }
 
 struct Sampler<'a> {

@@ -58,6 +58,8 @@ pub(super) struct Reader<'a> {
     pub(super) is_stopped: bool,
     /// Long texts to be dropped at the end.
     pub(super) long_texts: Vec<SourceId>,
+    /// Names of empty inputs that were refused.
+    refused_empty: Vec<String>,
     /// Reused for the placed arguments of surfaces.
     pub(super) placed: Vec<f64>,
 }
@@ -117,6 +119,7 @@ impl<'a> Reader<'a> {
             is_inexcusable: false,
             is_stopped: false,
             long_texts: Vec::new(),
+            refused_empty: Vec::new(),
             placed: Vec::new(),
         }
     }
@@ -146,7 +149,8 @@ impl<'a> Reader<'a> {
         self.walk(Here { source, context: &context });
     }
 
-    /// Reports empty inputs of a renderer: they are what a failed `oconv` leaves behind.
+    /// Reports empty inputs of a renderer: they are what a failed `oconv` leaves behind. Call it before
+    /// they are read, so that they are not reported twice.
     pub(super) fn refuse_empty_files(&mut self, inputs: &[Input]) {
         if self.options.purpose != Purpose::Render {
             return;
@@ -163,6 +167,7 @@ impl<'a> Reader<'a> {
         for name in empty.into_iter().filter(|name| is_all || is_octree(name)) {
             let error = Diagnostic::error(format!("\"{name}\" is empty: neither an octree nor a scene"));
             self.log.push(error.hint("the program that should have written it has failed"));
+            self.refused_empty.push(name.to_owned());
         }
     }
 
@@ -206,6 +211,9 @@ impl<'a> Reader<'a> {
 
     fn warn_of_empty(&mut self, here: Here<'_>) {
         let name = self.sources.name(here.source).to_owned();
+        if self.refused_empty.contains(&name) {
+            return;
+        }
         let warning = Diagnostic::warning(format!("\"{name}\" is empty"));
         self.log.push(match self.sources.included_at(here.source) {
             Some(span) => warning.at(span),

@@ -64,6 +64,12 @@ impl ViewLocation {
     }
 }
 
+/// The unit vector along a finite one, also where its square over- or underflows; `None` for zero.
+fn unit(vector: DVec3) -> Option<DVec3> {
+    let scaled = || vector / vector.abs().max_element();
+    vector.try_normalize().or_else(|| scaled().try_normalize())
+}
+
 /// Radiance's smallest significant length.
 const TINY: f64 = 1e-6;
 
@@ -76,8 +82,8 @@ impl View {
     pub fn new(mut options: ViewOptions) -> Result<View, ViewError> {
         check_finite(&options)?;
         check_clipping(&options)?;
-        let direction = options.direction.try_normalize().ok_or(ViewError::ZeroDirection)?;
-        options.up = options.up.try_normalize().ok_or(ViewError::ZeroUp)?;
+        let direction = unit(options.direction).ok_or(ViewError::ZeroDirection)?;
+        options.up = unit(options.up).ok_or(ViewError::ZeroUp)?;
         let right = direction.cross(options.up).try_normalize().ok_or(ViewError::UpParallel)?;
         let above = right.cross(direction);
         let size = projected_size(&options)?;
@@ -408,6 +414,7 @@ mod tests {
     fn invalid_views_are_named() {
         let message = |line: &str| view(line).unwrap_err().to_string();
         assert_eq!(message("-vd 0 0 0"), "the view direction (-vd) is zero");
+        assert_eq!(message("-vu 0 0 0"), "the view up vector (-vu) is zero");
         assert_eq!(message("-vu 0 3 0"), "the view up vector (-vu) is parallel to the view direction (-vd)");
         assert_eq!(message("-vh 180"), "-vh is 180, expected an angle above 0 and below 180 degrees");
         assert_eq!(message("-vtl -vv 0"), "-vv is 0, expected a positive length");
@@ -417,6 +424,14 @@ mod tests {
         );
         assert_eq!(message("-vp 1e999 0 0"), "-vp is [inf, 0, 0], expected finite numbers");
         assert!(view("-vth -vh 180 -vv 180").is_ok() && view("-vta -vh 360 -vv 360").is_ok());
+    }
+
+    #[test]
+    fn directions_of_any_length_are_directions() {
+        for length in ["1e300", "1e-300", "1e-320"] {
+            let view = view(&format!("-vd 0 {length} 0 -vu 0 0 {length}")).unwrap();
+            assert_eq!((view.direction(), view.above()), (DVec3::Y, DVec3::Z), "{length}");
+        }
     }
 
     #[test]

@@ -35,6 +35,7 @@ pub use tile::Tile;
 
 use crate::View;
 use crate::error::{Error, Report};
+use crate::option_check::wrong;
 use radsight_diag::{Diagnostic, SourceMap};
 use radsight_film::MAX_SAMPLES;
 use radsight_render::Quantity;
@@ -298,10 +299,6 @@ impl RenderJob {
 /// Whether a number is the default that is not written.
 fn is_zero(number: &f64) -> bool {
     *number == 0.0
-}
-
-fn wrong(option: &'static str, value: impl ToString, expected: &'static str) -> Error {
-    Error::Option { option, value: value.to_string(), expected }
 }
 
 /// The error of a text that is not a job, with its position.

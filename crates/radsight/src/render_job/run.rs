@@ -1,7 +1,8 @@
 //! Renders jobs and fills the irradiance cache that the parts of a job share.
 
-use super::{JobResult, JobTarget, RenderJob, wrong};
+use super::{JobResult, JobTarget, RenderJob};
 use crate::error::Error;
+use crate::option_check::{check_options, wrong};
 use crate::{Capture, Image, Renderer, View};
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposer, Progress, Silent};
@@ -61,6 +62,7 @@ impl RenderJob {
             options.gathering.divisions = self.ambient_divisions.unwrap_or(options.gathering.divisions);
             options.gathering.super_samples = self.ambient_super_samples.unwrap_or(options.gathering.super_samples);
         }
+        check_options(&options)?;
         Ok(options)
     }
 

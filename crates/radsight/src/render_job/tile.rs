@@ -1,7 +1,8 @@
 //! Parts of a picture: rectangles of its pixels, and ranges of rays.
 
-use super::{JobTarget, RenderJob, wrong};
+use super::{JobTarget, RenderJob};
 use crate::error::Error;
+use crate::option_check::wrong;
 use std::ops::Range;
 
 /// A rectangle of pixels. Rays are one row of pixels.
@@ -18,10 +19,10 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Number of pixels.
+    /// Number of pixels, at most `usize::MAX`.
     #[must_use]
     pub fn pixels(&self) -> usize {
-        self.columns.len() * self.rows.len()
+        self.columns.len().saturating_mul(self.rows.len())
     }
 }
 
@@ -62,7 +63,8 @@ impl RenderJob {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Option`] for no parts, and for rows or rays that do not exist.
+    /// [`Error::Option`] for no parts, for more than a million, and for rows or rays that do not
+    /// exist.
     pub fn split(&self, parts: usize, size: [usize; 2]) -> Result<Vec<RenderJob>, Error> {
         if parts == 0 {
             return Err(wrong("parts", parts, "at least 1"));
@@ -71,7 +73,9 @@ impl RenderJob {
         let is_trace = matches!(self.target, JobTarget::Trace { .. });
         let all = if is_trace { tile.columns } else { tile.rows };
         let parts = parts.min(all.len());
-        let bound = |part: usize| Some(all.start + all.len() * part / parts);
+        check_count("parts", parts, parts)?;
+        // The product of two large numbers needs more bits.
+        let bound = |part: usize| Some(all.start + (all.len() as u128 * part as u128 / parts as u128) as usize);
         let range = |part: usize| bound(part).zip(bound(part + 1)).map(|(start, end)| start..end);
         let job = |part: usize| match is_trace {
             true => RenderJob { rays: range(part), ..self.clone() },
@@ -90,8 +94,8 @@ impl RenderJob {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Option`] for a rectangle without pixels, for a job of rays, and for pixels that the
-    /// picture does not have.
+    /// [`Error::Option`] for a rectangle without pixels, for more than a million of them, for a job
+    /// of rays, and for pixels that the picture does not have.
     pub fn split_tiles(&self, [width, height]: [usize; 2], size: [usize; 2]) -> Result<Vec<RenderJob>, Error> {
         if width == 0 || height == 0 {
             return Err(wrong("tiles", format!("{width}x{height}"), "at least one pixel"));
@@ -100,6 +104,8 @@ impl RenderJob {
             return Err(wrong("tiles", format!("{width}x{height}"), "a number of rays for a job of rays"));
         }
         let tile = self.tile_of(size)?;
+        let count = tile.rows.len().div_ceil(height).saturating_mul(tile.columns.len().div_ceil(width));
+        check_count("tiles", count, format!("{width}x{height}"))?;
         let rows = pieces(&tile.rows, height);
         let job = |(rows, columns): (Range<usize>, Range<usize>)| {
             let columns = Some(columns).filter(|columns| *columns != (0..size[0]));
@@ -121,7 +127,8 @@ impl RenderJob {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Option`] for no rays, for a job of a picture, and for rays that do not exist.
+    /// [`Error::Option`] for no rays, for more than a million jobs, for a job of a picture, and for
+    /// rays that do not exist.
     pub fn split_rays(&self, rays: usize, all: usize) -> Result<Vec<RenderJob>, Error> {
         if rays == 0 {
             return Err(wrong("rays", rays, "at least 1"));
@@ -130,6 +137,7 @@ impl RenderJob {
             return Err(wrong("rays", rays, "the size of a tile for a job of a picture"));
         };
         let tile = self.tile_of([all, 1])?;
+        check_count("rays", tile.columns.len().div_ceil(rays), rays)?;
         Ok(pieces(&tile.columns, rays).map(|rays| RenderJob { rays: Some(rays), ..self.clone() }).collect())
     }
 
@@ -149,6 +157,14 @@ impl RenderJob {
             }
         }
     }
+}
+
+/// Largest number of parts.
+const MOST_PARTS: usize = 1 << 20;
+
+/// Refuses so many parts that their list would not fit into memory.
+fn check_count(what: &'static str, count: usize, asked: impl ToString) -> Result<(), Error> {
+    if count <= MOST_PARTS { Ok(()) } else { Err(wrong(what, asked, "a split into at most 1048576 parts")) }
 }
 
 /// Ranges of at most this length.
@@ -171,5 +187,30 @@ fn none(what: &'static str, asked: Option<&Range<usize>>, expected: &'static str
     match asked {
         Some(asked) => Err(wrong(what, format!("{} to {}", asked.start, asked.end), expected)),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn huge_numbers_are_split_without_overflow() {
+        let job = RenderJob::new(JobTarget::trace("rays.txt"), 1);
+        let parts = job.split(3, [usize::MAX, 1]).unwrap();
+        assert_eq!(parts[0].rays, Some(0..usize::MAX / 3));
+        assert_eq!(parts[2].rays.as_ref().unwrap().end, usize::MAX);
+        let picture = RenderJob::new(JobTarget::capture("camera.toml"), 64);
+        assert_eq!(picture.tile_of([usize::MAX, usize::MAX]).unwrap().pixels(), usize::MAX);
+    }
+
+    #[test]
+    fn more_parts_than_fit_into_memory_are_refused() {
+        let job = RenderJob::new(JobTarget::trace("rays.txt"), 1);
+        let message = job.split(usize::MAX, [usize::MAX, 1]).unwrap_err().to_string();
+        assert_eq!(message, format!("parts is {}, expected a split into at most 1048576 parts", usize::MAX));
+        assert!(job.split_rays(1, usize::MAX).is_err());
+        let picture = RenderJob::new(JobTarget::capture("camera.toml"), 64);
+        assert!(picture.split_tiles([1, 1], [usize::MAX, usize::MAX]).is_err());
     }
 }
