@@ -300,6 +300,12 @@ pub(crate) fn number<T: std::str::FromStr>(words: &[String], option: &str, expec
     let Some(text) = words.get(1) else {
         return Err(Failure::usage(format!("option \"{option}\" ends the command line, expected {expected} after it")));
     };
-    text.parse()
-        .map_err(|_| Failure::usage(format!("option \"{option}\" is followed by \"{text}\", expected {expected}")))
+    let wrong = || Failure::usage(format!("option \"{option}\" is followed by \"{text}\", expected {expected}"));
+    if is_no_digits(text) { Err(wrong()) } else { text.parse().map_err(|_| wrong()) }
+}
+
+/// Whether a word is the name of a number, such as "nan" or "-inf", which Radiance does not read.
+fn is_no_digits(word: &str) -> bool {
+    let name = word.trim_start_matches(['+', '-']);
+    ["nan", "inf"].iter().any(|start| name.get(..3).is_some_and(|first| first.eq_ignore_ascii_case(start)))
 }

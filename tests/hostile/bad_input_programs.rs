@@ -76,6 +76,8 @@ fn options_that_are_wrong() {
         ("rpict -ap map.pm scene.rad", &["photon maps are not supported"]),
         ("rpict -co scene.rad", &["option \"-co\" is not supported", "rtrace -co -fac"]),
         ("rtrace -ss x scene.rad", &["option \"-ss\" is followed by \"x\""]),
+        ("rtrace -aa nan scene.rad", &["option \"-aa\" is followed by \"nan\""]),
+        ("rpict -lw -Infinity scene.rad", &["option \"-lw\" is followed by \"-Infinity\""]),
         ("rtrace -pY -fac scene.rad", &["need three components or more"]),
         ("rpict -qq scene.rad", &["rpict: option \"-qq\" is not supported"]),
         ("rpict @missing scene.rad", &["@missing"]),
