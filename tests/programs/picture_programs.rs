@@ -463,6 +463,21 @@ fn falsecolor_shows_a_value_in_its_colour_beside_a_legend() {
     assert!(lines.values().data().iter().all(|value| *value < 1e-6));
 }
 
+#[test]
+fn pcompos_refuses_positions_beyond_those_of_radiance() {
+    let folder = Folder::new();
+    let picture = folder.file("a.hdr", gradient(8, 6));
+    for options in ["A 0 99999999999", "A -3e9 0", "-x 5 -y 5 A 9e99 9e99", "-y 99999999999 A 0 0", "-a 1 -s 1e300 A A"]
+    {
+        let options = options.replace('A', &picture);
+        let words: Vec<&str> = ["pcompos"].into_iter().chain(options.split(' ')).collect();
+        let run = radsight_with(&words, b"");
+        assert_eq!((run.code, run.output.len()), (2, 0), "{options}: {}", run.messages);
+        let message = "expected a number of pixels from -2147483647 to 2147483647";
+        assert!(run.messages.contains(message), "{options}: {}", run.messages);
+    }
+}
+
 /// Viewers take the colours for what FORMAT says; palettes and legends are red, green and blue.
 #[test]
 fn falsecolor_of_xyze_and_of_spectra_is_that_of_the_converted_picture() {
