@@ -82,8 +82,8 @@ pub struct RenderPlan {
     pub bands: usize,
     /// Layout of the bands in that array.
     pub layout: Arc<BandLayout>,
-    /// The first surface with an unusable material that a ray hit.
-    pub unusable_hit: OnceLock<(SurfaceHandle, ShaderId)>,
+    /// The error of the first surface with an unusable modifier that a ray hit.
+    pub(crate) unusable_hit: OnceLock<Diagnostic>,
     /// Counter of rays whose radiance exceeds the range of pictures.
     pub unbounded: Unbounded,
     /// Made for the first who asks.
@@ -133,25 +133,30 @@ impl RenderPlan {
     /// functions took too many steps too often.
     #[must_use]
     pub fn fatal_fault(&self) -> Option<Diagnostic> {
-        self.unusable_material().or_else(|| self.exhausted_function())
+        self.unusable_hit.get().cloned().or_else(|| self.exhausted_function())
     }
 
-    fn unusable_material(&self) -> Option<Diagnostic> {
-        let (surface, shader) = *self.unusable_hit.get()?;
+    /// Records that a ray met a surface with an unusable modifier, of which the first is reported.
+    pub fn note_unusable(&self, surface: SurfaceHandle, shader: &Shader) {
+        self.unusable_hit.get_or_init(|| self.unusable(surface, shader));
+    }
+
+    fn unusable(&self, surface: SurfaceHandle, shader: &Shader) -> Diagnostic {
         let name = self.scene.surface_name(surface);
-        let shader = &self.shaders[shader.0 as usize];
-        let (_, modifier) = shader
-            .textures
-            .home
-            .scene(&self.scene)
-            .chain(shader.modifier)
-            .find(|(_, modifier)| matches!(modifier.kind, ModifierKind::Material(Material::Unusable { .. })))?;
-        let ModifierKind::Material(Material::Unusable { reason }) = &modifier.kind else { return None };
+        let scene = shader.textures.home.scene(&self.scene);
+        let modifier = match &shader.kind {
+            Kind::Unusable(unusable) => Some(&scene.modifiers[unusable.modifier]),
+            _ => None,
+        };
+        let reason = match modifier.map(|modifier| &modifier.kind) {
+            Some(ModifierKind::Material(Material::Unusable { reason })) => reason,
+            _ => "it has an error",
+        };
         let error = Diagnostic::error(format!("a ray hit \"{name}\", whose material cannot be used: {reason}"));
-        Some(match modifier.span {
+        match modifier.and_then(|modifier| modifier.span) {
             Some(span) => error.at(span),
             None => error,
-        })
+        }
     }
 
     /// Seed of the sample sequences.
