@@ -247,9 +247,14 @@ impl From<Diagnostic> for Unfit {
 }
 
 impl Unfit {
+    /// An unusable modifier that no shadow ray passes.
+    fn opaque(modifier: ModifierHandle) -> Unfit {
+        Unfit::Unusable(Unusable { modifier, lets_light_through: false })
+    }
+
     /// An unusable modifier of what was found before it in the chain.
     fn below(scene: &Scene, found: Option<&Kind>, modifier: ModifierHandle) -> Unfit {
-        let Some(kind) = found else { return Unfit::unusable(modifier, false) };
+        let Some(kind) = found else { return Unfit::opaque(modifier) };
         match &scene.modifiers[modifier] {
             Modifier { kind: ModifierKind::Material(Material::Unusable { reason }), span, .. }
                 if is_sought_by_light_samples(kind) =>
@@ -257,17 +262,13 @@ impl Unfit {
                 let name = scene.modifier_name(Some(modifier));
                 at(*span, format!("modifier \"{name}\" cannot be used: {reason}")).into()
             }
-            _ => Unfit::unusable(modifier, passes_light(kind)),
+            _ => Unfit::Unusable(Unusable { modifier, lets_light_through: passes_light(kind) }),
         }
     }
 
     fn second_material(scene: &Scene, modifier: ModifierHandle) -> Unfit {
         let name = scene.modifier_name(Some(modifier));
         at(scene.modifiers[modifier].span, format!("material \"{name}\" modifies another material")).into()
-    }
-
-    fn unusable(modifier: ModifierHandle, lets_light_through: bool) -> Unfit {
-        Unfit::Unusable(Unusable { modifier, lets_light_through })
     }
 }
 
@@ -394,7 +395,9 @@ impl Compiler<'_> {
                 ModifierKind::Texture(texture) => steps.extend(texture_step(texture)),
                 ModifierKind::Pattern(pattern) => steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?),
                 ModifierKind::Mixture(mixture) => steps.push(self.mixed_steps(chains, modifier, mixture)?),
-                ModifierKind::Material(Material::Unusable { .. }) => return Err(Unfit::unusable(handle, true)),
+                ModifierKind::Material(Material::Unusable { .. }) => {
+                    return Err(Unfit::Unusable(Unusable { modifier: handle, lets_light_through: true }));
+                }
                 ModifierKind::Material(_) => {
                     let message = "expected a pattern or a texture, found a material".to_owned();
                     return Err(at(modifier.span, message).into());
@@ -539,7 +542,7 @@ impl Compiler<'_> {
                 Ok(Kind::Glass { transmissivity: *transmissivity, refractive_index: *refractive_index })
             }
             Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts, above))),
-            Material::Unusable { .. } => Err(Unfit::unusable(handle, false)),
+            Material::Unusable { .. } => Err(Unfit::opaque(handle)),
             Material::Bsdf { data, call, form, added_diffuse } => {
                 let bsdf = scene.bsdfs[*data].bsdf.clone();
                 let kind =

@@ -23,7 +23,7 @@ struct Options {
 
 /// Runs `ra_xyze`.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
-    let mut options = Options::new(false);
+    let mut options = Options::default();
     while let Some(option) = words.option()? {
         match option {
             "-c" => options.packing = Some(Packing::RunLengths),
@@ -44,9 +44,10 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     put_file(target, |out| convert(&options, &words.all(), reader, path, out))
 }
 
-impl Options {
-    fn new(to_rgb: bool) -> Options {
-        Options { to_rgb, undoes_exposure: false, exposure: 1.0, packing: None, primaries: RgbPrimaries::STANDARD }
+impl Default for Options {
+    fn default() -> Options {
+        let primaries = RgbPrimaries::STANDARD;
+        Options { to_rgb: false, undoes_exposure: false, exposure: 1.0, packing: None, primaries }
     }
 }
 
@@ -56,7 +57,8 @@ pub(super) fn as_rgbe(reader: PictureReader<Source>, path: &str) -> Result<Pictu
         return Ok(reader);
     }
     let mut converted = Vec::new();
-    convert(&Options::new(true), &["ra_xyze", "-r"], reader, path, &mut converted)?;
+    let options = Options { to_rgb: true, ..Options::default() };
+    convert(&options, &["ra_xyze", "-r"], reader, path, &mut converted)?;
     PictureReader::new(Box::new(Cursor::new(converted)) as Source).map_err(|error| failed(path, error.into()))
 }
 
