@@ -483,17 +483,21 @@ fn pcompos_refuses_positions_beyond_those_of_radiance() {
 fn falsecolor_of_xyze_and_of_spectra_is_that_of_the_converted_picture() {
     let folder = Folder::new();
     let rgb = folder.file("rgb.hdr", gradient(140, 60));
-    let xyz = folder.file("xyz.hdr", &radsight_with(&["ra_xyze", &rgb], b"").done());
+    let xyz = folder.file("xyz.hdr", radsight_with(&["ra_xyze", &rgb], b"").done());
     let spectra: Vec<f32> = (0..140 * 60 * 6).map(|i| 0.1 + (i % 840) as f32 / 840.0).collect();
     let spectra = Image::new(140, 60, 6, spectra).expect("a shape");
     let spectra = Picture::from_spectra(Header::new("RADIANCE"), &spectra, Encoding::USUAL_SPLITS).expect("a picture");
-    let spectral = folder.file("spectral.hsr", &spectra.to_bytes());
+    let spectral = folder.file("spectral.hsr", spectra.to_bytes());
     for file in [xyz, spectral] {
-        let converted = folder.file("converted.hdr", &radsight_with(&["ra_xyze", "-r", &file], b"").done());
+        let converted = folder.file("converted.hdr", radsight_with(&["ra_xyze", "-r", &file], b"").done());
         for options in ["-i A", "-ip A -cl -s 30", "-i B -cb -p A", "-i A -e -s auto", "-i A -odim 1 1", "-i A -c0"] {
             let run = |picture: &str| {
-                let options = options.replace('A', picture).replace('B', &rgb);
-                let words: Vec<&str> = ["falsecolor"].into_iter().chain(options.split(' ')).collect();
+                let file = |word| match word {
+                    "A" => picture,
+                    "B" => &rgb,
+                    option => option,
+                };
+                let words: Vec<&str> = ["falsecolor"].into_iter().chain(options.split(' ').map(file)).collect();
                 Picture::read(&radsight_with(&words, b"").done()).expect("a picture")
             };
             let (found, expected) = (run(&file), run(&converted));
@@ -508,7 +512,7 @@ fn falsecolor_of_xyze_and_of_spectra_is_that_of_the_converted_picture() {
 fn falsecolor_of_xyze_has_the_scale_of_the_same_picture_in_rgbe() {
     let folder = Folder::new();
     let rgb = folder.file("rgb.hdr", gradient(140, 60));
-    let xyz = folder.file("xyz.hdr", &radsight_with(&["ra_xyze", &rgb], b"").done());
+    let xyz = folder.file("xyz.hdr", radsight_with(&["ra_xyze", &rgb], b"").done());
     let run = |file: &str| {
         let words = ["falsecolor", "-lw", "0", "-pal", "hot", "-s", "200", "-i", file];
         Picture::read(&radsight_with(&words, b"").done()).expect("a picture").values()

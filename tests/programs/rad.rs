@@ -103,7 +103,7 @@ fn mistakes_are_reported() {
     };
     refuses(&["none.rif"], "cannot read file \"none.rif\": no such file or directory");
     let expected = "expected a file name without white space";
-    for (assignment, variable) in [("PICTURE=my pic", "PICTURE"), ("OCT=\"my oct\"", "OCTREE"), ("ZF=a b", "ZFILE")] {
+    for (assignment, variable) in [("PICTURE=my pic", "PICTURE"), ("RAW=\"my raw\"", "RAWFILE"), ("ZF=a b", "ZFILE")] {
         let value = assignment.split_once('=').expect("an assignment").1.trim_matches('"');
         let message = format!("rad: variable {variable} is \"{value}\", {expected}");
         refuses(&["-n", "room.rif", assignment], &message);

@@ -141,6 +141,16 @@ impl RenderPlan {
         self.unusable_hit.get_or_init(|| self.unusable(surface, shader));
     }
 
+    /// The error of a distant source with an unusable modifier, which rays in its directions meet.
+    #[must_use]
+    pub fn unusable_sky(&self) -> Option<Diagnostic> {
+        let of_sky = self.sky.iter().map(|sky| (sky.surface, self.shader(sky.surface)));
+        of_sky
+            .filter(|(_, shader)| matches!(shader.kind, Kind::Unusable(_)))
+            .map(|(surface, shader)| self.unusable(surface, shader))
+            .next()
+    }
+
     fn unusable(&self, surface: SurfaceHandle, shader: &Shader) -> Diagnostic {
         let name = self.scene.surface_name(surface);
         let scene = shader.textures.home.scene(&self.scene);

@@ -259,7 +259,7 @@ impl Project {
 
 /// Whether the value is a word of commands, which white space would divide, as in Radiance.
 fn is_one_word(variable: Variable) -> bool {
-    matches!(variable, V::AmbientFile | V::Octree | V::OptionFile | V::Picture | V::RawFile | V::ZFile)
+    matches!(variable, V::AmbientFile | V::OptionFile | V::Picture | V::RawFile | V::ZFile)
 }
 
 fn place(variable: Variable) -> usize {
