@@ -144,11 +144,9 @@ impl RenderPlan {
     /// The error of a distant source with an unusable modifier, which rays in its directions meet.
     #[must_use]
     pub fn unusable_sky(&self) -> Option<Diagnostic> {
-        let of_sky = self.sky.iter().map(|sky| (sky.surface, self.shader(sky.surface)));
-        of_sky
-            .filter(|(_, shader)| matches!(shader.kind, Kind::Unusable(_)))
-            .map(|(surface, shader)| self.unusable(surface, shader))
-            .next()
+        let mut of_sky = self.sky.iter().map(|sky| (sky.surface, self.shader(sky.surface)));
+        let (surface, shader) = of_sky.find(|(_, shader)| matches!(shader.kind, Kind::Unusable(_)))?;
+        Some(self.unusable(surface, shader))
     }
 
     fn unusable(&self, surface: SurfaceHandle, shader: &Shader) -> Diagnostic {
