@@ -42,7 +42,11 @@ pub(super) fn environment(
     name: &str,
     planned: Result<Planned, Failure>,
 ) -> Result<Box<EnvironmentRadiance<'static>>, Error> {
-    let renderer = Renderer::new(planned.map_err(|failure| unreadable(name, failure.message()))?.plan);
+    let plan = planned.map_err(|failure| unreadable(name, failure.message()))?.plan;
+    if let Some(error) = plan.unusable_sky() {
+        return Err(unreadable(name, &error.message));
+    }
+    let renderer = Renderer::new(plan);
     Ok(Box::new(move |direction| seen_from_outside(&renderer, direction)))
 }
 

@@ -121,7 +121,8 @@ impl Arguments {
                     let origin = DVec3::new(number()?, number()?, number()?) - CUBE_MARGIN;
                     arguments.cube = Some(Cube { origin, size: number()? + 2.0 * CUBE_MARGIN });
                 }
-                "-n" => arguments.build.object_limit = number(word, value()?)?,
+                // Radiance takes numbers below 1 as 1.
+                "-n" => arguments.build.object_limit = number::<i64>(word, value()?)?.max(1) as usize,
                 "-r" => arguments.build.resolution = number(word, value()?)?,
                 "-f" => arguments.is_frozen = true,
                 "-w" => arguments.is_quiet = true,

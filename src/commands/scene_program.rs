@@ -136,7 +136,9 @@ pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> 
             true if holds(file, bytes) => continue,
             _ if file == "-" => write_standard_output(bytes)?,
             true => write_file(&trust.output_of_file(file, Existing::Kept)?, bytes)?,
-            false if name == "mgf2rad" => extend_file(&trust.output(file, Existing::Kept)?, bytes)?,
+            false if output.extended.as_ref() == Some(file) => {
+                extend_file(&trust.output(file, Existing::Kept)?, bytes)?
+            }
             false => write_file(&trust.output(file, Existing::Kept)?, bytes)?,
         }
     }

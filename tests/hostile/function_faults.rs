@@ -140,3 +140,47 @@ fn contributions_are_numbers_too() {
     assert!(values.iter().all(|value| value.is_finite() && *value > 1e38), "{text}");
     assert!(run.messages.contains("warning: the radiance of "), "{}", run.messages);
 }
+
+/// As in Radiance: an error of a pattern or texture counts when a ray meets the surface.
+#[test]
+fn unusable_patterns_and_textures_count_where_a_ray_meets_them() {
+    let scene = |modifiers: &str| {
+        format!(
+            "void plastic good 0 0 5 .5 .5 .5 0 0\ngood sphere near 0 0 4 0 0 0 1\n\
+             void light l 0 0 3 9 9 9\nl source sun 0 0 4 0 -.6 .8 1\n{modifiers}\n"
+        )
+    };
+    let trace = |modifiers: &str, x: f64| {
+        let folder = Folder::new();
+        folder.file("scene.rad", scene(modifiers));
+        let rays = format!("{x} -5 .5 0 1 0\n");
+        run_with(command(&["rtrace", "-h", "-ab", "0", "scene.rad"]).current_dir(folder.path("")), rays.as_bytes())
+    };
+    let paint = "plastic bad 0 0 5 .5 .5 .5 0 0\nbad sphere far 0 0 4 5 0 0 1";
+    let sheet = "glass bad 0 0 3 .9 .9 .9\nbad ring far 0 0 8 5 -3 3 0 -.6 .8 0 2.5\ngood sphere behind 0 0 4 5 0 0 1";
+    for (modifiers, reason) in [
+        (format!("void brightfunc p 2 none .\n0 0\np {paint}"), "unknown variable \"none\""),
+        (format!("void brightfunc p 2 f none.cal\n0 0\np {paint}"), "cannot find function file \"none.cal\""),
+        (format!("void brightfunc p 1 f\n0 0\np {paint}"), "brightfunc \"p\" has 1 string argument"),
+        (format!("void brightdata p 4 noop none.dat . Px\n0 0\np {paint}"), "cannot find data file \"none.dat\""),
+        (format!("void texfunc p 4 none 0 0 .\n0 0\np {paint}"), "unknown variable \"none\""),
+        (format!("void brightfunc q 2 none .\n0 0\nvoid mixfunc p 4 q void .5 .\n0 0\np {paint}"), "\"none\""),
+        // A shadow ray meets the pane.
+        (format!("void brightfunc p 2 none .\n0 0\np {sheet}"), "unknown variable \"none\""),
+        (
+            "void brightfunc p 2 none .\n0 0\np glow bad 0 0 4 1 1 1 0\nbad source far 0 0 4 0 1 0 20".to_owned(),
+            "\"none\"",
+        ),
+    ] {
+        let apart = trace(&modifiers, 0.0);
+        assert_eq!(apart.code, 0, "{modifiers}: {}", apart.messages);
+        assert!(apart.messages.contains(reason) && apart.messages.contains("warning"), "{}", apart.messages);
+        let met = trace(&modifiers, 5.0);
+        assert_eq!(met.code, INPUT, "{modifiers}: {}", met.messages);
+        let message = "error: a ray hit \"far\", whose material cannot be used: ";
+        assert!(met.messages.contains(message) && met.messages.contains(reason), "{modifiers}: {}", met.messages);
+    }
+    // Every surface that a lamp lights evaluates its pattern.
+    let lamp = trace("void brightfunc p 2 none .\n0 0\np light bad 0 0 3 1 1 1\nbad sphere far 0 0 4 0 0 9 1", 0.0);
+    assert_eq!(lamp.code, INPUT, "{}", lamp.messages);
+}

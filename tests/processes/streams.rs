@@ -291,3 +291,46 @@ fn records_of_a_known_shape_go_out_as_those_that_are_counted_first() {
     let headed = collate(&["-oc", "6"], &[&header[..], text].concat());
     assert!(headed.ends_with(b"NROWS=2\nNCOLS=6\nFORMAT=ascii\n\n1\t2\t3\t4\t5\t6\n7\t8\t9\t10\t11\t12\n"));
 }
+
+/// A file would be read while it grows, and a message would be added to a picture.
+#[test]
+fn no_picture_is_read_to_which_the_output_is_added() {
+    let folder = Folder::new();
+    let picture = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x80";
+    for script in [
+        "\"$R\" getinfo a.hdr >> a.hdr",
+        "\"$R\" getinfo -d a.hdr >> a.hdr",
+        "\"$R\" getinfo < a.hdr >> a.hdr",
+        "\"$R\" getinfo - < a.hdr >> a.hdr",
+        "\"$R\" getinfo -a A=1 < a.hdr >> a.hdr",
+        "\"$R\" pvalue < a.hdr >> a.hdr",
+        "\"$R\" falsecolor -e < a.hdr >> a.hdr",
+        "\"$R\" pcomb - < a.hdr >> a.hdr",
+    ] {
+        folder.file("a.hdr", picture);
+        let run = bash(&folder, script);
+        assert_eq!(run.code, 2, "{script}: {}", run.messages);
+        assert!(run.messages.contains("standard output goes to the same file"), "{script}: {}", run.messages);
+        assert_eq!(std::fs::read(folder.path("a.hdr")).expect("it is there"), picture, "{script}");
+    }
+}
+
+#[test]
+fn mkillum_leaves_no_data_files_of_a_text_that_cannot_be_written() {
+    let folder = Folder::new();
+    folder.file("room.rad", "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n");
+    folder.file(
+        "window.rad",
+        "#@mkillum m=lit d=6 s=1 f=first\nvoid glass pane 0 0 3 .9 .9 .9\n\
+         pane polygon w 0 0 12 -1 -1 0 -1 1 0 1 1 0 1 -1 0\npane polygon v 0 0 12 -1 -1 1 -1 1 1 1 1 1 1 -1 1\n",
+    );
+    folder.file("a.oct", "");
+    let before = folder.names();
+    let script = "\"$R\" oconv room.rad window.rad > a.oct; \"$R\" mkillum -ab 0 a.oct < window.rad";
+    let run = bash(&folder, &format!("{script} > /dev/full"));
+    assert_eq!(run.code, 3, "{}", run.messages);
+    assert_eq!(folder.names(), before);
+    // Both windows have data of their own.
+    bash(&folder, script).done();
+    assert!(folder.path("first.dat").exists() && folder.path("first1.dat").exists(), "{:?}", folder.names());
+}

@@ -535,7 +535,7 @@ fn wrong_command_lines_and_input_are_reported() {
     check("rmtxop - + -", 2, "standard input is named twice");
     check("rmtxop -q a.mtx", 2, "option \"-q\" is unknown");
     check("rmtxop -s a.mtx", 2, "option \"-s\" has no factors");
-    check("gendaymtx -m 91 day.wea", 2, "expected a subdivision (-m) of 1 to 90");
+    check("gendaymtx -m 91 day.wea", 2, "subdivision (-m) is 91, expected 1 to 90");
     check("gendaymtx -m 90 -x day.wea", 2, "unknown option \"-x\"");
     check("gendaymtx -m 90 day.wea", 1, "the output exceeds");
     check("gendaymtx odd.wea", 1, "odd.wea: line 43: there is no hour 12.5 of day 30 in month 2");

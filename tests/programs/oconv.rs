@@ -166,3 +166,20 @@ fn a_wrong_command_line_says_what_is_wrong() {
     let run = radsight(&["oconv", "-b", "0", "0", "0", "1", "!echo void sphere s 0 0 4 0 0 0 1"]);
     assert_eq!((run.code, run.messages.trim_end()), (1, "radsight: oconv: the cube does not hold the whole scene"));
 }
+
+/// Real oconv takes numbers below 1 as 1: with 0, each cube of a surface would be divided down to
+/// the resolution.
+#[test]
+fn at_least_one_surface_is_left_in_a_cube() {
+    let folder = Folder::new();
+    let scene =
+        folder.file("two.rad", "void plastic p 0 0 5 1 1 1 0 0\np sphere a 0 0 4 0 0 0 1\np sphere b 0 0 4 3 0 0 1\n");
+    let tree = |limit: &str| {
+        let bytes = ours(&folder, &["oconv", "-n", limit, &scene]);
+        let header = bytes.windows(2).position(|pair| pair == b"\n\n").expect("a header");
+        bytes[header..].to_vec()
+    };
+    let expected = tree("1");
+    assert_eq!(tree("0"), expected);
+    assert_eq!(tree("-3"), expected);
+}

@@ -2,7 +2,7 @@
 //! kinds.
 
 use crate::program::{Folder, Run, command, radsight_with, run_with};
-use radsight_picture::{FileFormat, Header, Image, Picture, write_image};
+use radsight_picture::{Encoding, FileFormat, Header, Image, Picture, write_image};
 use radsight_test_support::Radiance;
 use std::path::PathBuf;
 
@@ -461,6 +461,76 @@ fn falsecolor_shows_a_value_in_its_colour_beside_a_legend() {
     // A picture without edges has no contours.
     let lines = run("-cl -lw 0");
     assert!(lines.values().data().iter().all(|value| *value < 1e-6));
+}
+
+#[test]
+fn pcompos_refuses_positions_beyond_those_of_radiance() {
+    let folder = Folder::new();
+    let picture = folder.file("a.hdr", gradient(8, 6));
+    for options in ["A 0 99999999999", "A -3e9 0", "-x 5 -y 5 A 9e99 9e99", "-y 99999999999 A 0 0", "-a 1 -s 1e300 A A"]
+    {
+        let options = options.replace('A', &picture);
+        let words: Vec<&str> = ["pcompos"].into_iter().chain(options.split(' ')).collect();
+        let run = radsight_with(&words, b"");
+        assert_eq!((run.code, run.output.len()), (2, 0), "{options}: {}", run.messages);
+        let message = "expected a number of pixels from -2147483647 to 2147483647";
+        assert!(run.messages.contains(message), "{options}: {}", run.messages);
+    }
+}
+
+/// Viewers take the colours for what FORMAT says; palettes and legends are red, green and blue.
+#[test]
+fn falsecolor_of_xyze_and_of_spectra_is_that_of_the_converted_picture() {
+    let folder = Folder::new();
+    let rgb = folder.file("rgb.hdr", gradient(140, 60));
+    let xyz = folder.file("xyz.hdr", radsight_with(&["ra_xyze", &rgb], b"").done());
+    let spectra: Vec<f32> = (0..140 * 60 * 6).map(|i| 0.1 + (i % 840) as f32 / 840.0).collect();
+    let spectra = Image::new(140, 60, 6, spectra).expect("a shape");
+    let spectra = Picture::from_spectra(Header::new("RADIANCE"), &spectra, Encoding::USUAL_SPLITS).expect("a picture");
+    let spectral = folder.file("spectral.hsr", spectra.to_bytes());
+    for file in [xyz, spectral] {
+        let converted = folder.file("converted.hdr", radsight_with(&["ra_xyze", "-r", &file], b"").done());
+        for options in ["-i A", "-ip A -cl -s 30", "-i B -cb -p A", "-i A -e -s auto", "-i A -odim 1 1", "-i A -c0"] {
+            let run = |picture: &str| {
+                let file = |word| match word {
+                    "A" => picture,
+                    "B" => &rgb,
+                    option => option,
+                };
+                let words: Vec<&str> = ["falsecolor"].into_iter().chain(options.split(' ').map(file)).collect();
+                Picture::read(&radsight_with(&words, b"").done()).expect("a picture")
+            };
+            let (found, expected) = (run(&file), run(&converted));
+            assert_eq!(found.encoding(), Encoding::Rgbe, "{options} of {file}");
+            assert!(found.pixels() == expected.pixels(), "{options} of {file}");
+        }
+    }
+}
+
+/// Y of XYZE is in cd/m², so its scale is that of the picture in red, green and blue.
+#[test]
+fn falsecolor_of_xyze_has_the_scale_of_the_same_picture_in_rgbe() {
+    let folder = Folder::new();
+    let rgb = folder.file("rgb.hdr", gradient(140, 60));
+    let xyz = folder.file("xyz.hdr", radsight_with(&["ra_xyze", &rgb], b"").done());
+    let run = |file: &str| {
+        let words = ["falsecolor", "-lw", "0", "-pal", "hot", "-s", "200", "-i", file];
+        Picture::read(&radsight_with(&words, b"").done()).expect("a picture").values()
+    };
+    let (expected, found) = (run(&rgb), run(&xyz));
+    let differences = expected.data().iter().zip(found.data()).map(|(a, b)| (a - b).abs());
+    assert!(differences.fold(0.0, f32::max) < 0.05);
+    assert!(expected.data().iter().any(|value| *value > 0.5) && expected.data().iter().any(|value| *value < 0.1));
+}
+
+#[test]
+fn falsecolor_names_the_background_of_another_size() {
+    let folder = Folder::new();
+    let (picture, background) = (folder.file("a.hdr", gradient(40, 30)), folder.file("b.hdr", gradient(30, 40)));
+    let run = radsight_with(&["falsecolor", "-i", &picture, "-p", &background], b"");
+    assert_eq!(run.code, 1, "{}", run.messages);
+    let message = format!("{background}: 30 x 40 pixels, expected 40 x 30 as in the first picture");
+    assert!(run.messages.contains(&message), "{}", run.messages);
 }
 
 /// The real one is a script that is missing in some installations.

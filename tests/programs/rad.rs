@@ -102,6 +102,12 @@ fn mistakes_are_reported() {
         assert_ne!(run.code, 0);
     };
     refuses(&["none.rif"], "cannot read file \"none.rif\": no such file or directory");
+    let expected = "expected a file name without white space";
+    for (assignment, variable) in [("PICTURE=my pic", "PICTURE"), ("RAW=\"my raw\"", "RAWFILE"), ("ZF=a b", "ZFILE")] {
+        let value = assignment.split_once('=').expect("an assignment").1.trim_matches('"');
+        let message = format!("rad: variable {variable} is \"{value}\", {expected}");
+        refuses(&["-n", "room.rif", assignment], &message);
+    }
     refuses(&["-n", "room.rif", "QUAL=best"], "rad: variable QUALITY is \"best\", expected low, medium or high");
     refuses(&["-n", "room.rif", "FOO=1"], "rad: command line: unknown variable \"FOO\"");
     refuses(&["-n", "room.rif", "sce=lost.rad"], "rad: file \"lost.rad\" does not exist");

@@ -544,3 +544,42 @@ fn long_lights_have_samples_along_their_length() {
         assert!(spread < most && mean.abs() < 3.0 * spread / 4.0 + 0.002, "{light}: {mean} ± {spread}");
     }
 }
+
+/// Radiance turns normals to the viewer for surfaces that it treats as a sheet with two sides.
+#[test]
+fn perturbed_normals_of_back_faces_are_those_of_real_rtrace() {
+    let alternate = "void plastic q 0 0 5 .5 .5 .5 0 0\n";
+    for (material, is_turned) in [
+        ("light m 0 0 3 1 1 1", false),
+        ("glow m 0 0 4 1 1 1 0", false),
+        ("spotlight m 0 0 7 1 1 1 30 0 0 -1", false),
+        ("illum m 0 0 3 1 1 1", false),
+        ("illum m 1 q 0 3 1 1 1", true),
+        ("mirror m 0 0 3 .5 .5 .5", false),
+        ("mirror m 1 q 0 3 .5 .5 .5", true),
+        ("mist m 0 0 0", false),
+        ("prism1 m 5 1 0 0 1 . 0 0", false),
+        ("BRTDfunc m 10 .1 .1 .1 0 0 0 0 0 0 . 0 9 .1 .1 .1 .1 .1 .1 0 0 0", false),
+        ("plastic m 0 0 5 .5 .5 .5 0 0", true),
+        ("trans m 0 0 7 .5 .5 .5 0 0 .5 .5", true),
+        ("glass m 0 0 3 .9 .9 .9", true),
+        ("dielectric m 0 0 5 1 1 1 1.5 0", false),
+    ] {
+        let folder = Folder::new();
+        folder.file("scene.rad", format!("{alternate}void {material}\nm ring s 0 0 8 0 0 0 0 0 1 0 3\n"));
+        let rays = b"0 .1 5 0 0 -1\n0 .1 -5 0 0 1\n";
+        let words = ["rtrace", "-h", "-w", "-ab", "0", "-on"];
+        let normals = |text: String| -> Vec<f64> {
+            text.split_whitespace().skip(2).step_by(3).map(|word| word.parse().expect("a number")).collect()
+        };
+        let mut ours = command(&[&words[..], &["scene.rad"]].concat());
+        let ours = run_with(ours.current_dir(folder.path("")), rays).text();
+        assert_eq!(normals(ours), [1.0, if is_turned { -1.0 } else { 1.0 }], "{material}");
+        if let Some(radiance) = Radiance::find() {
+            let octree = radiance.octree(&folder, &["scene.rad"]);
+            let mut real = radiance.command("rtrace", &[&words[1..], &[octree.as_str()]].concat());
+            let real = run_with(real.current_dir(folder.path("")), rays).text();
+            assert_eq!(normals(real), [1.0, if is_turned { -1.0 } else { 1.0 }], "{material}");
+        }
+    }
+}

@@ -9,7 +9,7 @@ use crate::native_model::native_or;
 use crate::options::{Skip, Skipping};
 use crate::prism::PrismKind;
 use crate::refraction::DielectricInterface;
-use crate::shader::{Emitter, EmitterType, Kind, MixtureKind, Shader, Substitution};
+use crate::shader::{Emitter, EmitterType, Kind, MixtureKind, Shader, Substitution, Unusable};
 use crate::specialise::turns_the_normal_to_the_viewer;
 use crate::substance::substance;
 use radsight_accel::{ShaderId, ShaderTable};
@@ -161,9 +161,12 @@ impl Compiler<'_> {
         above: &TextureChain,
     ) -> ShaderId {
         let nesting = chains.nesting;
-        let (textures, kind) = self.compile(chains, modifier, above).unwrap_or_else(|error| {
-            self.errors.push(error);
-            (chains.bare(), Kind::Transparent)
+        let (textures, kind) = self.compile(chains, modifier, above).unwrap_or_else(|unfit| match unfit {
+            Unfit::Error(error) => {
+                self.errors.push(error);
+                (chains.bare(), Kind::Transparent)
+            }
+            Unfit::Unusable(unusable) => (chains.bare(), Kind::Unusable(unusable)),
         });
         chains.nesting = nesting;
         self.shaders.push(specialised(Shader {
@@ -229,6 +232,61 @@ impl Compiler<'_> {
     }
 }
 
+/// Why a chain has no shader of its material.
+enum Unfit {
+    /// The picture cannot be made.
+    Error(Diagnostic),
+    /// The picture can be made as long as no ray meets the surface.
+    Unusable(Unusable),
+}
+
+impl From<Diagnostic> for Unfit {
+    fn from(error: Diagnostic) -> Unfit {
+        Unfit::Error(error)
+    }
+}
+
+impl Unfit {
+    /// An unusable modifier that no shadow ray passes.
+    fn opaque(modifier: ModifierHandle) -> Unfit {
+        Unfit::Unusable(Unusable { modifier, lets_light_through: false })
+    }
+
+    /// An unusable modifier of what was found before it in the chain.
+    fn below(scene: &Scene, found: Option<&Kind>, modifier: ModifierHandle) -> Unfit {
+        let Some(kind) = found else { return Unfit::opaque(modifier) };
+        match &scene.modifiers[modifier] {
+            Modifier { kind: ModifierKind::Material(Material::Unusable { reason }), span, .. }
+                if is_sought_by_light_samples(kind) =>
+            {
+                let name = scene.modifier_name(Some(modifier));
+                at(*span, format!("modifier \"{name}\" cannot be used: {reason}")).into()
+            }
+            _ => Unfit::Unusable(Unusable { modifier, lets_light_through: passes_light(kind) }),
+        }
+    }
+
+    fn second_material(scene: &Scene, modifier: ModifierHandle) -> Unfit {
+        let name = scene.modifier_name(Some(modifier));
+        at(scene.modifiers[modifier].span, format!("material \"{name}\" modifies another material")).into()
+    }
+}
+
+/// Whether rays that look for light evaluate the appearance of the surface wherever they are lit
+/// by it, without any ray that hits it by chance.
+fn is_sought_by_light_samples(kind: &Kind) -> bool {
+    match kind {
+        Kind::Emitter(emitter) => !matches!(emitter.class, EmitterType::Glow(radius) if radius <= 0.0),
+        Kind::Illum { .. } | Kind::Mirror { .. } | Kind::Prism(_) => true,
+        _ => false,
+    }
+}
+
+/// Whether shadow rays could pass a surface of this kind.
+fn passes_light(kind: &Kind) -> bool {
+    kind.is_transparent() || matches!(kind, Kind::Scatterer(scatterer) if scatterer.lets_through())
+}
+
 /// The modifier chains of one scene.
 struct Chains<'s> {
     scene: &'s Scene,
@@ -280,7 +338,7 @@ impl Compiler<'_> {
         chains: &mut Chains<'_>,
         first: Option<ModifierHandle>,
         above: &TextureChain,
-    ) -> Result<(TextureChain, Kind), Diagnostic> {
+    ) -> Result<(TextureChain, Kind), Unfit> {
         let scene = chains.scene;
         let mut textures = above.clone();
         let mut found = None;
@@ -293,15 +351,17 @@ impl Compiler<'_> {
                 ModifierKind::Mixture(mixture) if !chains.is_material(handle) => {
                     textures.steps.push(self.mixed_steps(chains, modifier, mixture)?);
                 }
-                // An unusable modifier can be of any kind; its reason is reported here.
-                ModifierKind::Material(Material::Unusable { reason }) if found.is_some() => {
-                    let name = scene.modifier_name(Some(handle));
-                    return Err(at(modifier.span, format!("modifier \"{name}\" cannot be used: {reason}")));
+                // An unusable modifier can be of any kind.
+                ModifierKind::Material(Material::Unusable { .. }) => {
+                    return Err(Unfit::below(scene, found.as_ref(), handle));
                 }
-                _ if found.is_some() => {
-                    let name = scene.modifier_name(Some(handle));
-                    return Err(at(modifier.span, format!("material \"{name}\" modifies another material")));
+                ModifierKind::Mixture(mixture) if found.is_some() => {
+                    return Err(match self.mixed_steps(chains, modifier, mixture) {
+                        Err(Unfit::Unusable(part)) => Unfit::below(scene, found.as_ref(), part.modifier),
+                        _ => Unfit::second_material(scene, handle),
+                    });
                 }
+                _ if found.is_some() => return Err(Unfit::second_material(scene, handle)),
                 ModifierKind::Mixture(mixture) => {
                     found = Some(self.mixed_materials(chains, modifier, mixture, &textures)?);
                     // The mixture's parts include these steps.
@@ -317,12 +377,7 @@ impl Compiler<'_> {
         Ok((textures, kind))
     }
 
-    fn mixed_steps(
-        &mut self,
-        chains: &mut Chains<'_>,
-        modifier: &Modifier,
-        mixture: &Mixture,
-    ) -> Result<Step, Diagnostic> {
+    fn mixed_steps(&mut self, chains: &mut Chains<'_>, modifier: &Modifier, mixture: &Mixture) -> Result<Step, Unfit> {
         self.enter(chains, modifier)?;
         let share = share(chains.scene, modifier, &mixture.amount)?;
         let mut steps = |arm| self.steps_alone(chains, arm);
@@ -332,17 +387,20 @@ impl Compiler<'_> {
     }
 
     /// Steps of a chain without a material.
-    fn steps_alone(&mut self, chains: &mut Chains<'_>, first: Option<ModifierHandle>) -> Result<Vec<Step>, Diagnostic> {
+    fn steps_alone(&mut self, chains: &mut Chains<'_>, first: Option<ModifierHandle>) -> Result<Vec<Step>, Unfit> {
         let scene = chains.scene;
         let mut steps = Vec::new();
-        for (_, modifier) in scene.chain(first) {
+        for (handle, modifier) in scene.chain(first) {
             match &modifier.kind {
                 ModifierKind::Texture(texture) => steps.extend(texture_step(texture)),
                 ModifierKind::Pattern(pattern) => steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?),
                 ModifierKind::Mixture(mixture) => steps.push(self.mixed_steps(chains, modifier, mixture)?),
+                ModifierKind::Material(Material::Unusable { .. }) => {
+                    return Err(Unfit::Unusable(Unusable { modifier: handle, lets_light_through: true }));
+                }
                 ModifierKind::Material(_) => {
                     let message = "expected a pattern or a texture, found a material".to_owned();
-                    return Err(at(modifier.span, message));
+                    return Err(at(modifier.span, message).into());
                 }
             }
         }
@@ -356,7 +414,7 @@ impl Compiler<'_> {
         chains: &mut Chains<'_>,
         first: Option<ModifierHandle>,
         above: &TextureChain,
-    ) -> Result<Appearances, Diagnostic> {
+    ) -> Result<Appearances, Unfit> {
         let mut textures = above.clone();
         textures.steps.extend(self.steps_alone(chains, first)?);
         Ok(Appearances::Own(Box::new(textures)))
@@ -368,14 +426,15 @@ impl Compiler<'_> {
         modifier: &Modifier,
         mixture: &Mixture,
         above: &TextureChain,
-    ) -> Result<Kind, Diagnostic> {
+    ) -> Result<Kind, Unfit> {
         if let Some(parent) = modifier.modifier {
             let name = chains.scene.names.get(modifier.name);
             let parent = chains.scene.modifier_name(Some(parent));
             return Err(at(
                 modifier.span,
                 format!("\"{parent}\" modifies \"{name}\", but a mixture of materials cannot have a modifier"),
-            ));
+            )
+            .into());
         }
         self.enter(chains, modifier)?;
         let share = share(chains.scene, modifier, &mixture.amount)?;
@@ -442,12 +501,12 @@ impl Compiler<'_> {
         handle: ModifierHandle,
         material: &Material,
         above: &TextureChain,
-    ) -> Result<Kind, Diagnostic> {
+    ) -> Result<Kind, Unfit> {
         let Compiler { models, bands, .. } = *self;
         let scene = chains.scene;
         let modifier = &scene.modifiers[handle];
         if let Some(request) = ModelRequest::of(scene, modifier, bands) {
-            return native_or(models, &request).map(Kind::Plugin);
+            return Ok(Kind::Plugin(native_or(models, &request)?));
         }
         let glossy = |surface: &Glossy, metallic| GlossyKind {
             color: surface.color,
@@ -483,7 +542,7 @@ impl Compiler<'_> {
                 Ok(Kind::Glass { transmissivity: *transmissivity, refractive_index: *refractive_index })
             }
             Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts, above))),
-            Material::Unusable { .. } => Ok(Kind::Unusable),
+            Material::Unusable { .. } => Err(Unfit::opaque(handle)),
             Material::Bsdf { data, call, form, added_diffuse } => {
                 let bsdf = scene.bsdfs[*data].bsdf.clone();
                 let kind =
@@ -494,7 +553,7 @@ impl Compiler<'_> {
                 let appearances = |modifier| self.compile_appearances(chains, modifier, above);
                 match compile_scatterer(other, modifier.modifier, appearances) {
                     Some(scatterer) => scatterer.map(|scatterer| Kind::Scatterer(Box::new(scatterer))),
-                    None => Err(not_yet("this type of material", modifier.span)),
+                    None => Err(not_yet("this type of material", modifier.span).into()),
                 }
             }
         }

@@ -3,18 +3,17 @@
 use radsight_bsdf::{
     Appearances, AshikhminKind, BrtdKind, Component, Scatterer, ScatteringKind, Sheet, WardFunctionKind,
 };
-use radsight_diag::Diagnostic;
 use radsight_ir::{Anisotropic, FunctionMaterial, Glossy, Material, ModifierHandle, ScatteringFunction, Translucent};
 use radsight_texture::Function;
 
 /// Compiles a scattering material; none for other materials. `appearances` compiles patterns and
 /// textures of a modifier that the material names in addition to `own`, its own modifier, or of
 /// `void`.
-pub(crate) fn compile_scatterer(
+pub(crate) fn compile_scatterer<E>(
     material: &Material,
     own: Option<ModifierHandle>,
-    appearances: impl FnMut(Option<ModifierHandle>) -> Result<Appearances, Diagnostic>,
-) -> Option<Result<Scatterer, Diagnostic>> {
+    appearances: impl FnMut(Option<ModifierHandle>) -> Result<Appearances, E>,
+) -> Option<Result<Scatterer, E>> {
     let opaque = |surface: &Anisotropic<Glossy>| {
         let translucent = Translucent { surface: surface.surface, transmissivity: 0.0, transmitted_specularity: 0.0 };
         anisotropic(surface, translucent)
@@ -78,11 +77,11 @@ fn brtd(material: &FunctionMaterial) -> BrtdKind {
     BrtdKind { function: Function::new(&material.call), diffuse: material.diffuse, has_grey_functions: is_grey }
 }
 
-fn ward_function(
+fn ward_function<E>(
     material: &FunctionMaterial,
     own: Option<ModifierHandle>,
-    mut appearances: impl FnMut(Option<ModifierHandle>) -> Result<Appearances, Diagnostic>,
-) -> Result<Scatterer, Diagnostic> {
+    mut appearances: impl FnMut(Option<ModifierHandle>) -> Result<Appearances, E>,
+) -> Result<Scatterer, E> {
     let mut appearances_of = |part: usize| match material.modifiers.get(part).copied().flatten() {
         Some(modifier) if Some(modifier) == own => Ok(Appearances::Main),
         modifier => appearances(modifier),

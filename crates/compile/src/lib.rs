@@ -72,7 +72,7 @@ pub use portals::{MOST_PORTALS, Portal, PortalForm, Portals, VisiblePortals};
 pub use prism::PrismKind;
 pub use reflectors::Reflector;
 pub use refraction::{DielectricInterface, RaySide, Refracted};
-pub use shader::{Emitter, EmitterType, Kind, MixtureKind, Shader, Substitution};
+pub use shader::{Emitter, EmitterType, Kind, MixtureKind, Shader, Substitution, Unusable};
 pub use smooth_view::SmoothView;
 pub use unbounded::Unbounded;
 pub use visibility_class::{Receiver, Visibility, VisibilityClass};

@@ -82,8 +82,8 @@ pub struct RenderPlan {
     pub bands: usize,
     /// Layout of the bands in that array.
     pub layout: Arc<BandLayout>,
-    /// The first surface with an unusable material that a ray hit.
-    pub unusable_hit: OnceLock<(SurfaceHandle, ShaderId)>,
+    /// The error of the first surface with an unusable modifier that a ray hit.
+    pub(crate) unusable_hit: OnceLock<Diagnostic>,
     /// Counter of rays whose radiance exceeds the range of pictures.
     pub unbounded: Unbounded,
     /// Made for the first who asks.
@@ -133,7 +133,7 @@ impl RenderPlan {
     /// reflectance model made a mistake, or functions took too many steps too often.
     #[must_use]
     pub fn fatal_fault(&self) -> Option<Diagnostic> {
-        self.unusable_material().or_else(|| self.faulty_model()).or_else(|| self.exhausted_function())
+        self.unusable_hit.get().cloned().or_else(|| self.faulty_model()).or_else(|| self.exhausted_function())
     }
 
     fn faulty_model(&self) -> Option<Diagnostic> {
@@ -146,22 +146,35 @@ impl RenderPlan {
         })
     }
 
-    fn unusable_material(&self) -> Option<Diagnostic> {
-        let (surface, shader) = *self.unusable_hit.get()?;
+    /// Records that a ray met a surface with an unusable modifier, of which the first is reported.
+    pub fn note_unusable(&self, surface: SurfaceHandle, shader: &Shader) {
+        self.unusable_hit.get_or_init(|| self.unusable(surface, shader));
+    }
+
+    /// The error of a distant source with an unusable modifier, which rays in its directions meet.
+    #[must_use]
+    pub fn unusable_sky(&self) -> Option<Diagnostic> {
+        let mut of_sky = self.sky.iter().map(|sky| (sky.surface, self.shader(sky.surface)));
+        let (surface, shader) = of_sky.find(|(_, shader)| matches!(shader.kind, Kind::Unusable(_)))?;
+        Some(self.unusable(surface, shader))
+    }
+
+    fn unusable(&self, surface: SurfaceHandle, shader: &Shader) -> Diagnostic {
         let name = self.scene.surface_name(surface);
-        let shader = &self.shaders[shader.0 as usize];
-        let (_, modifier) = shader
-            .textures
-            .home
-            .scene(&self.scene)
-            .chain(shader.modifier)
-            .find(|(_, modifier)| matches!(modifier.kind, ModifierKind::Material(Material::Unusable { .. })))?;
-        let ModifierKind::Material(Material::Unusable { reason }) = &modifier.kind else { return None };
+        let scene = shader.textures.home.scene(&self.scene);
+        let modifier = match &shader.kind {
+            Kind::Unusable(unusable) => Some(&scene.modifiers[unusable.modifier]),
+            _ => None,
+        };
+        let reason = match modifier.map(|modifier| &modifier.kind) {
+            Some(ModifierKind::Material(Material::Unusable { reason })) => reason,
+            _ => "it has an error",
+        };
         let error = Diagnostic::error(format!("a ray hit \"{name}\", whose material cannot be used: {reason}"));
-        Some(match modifier.span {
+        match modifier.and_then(|modifier| modifier.span) {
             Some(span) => error.at(span),
             None => error,
-        })
+        }
     }
 
     /// Seed of the sample sequences.

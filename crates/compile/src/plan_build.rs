@@ -132,13 +132,16 @@ impl RenderPlan {
 fn collect_sky<'a>(scene: &ValidScene, shader: impl Fn(SurfaceHandle) -> &'a Shader) -> Vec<Sky> {
     let rank = |kind: &Kind| match kind {
         Kind::Illum { substitute: Substitution::Void, .. } => 1,
-        Kind::Emitter(Emitter { class: EmitterType::Glow(_), .. }) => 2,
+        Kind::Emitter(Emitter { class: EmitterType::Glow(_), .. }) | Kind::Unusable(_) => 2,
         _ => 0,
     };
     let mut sky: Vec<Sky> = scene
         .surfaces
         .iter()
-        .filter(|(handle, _)| shader(*handle).kind.emitter().is_some_and(|emitter| !emitter.radiance.is_black()))
+        .filter(|(handle, _)| match &shader(*handle).kind {
+            Kind::Unusable(_) => true,
+            kind => kind.emitter().is_some_and(|emitter| !emitter.radiance.is_black()),
+        })
         .filter_map(|(handle, surface)| match surface.shape {
             Shape::Source(source) => {
                 let source = scene.sources[source];

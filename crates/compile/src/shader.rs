@@ -75,8 +75,17 @@ pub enum Kind {
     Plugin(Arc<dyn Brdf>),
     /// A mixture of two shaders.
     Mixture(Box<MixtureKind>),
-    /// A material with an error: the picture is invalid if a ray hits it.
-    Unusable,
+    /// A modifier of the surface has an error: the picture is invalid if a ray meets it.
+    Unusable(Unusable),
+}
+
+/// A modifier with an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unusable {
+    /// The material, pattern or texture, in the scene of the surface.
+    pub modifier: ModifierHandle,
+    /// Whether shadow rays meet it as well: without the error they could pass.
+    pub lets_light_through: bool,
 }
 
 /// A mixture of materials.
@@ -188,7 +197,9 @@ impl Shader {
     pub fn is_grey(&self) -> bool {
         let color = match &self.kind {
             // The parts of a mixture are shaders with a test of their own.
-            Kind::Transparent | Kind::Mixture(_) | Kind::Prism(_) | Kind::Antimatter(_) | Kind::Unusable => Rgb::WHITE,
+            Kind::Transparent | Kind::Mixture(_) | Kind::Prism(_) | Kind::Antimatter(_) | Kind::Unusable(_) => {
+                Rgb::WHITE
+            }
             Kind::Plugin(model) => return !self.has_color_steps() && is_grey_model(model.as_ref()),
             Kind::Scatterer(scatterer) => return !self.has_color_steps() && scatterer.is_grey(),
             Kind::Emitter(emitter) | Kind::Illum { emitter, .. } => emitter.radiance,
@@ -224,6 +235,7 @@ impl Shader {
             Kind::Glass { .. } => true,
             Kind::Scatterer(scatterer) => scatterer.lets_through(),
             Kind::Mixture(mixture) => mixture.lets_light_through,
+            Kind::Unusable(unusable) => unusable.lets_light_through,
             _ => false,
         }
     }

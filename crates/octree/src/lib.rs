@@ -41,7 +41,7 @@ const DEEPEST: u32 = 26;
 /// Resolution of the octree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuildOptions {
-    /// Number of surfaces above which a cube is subdivided (`oconv -n`). Default: 6.
+    /// Number of surfaces above which a cube is subdivided (`oconv -n`), at least 1. Default: 6.
     pub object_limit: usize,
     /// Edge of the whole cube relative to that of the smallest one (`oconv -r`). Default: 16384.
     pub resolution: u32,
@@ -75,7 +75,9 @@ pub fn build(scene: &Scene, numbers: &[u32], cube: Cube, options: &BuildOptions)
         })
         .collect();
     let builder = Builder {
-        object_limit: options.object_limit,
+        // A cube of a single surface is never divided, as in Radiance: parts of it would have the
+        // same number of surfaces down to the resolution.
+        object_limit: options.object_limit.max(1),
         smallest: cube.size / f64::from(options.resolution.max(1)) - TINY,
     };
     let all: Vec<&Member<'_>> = members.iter().collect();

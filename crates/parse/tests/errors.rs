@@ -61,3 +61,26 @@ fn what_real_radiance_reads_past_is_a_warning_unless_asked() {
     let strict = ReadOptions { tolerance: Tolerance::Strict, ..ReadOptions::default() };
     assert!(read_scene(&input, &MemoryLoader::default(), &strict).has_errors());
 }
+
+/// Real programs warn too; `genworm` makes such spheres where its radius is zero.
+#[test]
+fn surfaces_without_an_extent_are_left_out_with_a_warning() {
+    for (surface, reason) in [
+        ("sphere s 0 0 4 0 0 0 0", "has a radius of zero"),
+        ("sphere s 0 0 4 0 0 0 1e-6", "has a radius of zero"),
+        ("bubble s 0 0 4 0 0 0 -1e-7", "has a radius of zero"),
+        ("cylinder s 0 0 7 0 0 0 1 0 0 0", "has radii that are zero or of opposite signs"),
+        ("cone s 0 0 8 0 0 0 1 0 0 1 -1", "has radii that are zero or of opposite signs"),
+        ("tube s 0 0 7 0 0 0 0 0 0 1", "has no length"),
+        ("ring s 0 0 8 0 0 0 0 0 1 1 1", "has radii that enclose no area"),
+        ("ring s 0 0 8 0 0 0 0 0 0 0 1", "has no direction"),
+    ] {
+        let text = format!("void plastic red 0 0 5 1 1 1 0 0\nred {surface}\nred sphere rest 0 0 4 0 0 0 1\n");
+        let input = [Input::Text { name: "scene.rad".to_owned(), text: text.into_bytes().into() }];
+        let read = read_scene(&input, &MemoryLoader::default(), &ReadOptions::default());
+        assert!(!read.has_errors(), "{surface}: {}", read.render(9));
+        let message = &read.diagnostics[0].message;
+        assert!(message.ends_with(&format!("\"s\" {reason}; it is left out")), "{surface}: {message}");
+        assert_eq!(read.scene.surfaces.len(), 1, "{surface}");
+    }
+}

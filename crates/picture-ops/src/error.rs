@@ -1,7 +1,7 @@
 //! Errors of the picture programs.
 
 use radsight_diag::Diagnostic;
-use radsight_picture::PictureError;
+use radsight_picture::{Encoding, PictureError};
 
 /// Why a picture program failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -66,6 +66,12 @@ pub enum ToolError {
         found: [usize; 2],
         /// Columns and rows of the first picture.
         expected: [usize; 2],
+    },
+    /// The pixels of a picture are not red, green and blue.
+    #[error("the pixels are {}, expected red, green and blue ({})", found.name(), Encoding::Rgbe.name())]
+    NotRgbe {
+        /// Its encoding.
+        found: Encoding,
     },
     /// A definition cannot be evaluated.
     #[error("{}", words(.0))]

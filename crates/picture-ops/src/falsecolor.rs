@@ -4,7 +4,7 @@ mod own;
 mod tables;
 
 use crate::ToolError;
-use crate::brightness::{Brightness, of_rgb};
+use crate::brightness::of_rgb;
 pub use own::OwnComponent;
 use radsight_picture::{Encoding, Header, PictureReader, PictureWriter, encode_rgbe};
 use std::collections::VecDeque;
@@ -191,10 +191,22 @@ pub enum Background<R> {
     Other(PictureReader<R>),
 }
 
-/// Colours a picture row by row.
+impl<R: Read> Background<R> {
+    /// The encoding of another picture.
+    fn encoding(&self) -> Option<Encoding> {
+        match self {
+            Background::Other(other) => Some(other.encoding()),
+            Background::Black | Background::Same => None,
+        }
+    }
+}
+
+/// Colours a picture row by row. The colours are red, green and blue, as must be the pixels of the
+/// picture and of its background: those of another encoding would be shown as wrong colours.
 ///
 /// # Errors
-/// When a picture cannot be read, the background has another size, or the output cannot be written.
+/// When a picture cannot be read or is not RGBE, the background has another size, or the output
+/// cannot be written. Errors of the background have the index 1.
 pub fn falsecolor<R: Read, W: Write>(
     mut reader: PictureReader<R>,
     mut background: Background<R>,
@@ -210,9 +222,12 @@ pub fn falsecolor<R: Read, W: Write>(
             return Err(ToolError::OtherSize { index: 1, found, expected: [columns, rows] });
         }
     }
-    let encoding = if reader.encoding() == Encoding::Xyze { Encoding::Xyze } else { Encoding::Rgbe };
-    let brightness = Brightness::new(encoding, 3);
-    let exposure = exposure(reader.header(), encoding)?;
+    for found in [Some(reader.encoding()), background.encoding()].into_iter().flatten() {
+        if found != Encoding::Rgbe {
+            return Err(ToolError::NotRgbe { found });
+        }
+    }
+    let exposure = exposure(reader.header())?;
     let norm = scale.multiplier / scale.top / exposure;
     let mut writer = PictureWriter::new(target, header, 3, radsight_picture::Resolution::standard(columns, rows))?;
     let mut window: VecDeque<Row> = VecDeque::new();
@@ -223,14 +238,14 @@ pub fn falsecolor<R: Read, W: Write>(
             let number = window.back().map_or(0, |last| last.number + 1);
             let mut pixels = vec![[0.0f32; 3]; columns];
             reader.read_three(&mut pixels)?;
-            let positions = pixels.iter().map(|pixel| scale.mapped(brightness.of(pixel) * norm)).collect();
+            let positions = pixels.iter().map(|pixel| scale.mapped(of_rgb(*pixel) * norm)).collect();
             window.push_back(Row { number, pixels, positions });
         }
         while window.front().is_some_and(|first| first.number + 1 < row) {
             window.pop_front();
         }
         if let Background::Other(other) = &mut background {
-            other.read_three(&mut behind)?;
+            other.read_three(&mut behind).map_err(|error| ToolError::Input { index: 1, error })?;
         }
         let index = window.iter().position(|found| found.number == row).unwrap_or(0);
         let here = &window[index];
@@ -264,11 +279,10 @@ struct Row {
 }
 
 /// The product of all exposures and corrections of a header, as a brightness.
-fn exposure(header: &Header, encoding: Encoding) -> Result<f64, ToolError> {
+fn exposure(header: &Header) -> Result<f64, ToolError> {
     let correction = header.color_correction()?;
     let exposure = header.exposure()?;
-    let parts = correction.map(|part| (part * exposure) as f32);
-    Ok(if encoding == Encoding::Xyze { f64::from(parts[1]) } else { of_rgb(parts) })
+    Ok(of_rgb(correction.map(|part| (part * exposure) as f32)))
 }
 
 #[cfg(test)]

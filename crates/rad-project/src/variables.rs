@@ -171,7 +171,7 @@ impl Project {
     /// [`ProjectError::Value`].
     pub fn check(&mut self) -> Result<Vec<String>, ProjectError> {
         let mut warnings = Vec::new();
-        for ((_, name, _, kind), values) in VARIABLES.iter().zip(&mut self.values) {
+        for ((variable, name, _, kind), values) in VARIABLES.iter().zip(&mut self.values) {
             match kind {
                 Kind::Each => continue,
                 Kind::Joined if !values.is_empty() => *values = vec![values.join(" ")],
@@ -197,7 +197,10 @@ impl Project {
                     if *kind == Kind::Text {
                         unquote(value);
                     }
-                    continue;
+                    if !(is_one_word(*variable) && value.contains(char::is_whitespace)) {
+                        continue;
+                    }
+                    "a file name without white space"
                 }
             };
             return Err(ProjectError::Value { variable: name, value: value.clone(), expected });
@@ -252,6 +255,11 @@ impl Project {
         let value = self.value(variable).unwrap_or_default().to_owned();
         ProjectError::Value { variable: VARIABLES[place(variable)].1, value, expected }
     }
+}
+
+/// Whether the value is a word of commands, which white space would divide, as in Radiance.
+fn is_one_word(variable: Variable) -> bool {
+    matches!(variable, V::AmbientFile | V::OptionFile | V::Picture | V::RawFile | V::ZFile)
 }
 
 fn place(variable: Variable) -> usize {

@@ -540,6 +540,10 @@ fn straight<const BANDS: usize>(
         Kind::Scatterer(scatterer) => {
             scatterer.passage(shader.textures.home.scene(&plan.scene), &interaction, appearance, scratch)
         }
+        Kind::Unusable(_) => {
+            plan.note_unusable(hit.surface, shader);
+            None
+        }
         _ => None,
     }
 }

@@ -38,7 +38,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         for line in shuffled(lines as u32, invocation.loader.shuffle_seed()) {
             write_line(&mut text, &limits, line)?;
         }
-        return Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() });
+        return Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, ..Output::default() });
     }
     let mut counters = vec![0; limits.len()];
     loop {
@@ -50,7 +50,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         counters[place] += 1;
         counters[place + 1..].fill(0);
     }
-    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, ..Output::default() })
 }
 
 /// The numbers below a count in random order (Fisher and Yates; Knuth, "The Art of Computer

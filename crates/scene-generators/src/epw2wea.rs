@@ -68,7 +68,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         Some(name) => (Vec::new(), vec![(name.to_owned(), text)]),
         None => (text, Vec::new()),
     };
-    Ok(Output { standard_output, warnings: arguments.warnings, files })
+    Ok(Output { standard_output, warnings: arguments.warnings, files, ..Output::default() })
 }
 
 /// A value, or a mistake with its line.

@@ -45,7 +45,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
         (t, bead) = (next, bead + 1);
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, ..Output::default() })
 }
 
 /// The Hermite basis functions at `t` (0 to 1): weights of the two ends and the two tangents.

@@ -55,7 +55,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
             corners.iter().try_for_each(|[x, y, z]| text.vertex(*x, *y, z + up))?;
         }
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, ..Output::default() })
 }
 
 /// A strip that starts at `[x, z]` and rises at an angle (radians) to the x axis.

@@ -38,7 +38,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     } else {
         emit(&options, &mut Primitives { options: &options, text: &mut text })?;
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, ..Output::default() })
 }
 
 fn write_facets(options: &Options<'_>, text: &mut Text) -> Result<(), Error> {

@@ -47,7 +47,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
             writeln!(text, "{x} {y} {z}")?;
         }
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, ..Output::default() })
 }
 
 /// Hours since midnight.

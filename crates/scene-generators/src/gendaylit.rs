@@ -94,7 +94,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     text.plain_command_comment(invocation.argv)?;
     let mut warnings = Warnings { silent: options.quiet, messages: std::mem::take(&mut arguments.warnings) };
     write_sky(&options, &mut text, &mut warnings)?;
-    Ok(Output { standard_output: text.into_bytes(), warnings: warnings.messages, files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: warnings.messages, ..Output::default() })
 }
 
 fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {

@@ -147,9 +147,10 @@ impl<'a> Options<'a> {
                     let position = arguments.position();
                     options.subdivision = arguments.count("subdivision (-m)")?;
                     if !(1..=FINEST).contains(&options.subdivision) {
-                        return Err(
-                            arguments.mistake(position, format!("expected a subdivision (-m) of 1 to {FINEST}"))
-                        );
+                        return Err(arguments.mistake(
+                            position,
+                            format!("subdivision (-m) is {}, expected 1 to {FINEST}", options.subdivision),
+                        ));
                     }
                 }
                 _ => return Err(arguments.unknown()),

@@ -40,7 +40,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     } else {
         prism.write(&mut text)?;
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, ..Output::default() })
 }
 
 fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Result<Prism<'a>, Error> {

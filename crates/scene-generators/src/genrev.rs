@@ -77,7 +77,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         (before, own) = (own, after);
         (from, to) = (to, next.unwrap_or(to));
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: functions.all_warnings(arguments), files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: functions.all_warnings(arguments), ..Output::default() })
 }
 
 fn station(functions: &mut Functions, z: Handle, r: Handle, t: f64) -> Result<Station, Error> {

@@ -85,7 +85,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let options = read(&mut arguments)?;
     text.command_comment(invocation.argv)?;
     write_sky(&options, &mut text, &mut arguments.warnings)?;
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, ..Output::default() })
 }
 
 fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {

@@ -84,7 +84,7 @@ pub fn genskyvec(argv: &[String], standard_input: &dyn StandardInput, open: &Ope
         let [red, green, blue] = radiance.map(|value| general(value, 9));
         writeln!(text, "{red}\t{green}\t{blue}")?;
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, ..Output::default() })
 }
 
 impl Options {

@@ -73,7 +73,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     surface.text.command_comment(invocation.argv)?;
     surface.write()?;
     let (bytes, warnings) = (surface.text.into_bytes(), surface.functions.all_warnings(arguments));
-    Ok(Output { standard_output: bytes, warnings, files: Vec::new() })
+    Ok(Output { standard_output: bytes, warnings, ..Output::default() })
 }
 
 fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Result<Surface<'a>, Error> {

@@ -57,7 +57,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         writeln!(text, "4 {} {} {} {}", wide(x), wide(y), wide(z), wide(r))?;
         last = Some(joint);
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: functions.all_warnings(arguments), files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: functions.all_warnings(arguments), ..Output::default() })
 }
 
 fn write_segment(

@@ -61,7 +61,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
         text.write_str("\n")?;
     }
-    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, ..Output::default() })
 }
 
 impl Range {

@@ -231,10 +231,21 @@ impl Conversion<'_> {
         Error::Input { program, source_name, mistake: mistake.into() }
     }
 
-    /// Outputs a file under the name by which the scene refers to it.
+    /// Outputs a file of the luminaire.
     fn keep(&mut self, suffix: &str, bytes: Vec<u8>) {
-        let name = self.referred(&self.name, suffix);
+        let name = self.stored(self.referred(&self.name, suffix));
         self.output.files.push((name, bytes));
+    }
+
+    /// The path of the file to which the scene refers by this name: in the library's folder, which
+    /// must be in `RAYPATH` when the scene is read, unless the name says another place.
+    fn stored(&self, referred: String) -> String {
+        match &self.options.library_folder {
+            Some(folder) if !folder.is_empty() && !referred.starts_with(['/', '.']) => {
+                format!("{}/{referred}", folder.trim_end_matches('/'))
+            }
+            _ => referred,
+        }
     }
 
     /// The name by which the scene refers to a file: with the prefix, without the library's folder.
@@ -295,6 +306,7 @@ impl Conversion<'_> {
         };
         let count = 4 + transform.split_whitespace().count();
         write!(scene, "\nvoid brightdata {modifier}\n{count} noop {file} tilt.cal {function}{transform}\n0\n0\n")?;
+        let file = self.stored(file);
         self.output.files.push((file, tilt.data_file()?));
         Ok(modifier)
     }

@@ -84,7 +84,7 @@ pub use error::Error;
 pub use genskyvec::{OpenSky, genskyvec};
 pub use lamps::lamp_color;
 pub use mksource::{EnvironmentRadiance, OpenEnvironment, mksource};
-pub use pipeline::{PipelineError, pipeline};
+pub use pipeline::{PipelineError, WrittenFiles, pipeline};
 pub use text::{General, MAX_OUTPUT_BYTES, Sink, padded};
 pub use wavefront_mesh::{WavefrontMesh, WavefrontTriangle};
 
@@ -104,6 +104,8 @@ pub struct Output {
     /// Files that the program writes, by name. The reader of the standard output must be able to
     /// load them.
     pub files: Vec<(String, Vec<u8>)>,
+    /// The name of the one of `files` whose bytes follow what the file already holds.
+    pub extended: Option<String>,
 }
 
 /// Runs a command that this crate lacks (`xform`); `None` if the caller lacks it too.

@@ -5,6 +5,7 @@
 //! modify them, surfaces that use them, `o` names, `xf` transforms with arrays, `i` included files.
 
 mod color;
+mod luminaire;
 mod material;
 mod shapes;
 mod transform;
@@ -17,6 +18,7 @@ use crate::Error;
 use crate::number_text::{leading_integer, whole_number};
 use crate::text::Text;
 use color::Color;
+pub(crate) use luminaire::Luminaires;
 pub(crate) use material::MaterialWriter;
 use material::{Material, Part};
 use transform::Transform;
@@ -122,6 +124,9 @@ pub(crate) struct Converter<'a> {
     pub(crate) material_text: Option<Text>,
     pub(crate) materials: MaterialWriter,
     pub(crate) warnings: Vec<String>,
+    /// Converted luminaires; `None` leaves luminaires out, since the geometry of a luminaire holds no
+    /// others.
+    pub(crate) luminaires: Option<Luminaires>,
     /// Number of unknown statements.
     pub(crate) unknown: usize,
     colors: Context<Color>,
@@ -143,6 +148,7 @@ impl<'a> Converter<'a> {
             material_text: None,
             materials,
             warnings: Vec::new(),
+            luminaires: None,
             unknown: 0,
             colors: Context::default(),
             material: Context::default(),
@@ -227,10 +233,7 @@ impl<'a> Converter<'a> {
             "xf" => self.begin_transform(&words[1..]),
             "i" => return self.include(words),
             "f" | "fh" | "sph" | "cyl" | "cone" | "ring" | "prism" | "torus" => return self.shape(words),
-            "ies" => {
-                self.warnings.push(format!("luminaire {} is left out", words.get(1).map_or("", String::as_str)));
-                Ok(())
-            }
+            "ies" => return self.luminaire(words),
             _ => {
                 if self.unknown == 0 {
                     self.warnings.push(format!("unknown entity: {keyword}"));
@@ -424,15 +427,20 @@ impl<'a> Converter<'a> {
         if self.sources.len() == MAX_INCLUDE_DEPTH {
             return Ok(Err(format!("included files are nested more than {MAX_INCLUDE_DEPTH} deep")));
         }
-        let folder = self.sources.last().and_then(|source| source.name.rsplit_once('/')).map(|(folder, _)| folder);
-        let path = match folder {
-            Some(folder) if !name.starts_with('/') => format!("{folder}/{name}"),
-            _ => name.clone(),
-        };
+        let path = self.beside_source(name);
         let loaded = self.loader.load(&path, FileKind::Other)?;
         let outer = self.placements.len();
         self.open(&path, &loaded.bytes, (!transform.is_empty()).then_some(outer));
         Ok(if transform.is_empty() { Ok(()) } else { self.begin_transform(transform) })
+    }
+
+    /// The path of a file whose name is relative to the file that names it.
+    fn beside_source(&self, name: &str) -> String {
+        let folder = self.sources.last().and_then(|source| source.name.rsplit_once('/')).map(|(folder, _)| folder);
+        match folder {
+            Some(folder) if !name.starts_with('/') => format!("{folder}/{name}"),
+            _ => name.to_owned(),
+        }
     }
 
     /// The names of open objects, each followed by a dot; at most four, and 62 bytes.

@@ -1,7 +1,8 @@
 //! `mgf2rad [-s] [-m matf] [-g dist] [-e mult] [file …]`: converts Materials and Geometry Format to
 //! Radiance text.
 //!
-//! `-s` writes spectra, `-m` appends the materials to a file of their own, `-g` makes emitters
+//! Luminaires (`ies`) become files `LUM.rad` in the current folder, made by `ies2rad` unless they
+//! exist, and commands that transform them. `-s` writes spectra, `-m` appends the materials to a file of their own, `-g` makes emitters
 //! `glow` with a radius of influence in metres, `-e` multiplies their radiance.
 
 use std::fmt::Write;
@@ -9,7 +10,7 @@ use std::fmt::Write;
 use radsight_loader::FileKind;
 
 use crate::arguments::Arguments;
-use crate::mgf::{Converter, MaterialWriter};
+use crate::mgf::{Converter, Luminaires, MaterialWriter};
 use crate::text::Text;
 use crate::{Error, Invocation, Output};
 
@@ -32,6 +33,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     writeln!(text, "## {options}")?;
     let mut converter = Converter::new(invocation.loader, materials, text);
     converter.material_text = material_file.map(|_| Text::default());
+    converter.luminaires = Some(Luminaires::default());
     if arguments.rest().is_empty() {
         converter.convert("standard input", invocation.standard_input()?)?;
     }
@@ -49,6 +51,8 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         bytes.extend(text.into_bytes());
         (file.to_owned(), bytes)
     });
-    let files = materials.into_iter().collect();
-    Ok(Output { standard_output: converter.text.into_bytes(), warnings: arguments.warnings, files })
+    let mut files = converter.luminaires.map(|made| made.files).unwrap_or_default();
+    files.extend(materials);
+    let extended = material_file.map(str::to_owned);
+    Ok(Output { standard_output: converter.text.into_bytes(), warnings: arguments.warnings, files, extended })
 }

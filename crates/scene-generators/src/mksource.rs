@@ -62,7 +62,7 @@ pub fn mksource(argv: &[String], open: &OpenEnvironment<'_, '_>) -> Result<Outpu
     let mut text = Text::default();
     text.command_comment(argv)?;
     map.write_sources(threshold, largest.to_radians(), &mut text)?;
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, ..Output::default() })
 }
 
 /// One triangle of the sphere.

@@ -62,7 +62,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         })?;
         text = converter.text;
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, ..Output::default() })
 }
 
 fn read_mapping(arguments: &mut Arguments<'_>, invocation: &Invocation<'_>) -> Result<Mapping, Error> {

@@ -97,7 +97,7 @@ impl Runner<'_> {
         let redirected = command.input.as_ref().map(|file| self.file(file)).transpose()?;
         let input = redirected.as_deref().or(standard_input);
         let result = {
-            let files = WrittenFiles { loader: self.loader, files: &self.output.files };
+            let files = WrittenFiles::new(self.loader, &self.output.files);
             if crate::knows(&argv[0]) {
                 run_with(&argv, &input.unwrap_or_default(), &files, self.extra)
             } else {
@@ -114,7 +114,7 @@ impl Runner<'_> {
     }
 
     fn file(&self, name: &Word) -> Result<Vec<u8>, PipelineError> {
-        let files = WrittenFiles { loader: self.loader, files: &self.output.files };
+        let files = WrittenFiles::new(self.loader, &self.output.files);
         match files.load(&name.text, FileKind::Input) {
             Ok(loaded) => Ok(loaded.bytes),
             Err(error) => Err(PipelineError { range: name.range.clone(), error: Error::Load(error) }),
@@ -164,10 +164,18 @@ impl Stage {
     }
 }
 
-/// Serves files that earlier commands of the line wrote, then the loader's.
-struct WrittenFiles<'a> {
+/// Serves files that earlier commands wrote, then the loader's.
+pub struct WrittenFiles<'a> {
     loader: &'a dyn Loader,
     files: &'a [(String, Vec<u8>)],
+}
+
+impl<'a> WrittenFiles<'a> {
+    /// The loader, before which these files are found by name.
+    #[must_use]
+    pub fn new(loader: &'a dyn Loader, files: &'a [(String, Vec<u8>)]) -> WrittenFiles<'a> {
+        WrittenFiles { loader, files }
+    }
 }
 
 impl Loader for WrittenFiles<'_> {

@@ -75,7 +75,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     if options.no_warnings {
         calculator.functions.warnings.clear();
     }
-    Ok(Output { standard_output, warnings: calculator.functions.all_warnings(arguments), files: Vec::new() })
+    Ok(Output { standard_output, warnings: calculator.functions.all_warnings(arguments), ..Output::default() })
 }
 
 struct Calculator {

@@ -105,7 +105,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
     })?;
     let warnings = if collation.options.warns { collation.warnings } else { Vec::new() };
-    Ok(Output { standard_output: text.finish()?, warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings, ..Output::default() })
 }
 
 impl Options {

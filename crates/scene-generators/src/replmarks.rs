@@ -55,7 +55,8 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         let loaded = invocation.loader.load(name, FileKind::Scene)?;
         replacer.convert(name, &loaded.bytes)?;
     }
-    Ok(Output { standard_output: replacer.text.into_bytes(), warnings: replacer.warnings, files: replacer.written })
+    let Replacer { text, warnings, written: files, .. } = replacer;
+    Ok(Output { standard_output: text.into_bytes(), warnings, files, ..Output::default() })
 }
 
 fn read_markers<'a>(arguments: &mut Arguments<'a>) -> Result<(Vec<Marker<'a>>, bool), Error> {

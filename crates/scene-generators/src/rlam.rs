@@ -65,7 +65,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
         records += 1;
     }
-    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, ..Output::default() })
 }
 
 impl Input {

@@ -66,7 +66,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
         reduce(&options, &mut invocation.supply(name, FileKind::Input)?, &mut text, &mut written)?;
     }
-    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, ..Output::default() })
 }
 
 fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {

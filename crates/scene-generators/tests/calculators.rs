@@ -272,6 +272,16 @@ fn counts_and_values_equal_real_ones() {
     }
 }
 
+/// Values before a mistake are printed, as in Radiance, and those after it are not.
+#[test]
+fn ev_prints_the_values_before_a_mistake() {
+    let sink = std::rc::Rc::new(std::cell::RefCell::new(Vec::new()));
+    let argv = list(&["ev", "1+1", "2*3", "1+", "7"]);
+    let error = radsight_scene_generators::run_to(sink.clone(), &argv, &b"", &TestLoader::default()).unwrap_err();
+    assert_eq!(sink.borrow().as_slice(), b"2\n6\n");
+    assert!(error.to_string().contains("expected an expression, found the end"), "{error}");
+}
+
 #[test]
 fn mistakes_are_named() {
     let message = |argv: &[&str]| ours(&list(argv), b"1 2 3\n", &TestLoader::default()).unwrap_err().to_string();

@@ -297,6 +297,9 @@ fn luminaires_equal_real_ones() {
         "-t mercury",
         "-u xenon",
         "-p sub",
+        "-l sub",
+        "-l . -p sub",
+        "-l sub -p ./sub",
         "-g",
         "-f none -c 1 .5 .2",
         "-f none -t mercury",
@@ -307,7 +310,11 @@ fn luminaires_equal_real_ones() {
         let options = if number % 3 == 0 { options[number / 3 % options.len()] } else { "" };
         let argv = words(&format!("ies2rad {options} -o out in.ies"));
         std::fs::write(folder.join("in.ies"), &text).unwrap();
-        let prefix = if options.contains("-p") { "sub/" } else { "" };
+        let prefix = match options {
+            "-p sub" | "-l sub" => "sub/",
+            "-l . -p sub" | "-l sub -p ./sub" => "./sub/",
+            _ => "",
+        };
         let names = ["out.rad", "out.dat", "out%.dat"].map(|name| format!("{prefix}{name}"));
         names.iter().for_each(|name| drop(std::fs::remove_file(folder.join(name))));
         let real = radiance.run(&argv, b"", Some(&folder));
@@ -356,6 +363,109 @@ fn luminaires_are_converted_without_an_octree_or_a_lamp_table() {
         assert_eq!(output.files.len(), 2, "{line}");
         assert_eq!(output.warnings.len(), warnings.len(), "{line}: {:?}", output.warnings);
         assert!(output.warnings.iter().zip(warnings).all(|(found, begin)| found.starts_with(begin)), "{line}");
+    }
+}
+
+/// The library's folder is for `RAYPATH`: only the files stand there, the scene does not name it.
+#[test]
+fn files_of_a_luminaire_go_to_the_folder_of_the_library() {
+    let tilt = "TILT=INCLUDE\r\n1\r\n3\r\n0 45 90\r\n1 .9 .8";
+    let text = ies("IESNA91", tilt, &[0.0], DOWN, "0 0 0", "1 2");
+    let loader = TestLoader { files: [("a.ies".to_owned(), text.into_bytes())].into(), ..TestLoader::default() };
+    for (options, folder, named) in [
+        ("-l lib", "lib/", ""),
+        ("-l lib/ -p sub/", "lib/sub/", "sub/"),
+        ("-l lib -p ./sub", "./sub/", "./sub/"),
+        ("-l lib -p /sub", "/sub/", "/sub/"),
+    ] {
+        let output = ours(&words(&format!("ies2rad -t default {options} a.ies")), b"", &loader).unwrap();
+        let mut files: Vec<&str> = output.files.iter().map(|file| file.0.as_str()).collect();
+        files.sort_unstable();
+        assert_eq!(files, ["a%.dat", "a.dat", "a.rad"].map(|name| format!("{folder}{name}")), "{options}");
+        let scene = &output.files.iter().find(|file| file.0.ends_with(".rad")).unwrap().1;
+        let scene = String::from_utf8(scene.clone()).unwrap();
+        assert!(scene.contains(&format!(" '{named}a.dat' ")) && scene.contains(&format!(" {named}a%.dat ")), "{scene}");
+    }
+}
+
+const MGF_WITH_LUMINAIRES: &str = "o lamp\nies a.ies\nxf -t 1 2 3\nies a.ies -t 0 0 1\nxf -a 2 -rz 90\n\
+    o inner\nies lum/b.ies -rx 30\no\nxf\nxf\no\nies a.ies\nies c.ies -m 2\n";
+
+#[test]
+fn luminaires_of_mgf_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = std::env::temp_dir().join("radsight-mgf-luminaires");
+    drop(std::fs::remove_dir_all(&folder));
+    std::fs::create_dir_all(folder.join("lum")).unwrap();
+    let text = ies("IESNA91", "TILT=NONE", &[0.0], DOWN, "0 0 0", "1 2");
+    for name in ["a.ies", "lum/b.ies", "c.ies"] {
+        std::fs::write(folder.join(name), &text).unwrap();
+    }
+    std::fs::write(folder.join("in.mgf"), MGF_WITH_LUMINAIRES).unwrap();
+    let loader = TestLoader { folders: vec![folder.clone()], ..TestLoader::default() };
+    let argv = words("mgf2rad in.mgf");
+    let mine = ours(&argv, b"", &loader).unwrap();
+    let real = radiance.run(&argv, b"", Some(&folder));
+    assert_eq!(String::from_utf8_lossy(&mine.standard_output), real.standard_output);
+    assert_eq!(mine.files.len(), 6, "{:?}", mine.files);
+    for (name, bytes) in &mine.files {
+        let real = std::fs::read_to_string(folder.join(name)).unwrap();
+        let without_command = |text: &str| text.split_once('\n').map(|(_, rest)| rest.to_owned()).unwrap_or_default();
+        let (mine, real) = (without_command(&String::from_utf8_lossy(bytes)), without_command(&real));
+        assert!(!matches!(oracle::compare(&mine, &real), oracle::Likeness::Different(_)), "{name}\n{mine}\n{real}");
+    }
+    // Files that exist are kept, but not one whose multiplier may be another.
+    let again = ours(&argv, b"", &loader).unwrap();
+    let names: Vec<&str> = again.files.iter().map(|file| file.0.as_str()).collect();
+    assert_eq!(names, ["c_m2.dat", "c_m2.rad"]);
+}
+
+#[test]
+fn luminaires_of_mgf_are_transformed_as_their_place_says() {
+    let text = ies("IESNA91", "TILT=NONE", &[0.0], DOWN, "0 0 0", "1 2").into_bytes();
+    let files = ["a.ies", "lum/b.ies", "c.ies"].map(|name| (name.to_owned(), text.clone()));
+    let loader = TestLoader { files: files.into(), ..TestLoader::default() };
+    let output = ours(&words("mgf2rad"), MGF_WITH_LUMINAIRES.as_bytes(), &loader).unwrap();
+    let scene = String::from_utf8(output.standard_output).unwrap();
+    let commands: Vec<&str> = scene.lines().filter(|line| line.starts_with('!')).collect();
+    assert_eq!(
+        commands,
+        [
+            "!xform -n lamp a.rad",
+            "!xform -n lamp -t 0 0 1 -i 1 -t 1 2 3 a.rad",
+            "!xform -n lamp.a0.inner -rx 30 -i 1 -i 0 -rz 90 -t 1 2 3 b.rad",
+            "!xform -n lamp.a1.inner -rx 30 -i 1 -i 1 -rz 90 -t 1 2 3 b.rad",
+            "!xform a.rad",
+            "!xform c.rad",
+        ]
+    );
+    let names: Vec<&str> = output.files.iter().map(|file| file.0.as_str()).collect();
+    assert_eq!(names, ["a.dat", "a.rad", "b.dat", "b.rad", "c.dat", "c.rad"]);
+    let missing = ours(&words("mgf2rad"), b"ies none.ies", &loader).unwrap_err().to_string();
+    assert!(missing.contains("none.ies"), "{missing}");
+}
+
+/// Radiance writes `xform -m 2`, which is the modifier "2".
+#[test]
+fn luminaires_of_mgf_with_other_multipliers_have_files_of_their_own() {
+    let text = ies("IESNA91", "TILT=NONE", &[0.0], DOWN, "0 0 0", "1 2").into_bytes();
+    let files = ["a.ies", "b.ies", "b.rad"].map(|name| (name.to_owned(), text.clone()));
+    let mut loader = TestLoader { files: files.into(), ..TestLoader::default() };
+    loader.files.insert("./b.rad".into(), Vec::new());
+    let mgf = "ies a.ies -m 2\nies a.ies\nies a.ies -m .5 -rx 3\nies a.ies -m 2 -t 1 0 0\nies b.ies\nies b.ies -m 2\n";
+    let output = ours(&words("mgf2rad"), mgf.as_bytes(), &loader).unwrap();
+    let scene = String::from_utf8(output.standard_output).unwrap();
+    let commands: Vec<&str> = scene.lines().filter_map(|line| line.strip_prefix("!xform ")).collect();
+    assert_eq!(commands, ["a.rad", "a_m1.rad", "-rx 3 a_m.5.rad", "-t 1 0 0 a.rad", "b.rad", "b_m2.rad"]);
+    let radiance = |name: &str| {
+        let scene = &output.files.iter().find(|file| file.0 == name).unwrap_or_else(|| panic!("{name}")).1;
+        let scene = String::from_utf8(scene.clone()).unwrap();
+        let line = scene.lines().skip_while(|line| !line.contains("_dist'")).nth(3).unwrap().to_owned();
+        line.strip_prefix("1 ").unwrap().parse::<f64>().unwrap()
+    };
+    let ratio = |name: &str| radiance(name) / radiance("a_m1.rad");
+    for (name, expected) in [("a.rad", 2.0), ("a_m.5.rad", 0.5), ("b_m2.rad", 2.0)] {
+        assert!((ratio(name) / expected - 1.0).abs() < 1e-4, "{name}: {}", ratio(name));
     }
 }
 

@@ -25,6 +25,8 @@ pub(super) struct Output<'a> {
     /// `-` for standard output.
     target: OutputName,
     text: String,
+    /// Data files of the text, which are written after it: a text that cannot be written leaves none.
+    data: Vec<(OutputName, String)>,
     /// The command, as the first comment.
     header: String,
     has_header: bool,
@@ -44,7 +46,8 @@ pub(super) struct Written {
 impl<'a> Output<'a> {
     pub(super) fn new(command: &[String], trust: &'a Trust) -> Output<'a> {
         let header = format!("# {}\n#@mkillum !\n", command.join(" "));
-        Output { trust, target: OutputName::standard_output(), text: String::new(), header, has_header: false }
+        let target = OutputName::standard_output();
+        Output { trust, target, text: String::new(), data: Vec::new(), header, has_header: false }
     }
 
     /// Continues in another file.
@@ -55,10 +58,15 @@ impl<'a> Output<'a> {
         Ok(())
     }
 
-    /// Writes the pending text; standard output stays empty if everything went to files.
+    /// Writes the pending text and its data files; standard output stays empty if everything went to
+    /// files.
     pub(super) fn finish(&mut self) -> Outcome {
         let text = std::mem::take(&mut self.text);
-        if text.is_empty() && &*self.target == "-" { Ok(()) } else { write_file(&self.target, text.as_bytes()) }
+        if !(text.is_empty() && &*self.target == "-") {
+            write_file(&self.target, text.as_bytes())?;
+        }
+        // A scene may use the data that `f=` replaces.
+        self.data.drain(..).try_for_each(|(file, data)| replace_file(&file, data.as_bytes()))
     }
 
     pub(super) fn line(&mut self, line: &str) {
@@ -132,18 +140,17 @@ impl<'a> Output<'a> {
         mean: [f64; 3],
     ) -> Outcome {
         let (material, colors) = (&parameters.material, parameters.colors);
-        let trust = self.trust;
+        let (trust, pending) = (self.trust, &mut self.data);
         let mut text = match colors {
             Colors::Spread => format!("\nvoid colordata {material}.dist\n9 red green blue"),
             _ => format!("\nvoid brightdata {material}.dist\n5 noneg"),
         };
         let share = |value: f64, mean: f64| if mean > 0.0 { value / mean } else { 0.0 };
         let mut put = |letter: &str, value: &dyn Fn([f64; 3]) -> f64| -> Outcome {
-            let file = data_file(parameters, letter, trust)?;
+            let file = data_file(parameters, letter, trust, pending)?;
             let values: Vec<f64> = means.iter().map(|radiance| share(value(*radiance), value(mean))).collect();
-            // A scene may use the data that `f=` replaces.
-            replace_file(&file, data(surface, &values).as_bytes())?;
             text.extend([" ", &word(&file)]);
+            pending.push((file, data(surface, &values)));
             Ok(())
         };
         if colors == Colors::Spread {
@@ -179,14 +186,20 @@ pub(super) fn brightness(color: [f64; 3]) -> f64 {
 }
 
 /// The name of the next data file: a new file, unless it may be replaced.
-fn data_file(parameters: &mut Parameters, letter: &str, trust: &Trust) -> Result<OutputName, Failure> {
+fn data_file(
+    parameters: &mut Parameters,
+    letter: &str,
+    trust: &Trust,
+    pending: &[(OutputName, String)],
+) -> Result<OutputName, Failure> {
     loop {
         let number = match parameters.data_number {
             0 => String::new(),
             number => number.to_string(),
         };
         let file = data_file_name(&parameters.data_file, letter, &number);
-        if parameters.replaces_data || fs::symlink_metadata(&file).is_err() {
+        let exists = fs::symlink_metadata(&file).is_ok() || pending.iter().any(|(name, _)| **name == *file);
+        if parameters.replaces_data || !exists {
             return Ok(trust.output_of_file(&file, Existing::IllumData)?);
         }
         parameters.data_number += 1;

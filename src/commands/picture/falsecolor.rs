@@ -5,16 +5,18 @@
 //! `-n DIVISIONS`, `-m MULTIPLIER`, `-l LABEL`, `-d DIGITS`, `-lw W -lh H` size of the legend,
 //! `-pal def|spec|pm3d|hot|eco|tbo`, `-palettes` shows them, `-r -g -b` custom functions of `v`;
 //! `-e` marks the darkest and the brightest pixel; `-odim COLUMNS ROWS` prints values on the
-//! picture, or on its part `-orct LEFT LOWER RIGHT UPPER`.
+//! picture, or on its part `-orct LEFT LOWER RIGHT UPPER`. Pictures in XYZE and of spectra are
+//! converted to RGBE, in which the result is written.
 
 mod overlay;
 
 use super::files::{Source, failed, open, open_twice, output};
 use super::psign::picture_of;
+use super::ra_xyze::as_rgbe;
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use overlay::Overlay;
-use radsight_picture::{Header, Picture, PictureReader, WHITE_EFFICACY, encode_rgbe, general, scientific};
+use radsight_picture::{Encoding, Header, Picture, PictureReader, WHITE_EFFICACY, encode_rgbe, general, scientific};
 use radsight_picture_ops::ToolError;
 use radsight_picture_ops::brightness::of_rgb;
 use radsight_picture_ops::compose::{Layer, compose};
@@ -54,7 +56,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     if options.automatic || options.marks_extrema || options.has_overlay() {
         return with_file(&words, &mut options);
     }
-    let reader = reader_of(open(&options.picture)?, &options.picture)?;
+    let reader = as_rgbe(reader_of(open(&options.picture)?, &options.picture)?, &options.picture)?;
     finish(&words, &options, reader, Annotations::default())
 }
 
@@ -80,7 +82,7 @@ fn palettes(words: &Words<'_>) -> Outcome {
     let far = layers.iter().map(Layer::far_corner).fold([0, 0], |most, far| [most[0].max(far[0]), most[1].max(far[1])]);
     let mut header = Header::new("RADIANCE");
     header.push_command(words.all());
-    header.push_variable("FORMAT", "32-bit_rle_rgbe");
+    header.push_variable("FORMAT", Encoding::Rgbe.name());
     let composed = compose(&mut layers, far.map(|pixels| pixels as usize), [0; 4], &header, output());
     composed.map_err(|error| failed("palettes", error))
 }
@@ -96,7 +98,7 @@ fn with_file(words: &Words<'_>, options: &mut Options) -> Outcome {
         let path = options.picture.clone();
         let wrong = |error: std::io::Error| failed(&path, radsight_picture::PictureError::from(error).into());
         file.rewind().map_err(wrong)?;
-        reader_of(Box::new(file.try_clone().map_err(wrong)?), &path)
+        as_rgbe(reader_of(Box::new(file.try_clone().map_err(wrong)?), &path)?, &path)
     };
     if options.automatic {
         let top = automatic_top(again(&mut file)?, &options.picture)?;
@@ -162,15 +164,20 @@ struct Annotations {
 fn finish(words: &Words<'_>, options: &Options, reader: PictureReader<Source>, annotations: Annotations) -> Outcome {
     let path = &options.picture;
     let mut format = Header::new("RADIANCE");
-    format.push_variable("FORMAT", reader.encoding().name());
+    format.push_variable("FORMAT", Encoding::Rgbe.name());
     let background = match &options.background {
         Some(other) if other == path => Background::Same,
-        Some(other) => Background::Other(reader_of(open(other)?, other)?),
+        Some(other) => Background::Other(as_rgbe(reader_of(open(other)?, other)?, other)?),
         None if options.scale.coverage == Coverage::None => Background::Same,
         None => Background::Black,
     };
     let mut colored = Vec::new();
-    falsecolor(reader, background, &options.scale, &format, &mut colored).map_err(|error| failed(path, error))?;
+    let colors = falsecolor(reader, background, &options.scale, &format, &mut colored);
+    colors.map_err(|error| match (&options.background, error) {
+        (Some(other), ToolError::Input { error, .. }) => failed(other, error.into()),
+        (Some(other), error @ ToolError::OtherSize { .. }) => failed(other, error),
+        (_, error) => failed(path, error),
+    })?;
     let mut layers = options.legend_layers()?;
     layers.push(layer(colored, [options.legend[0], 0])?);
     layers.extend(annotations.overlay);
@@ -185,7 +192,7 @@ fn finish(words: &Words<'_>, options: &Options, reader: PictureReader<Source>, a
     let far = layers.iter().map(Layer::far_corner).fold([0, 0], |most, far| [most[0].max(far[0]), most[1].max(far[1])]);
     let mut header = Header::new("RADIANCE");
     header.push_command(words.all());
-    header.push_variable("FORMAT", &format.format().unwrap_or_default());
+    header.push_variable("FORMAT", Encoding::Rgbe.name());
     let composed = compose(&mut layers, far.map(|pixels| pixels as usize), [0; 4], &header, output());
     composed.map_err(|error| match error {
         ToolError::Input { error, .. } => failed(path, error.into()),
@@ -275,7 +282,7 @@ impl Options {
         let far =
             layers.iter().map(Layer::far_corner).fold([1, 1], |most, far| [most[0].max(far[0]), most[1].max(far[1])]);
         let mut header = Header::new("RADIANCE");
-        header.push_variable("FORMAT", "32-bit_rle_rgbe");
+        header.push_variable("FORMAT", Encoding::Rgbe.name());
         let mut text = Vec::new();
         let composed = compose(&mut layers, far.map(|pixels| pixels as usize), [0; 4], &header, &mut text);
         composed.map_err(|error| failed("legend", error))?;

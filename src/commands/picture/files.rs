@@ -10,7 +10,7 @@ use radsight_picture::{FloatMatrix, ForeignFormat, Header, MatrixFormat, Picture
 use radsight_picture_ops::ToolError;
 use radsight_scene_generators::source_name;
 use std::fs::File;
-use std::io::{self, BufRead, BufWriter, ErrorKind, Read, Seek, Write};
+use std::io::{self, BufRead, BufWriter, ErrorKind, Read, Seek, StdinLock, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Stdio};
 
@@ -23,9 +23,23 @@ const BUFFER: usize = 1 << 17;
 /// Opens a file; `-` is standard input.
 pub(super) fn open(path: &str) -> Result<Source, Failure> {
     if path == "-" {
-        return Ok(Box::new(io::stdin().lock()));
+        return Ok(Box::new(standard_input()?));
     }
     Ok(Box::new(open_file(path)?))
+}
+
+/// Standard input, unless the output would be added to it while it is read.
+pub(super) fn standard_input() -> Result<StdinLock<'static>, Failure> {
+    refuse_own_output()?;
+    Ok(io::stdin().lock())
+}
+
+/// An error if standard input is the file of standard output.
+pub(super) fn refuse_own_output() -> Outcome {
+    match radsight_output::inputs::is_standard_input_standard_output() {
+        true => Err(Failure::usage("cannot read standard input: standard output goes to the same file")),
+        false => Ok(()),
+    }
 }
 
 /// Opens a file that can be read twice.
@@ -40,14 +54,16 @@ pub(super) fn open_picture(path: &str) -> Result<PictureReader<Source>, Failure>
 
 /// Opens a source that can be read twice: a file, or a temporary copy of standard input.
 pub(super) fn open_twice(path: &str) -> Result<File, Failure> {
-    let mut source: Source = Box::new(io::stdin().lock());
-    if path != "-" {
-        let mut file = open_file(path)?;
-        if file.stream_position().is_ok() {
-            return Ok(file);
+    let mut source: Source = match path {
+        "-" => Box::new(standard_input()?),
+        _ => {
+            let mut file = open_file(path)?;
+            if file.stream_position().is_ok() {
+                return Ok(file);
+            }
+            Box::new(file)
         }
-        source = Box::new(file);
-    }
+    };
     let copied = tempfile::tempfile().and_then(|mut copy| {
         io::copy(&mut source, &mut copy)?;
         copy.rewind()?;

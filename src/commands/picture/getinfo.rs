@@ -5,14 +5,16 @@
 //! copies the rest, `-r line …` replaces lines (`NAME=` alone removes); `-c command …` pipes the
 //! data through a command and adds the command to the header.
 
-use super::files::{finish, open_file, output, read_header, write_failed};
+use super::files::{finish, output, read_header, refuse_own_output, standard_input, write_failed};
 use crate::commands::words::Words;
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, reason};
+use crate::read_once;
 use crate::trust::program;
 use radsight_picture::{Header, Resolution};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, StdinLock, Write};
+use std::path::Path;
 
 /// Whether sizes are printed.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -55,7 +57,7 @@ fn bad_header(words: String) -> Failure {
 }
 
 fn of_standard_input(sizes: Sizes) -> Outcome {
-    let mut input = io::stdin().lock();
+    let mut input = standard_input()?;
     let header = read_header(&mut input).map_err(bad_header)?;
     let mut text = if sizes == Sizes::Only { Vec::new() } else { header.to_bytes() };
     if sizes != Sizes::No {
@@ -68,7 +70,11 @@ fn of_files(sizes: Sizes, files: &[String]) -> Outcome {
     let mut out = output();
     for path in files {
         let mut text = path.clone().into_bytes();
-        match open_file(path).map(BufReader::new) {
+        match read_once::open(Path::new(path)).map(BufReader::new) {
+            // The output would be added to the file.
+            Err(error) if error.kind() == io::ErrorKind::InvalidInput => {
+                return Err(Failure::read(&format!("\"{path}\""), &error));
+            }
             Err(_) => text.extend_from_slice(b": cannot open\n"),
             Ok(mut file) => put_file(path, &mut file, sizes, &mut text)?,
         }
@@ -128,7 +134,7 @@ fn put_size(source: &mut impl BufRead, text: &mut Vec<u8>) {
 }
 
 fn without_header(sizes: Sizes) -> Outcome {
-    let mut input = io::stdin().lock();
+    let mut input = standard_input()?;
     read_header(&mut input).map_err(bad_header)?;
     if sizes == Sizes::Only {
         read_resolution(&mut input)?;
@@ -144,7 +150,7 @@ fn read_resolution(source: &mut impl BufRead) -> Result<Resolution, Failure> {
 
 /// Copies standard input with another header.
 fn change(change: impl FnOnce(Header) -> Header) -> Outcome {
-    let mut input = io::stdin().lock();
+    let mut input = standard_input()?;
     let header = read_header(&mut input).map_err(bad_header)?;
     let format = header.format().map(|format| format.into_owned());
     let mut changed = change(header);
@@ -210,6 +216,7 @@ fn takes_place(new: &[u8], old: &[u8]) -> bool {
 /// Adds the command to the header and pipes the rest of standard input through it.
 fn with_command(sizes: Sizes, command: &[String], commands: Commands) -> Outcome {
     let permit = commands.permit(&command.join(" "))?;
+    refuse_own_output()?;
     // Read single bytes, since buffered data would be lost for the command.
     let mut input = BufReader::with_capacity(1, unbuffered_input().map_err(|error| bad_header(reason(&error)))?);
     let mut header = read_header(&mut input).map_err(bad_header)?;

@@ -97,8 +97,8 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
     while let Some(option) = words.next_if(|word| word.len() > 1 && word.starts_with('-') && !begins_files(word)) {
         match words.meant(option)? {
             "-h" => options.history = options.history.other(),
-            "-x" => options.size[0] = words.integer(option)?,
-            "-y" => options.size[1] = words.integer(option)?,
+            "-x" => options.size[0] = pixels(words, option)?,
+            "-y" => options.size[1] = pixels(words, option)?,
             "-b" => {
                 let mut color = [0.0; 3];
                 for part in &mut color {
@@ -106,9 +106,9 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
                 }
                 options.background = encode_rgbe(color);
             }
-            "-a" => options.columns = words.integer(option)?,
-            "-s" => options.spacing = words.integer(option)?,
-            "-o" => options.origin = [words.integer(option)?, words.integer(option)?],
+            "-a" => options.columns = pixels(words, option)?,
+            "-s" => options.spacing = pixels(words, option)?,
+            "-o" => options.origin = [pixels(words, option)?, pixels(words, option)?],
             "-la" => options.labels_all = true,
             "-lh" => options.label_height = words.integer(option)?.max(1) as usize,
             _ => return Err(words.unknown(option)),
@@ -148,14 +148,30 @@ impl PictureOptions {
     }
 }
 
+/// The number of pixels or pictures after an option.
+fn pixels(words: &mut Words<'_>, option: &str) -> Result<i64, Failure> {
+    let number = words.integer(option)?;
+    within_range(number)
+        .ok_or_else(|| Failure::usage(format!("pcompos: option \"{option}\" is followed by {number}, {IN_RANGE}")))
+}
+
+/// The largest number of pixels from the origin to either side, as in Radiance.
+const FARTHEST: i64 = i32::MAX as i64;
+const IN_RANGE: &str = "expected a number of pixels from -2147483647 to 2147483647";
+
+fn within_range(number: i64) -> Option<i64> {
+    (-FARTHEST..=FARTHEST).contains(&number).then_some(number)
+}
+
 /// One of the two numbers after a picture.
 fn position(words: &mut Words<'_>, picture: &str) -> Result<i64, Failure> {
     let next = words.next_if(|_| true);
     let number = next.and_then(|word| words.number_in(word, picture).ok());
-    number.map(|number| number as i64).ok_or_else(|| {
-        let found = next.map_or("the end of the command line".to_owned(), |word| format!("\"{word}\""));
-        Failure::usage(format!("pcompos: picture \"{picture}\" is followed by {found}, expected its position: x and y"))
-    })
+    let found = next.map_or("the end of the command line".to_owned(), |word| format!("\"{word}\""));
+    let message = format!("pcompos: picture \"{picture}\" is followed by {found}, expected its position: x and y");
+    let number = number.ok_or_else(|| Failure::usage(message))? as i64;
+    within_range(number)
+        .ok_or_else(|| Failure::usage(format!("pcompos: picture \"{picture}\" is followed by {found}, {IN_RANGE}")))
 }
 
 impl Composition {

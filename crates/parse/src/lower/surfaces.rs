@@ -113,7 +113,7 @@ impl Reader<'_> {
             (Kind::Polygon, vertices) => self.polygon(vertices),
             (Kind::Sphere | Kind::Bubble, &[x, y, z, radius]) => {
                 if radius.abs() <= TINY {
-                    return Err(Refusal::Wrong(format!("has the radius {radius}, expected more than {TINY}")));
+                    return Err(Refusal::LeftOut("has a radius of zero"));
                 }
                 let mut facing = facing(kind);
                 if radius < 0.0 {

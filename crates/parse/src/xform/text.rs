@@ -6,7 +6,7 @@ use crate::syntax::{Item, Items, Primitive, Word, is_space};
 use crate::{Kind, placement::Placement};
 use radsight_diag::SourceMap;
 use radsight_loader::{FileKind, LoadError, Loader};
-use radsight_scene_generators::{Error, MAX_OUTPUT_BYTES, Output, StandardInput, padded};
+use radsight_scene_generators::{Error, MAX_OUTPUT_BYTES, Output, StandardInput, WrittenFiles, padded};
 use std::io::Write;
 
 /// Largest nesting depth of commands.
@@ -115,9 +115,10 @@ impl Placer<'_> {
             return self.postpone(&command);
         }
         let deeper = self.depth + 1;
-        let loader = self.loader;
-        let output = radsight_scene_generators::pipeline(&command, loader, &|argv, standard_input| {
-            super::is_xform(&argv[0]).then(|| run(argv, &standard_input.unwrap_or_default(), loader, deeper))
+        // Commands refer to the files of earlier ones, such as those of `ies2rad`.
+        let loader = WrittenFiles::new(self.loader, &self.output.files);
+        let output = radsight_scene_generators::pipeline(&command, &loader, &|argv, standard_input| {
+            super::is_xform(&argv[0]).then(|| run(argv, &standard_input.unwrap_or_default(), &loader, deeper))
         });
         let output = match output {
             Ok(output) => output,

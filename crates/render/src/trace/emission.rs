@@ -4,7 +4,7 @@ use super::CountedLight;
 use super::PathIntegrator;
 use super::path_state::PathState;
 use crate::mis::Lobe;
-use radsight_compile::{DISTANT, Emitter, EmitterType, FirstHit, IllumView, Lights, Shader, emission, given};
+use radsight_compile::{DISTANT, Emitter, EmitterType, FirstHit, IllumView, Kind, Lights, Shader, emission, given};
 use radsight_ir::SurfaceHandle;
 use radsight_texture::{SurfaceInteraction, product};
 
@@ -16,6 +16,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let plan = self.plan;
         let view = if path.mis.is_some() { IllumView::Light } else { IllumView::Substitute };
         let Some((surface, shader)) = plan.sky_at(direction, view) else { return };
+        if let Kind::Unusable(_) = &shader.kind {
+            return plan.note_unusable(surface, shader);
+        }
         let Some(emitter) = shader.kind.emitter() else { return };
         let interaction = SurfaceInteraction::distant(&path.ray);
         self.note_surface(path, DISTANT);

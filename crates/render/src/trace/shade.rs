@@ -7,8 +7,8 @@ use super::path_state::PathState;
 use crate::ray_tree::Image;
 use glam::DVec3;
 use radsight_accel::{Intersection, is_flat};
-use radsight_bsdf::{Bsdf, HighlightShape, colored, pane, through_pane};
-use radsight_compile::{FirstHit, Kind, Quantity, Shader};
+use radsight_bsdf::{Bsdf, HighlightShape, Scatterer, colored, pane, through_pane};
+use radsight_compile::{FirstHit, Kind, Quantity, Shader, Substitution};
 use radsight_texture::{Appearance, SurfaceInteraction, bands, mirrored, product, reflect, shading_normal};
 use std::f64::consts::PI;
 
@@ -18,7 +18,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let behind = path.ray.direction.dot(hit.front) > 0.0;
         let travelled = path.travelled + hit.distance;
         let interaction = SurfaceInteraction::at(&path.ray, hit, travelled);
-        self.note_hit(path, hit, &interaction);
+        let normal = if turns_its_normal(&shader.kind) { interaction.normal } else { hit.front };
+        self.note_hit(path, hit, &interaction, normal);
         let unseen = path;
         let arrived;
         let path = if self.plan.has_media {
@@ -62,9 +63,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             Kind::Emitter(_) => self.note_dark_emitter(path, shader, &interaction),
             Kind::Mirror { .. } | Kind::Transparent | Kind::Antimatter(_) => {}
             Kind::Mixture(mixture) => self.shade_mixture([path, unseen], hit, (shader, mixture), &interaction),
-            Kind::Unusable => {
-                let _ = self.plan.unusable_hit.set((hit.surface, hit.shader));
-            }
+            Kind::Unusable(_) => self.plan.note_unusable(hit.surface, shader),
             Kind::Glass { transmissivity, refractive_index } => {
                 self.shade_glass(path, hit, shader, (bands(*transmissivity), *refractive_index), &interaction);
             }
@@ -96,15 +95,21 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    fn note_hit(&mut self, path: &PathState<BANDS>, hit: &Intersection, interaction: &SurfaceInteraction) {
+    fn note_hit(
+        &mut self,
+        path: &PathState<BANDS>,
+        hit: &Intersection,
+        interaction: &SurfaceInteraction,
+        normal: DVec3,
+    ) {
         if path.depth == 0 && self.first_hit.is_none() {
             let hit = FirstHit::at(hit, interaction.total_distance);
-            self.first_hit = Some(FirstHit { perturbed_normal: interaction.normal, ..hit });
+            self.first_hit = Some(FirstHit { perturbed_normal: normal, ..hit });
         }
         self.note_surface(path, hit.shader.0);
         if let Some(tree) = &mut self.tree {
             let hit = FirstHit::at(hit, hit.distance);
-            tree.end(path.node, FirstHit { perturbed_normal: interaction.normal, ..hit });
+            tree.end(path.node, FirstHit { perturbed_normal: normal, ..hit });
         }
         if path.direct_view {
             self.effective_distance = self.effective_distance.min(interaction.total_distance);
@@ -130,7 +135,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             Kind::Retro(_) => interaction.normal,
             _ => shading_normal(interaction, appearance.perturbation),
         };
-        let seen_normal = if matches!(shader.kind, Kind::Retro(_)) { -interaction.direction } else { normal };
+        let seen_normal = match &shader.kind {
+            Kind::Retro(_) => -interaction.direction,
+            kind if interaction.behind && !turns_its_normal(kind) => -normal,
+            _ => normal,
+        };
         self.note_normal(path, seen_normal);
         (appearance, normal)
     }
@@ -187,5 +196,16 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if let Some(tree) = &mut self.tree {
             tree.note_normal(path.node, normal);
         }
+    }
+}
+
+/// Whether the normal that `rtrace -on` prints is that of the side that the ray sees. As in
+/// Radiance, emitters, mirrors, prisms, mist, `BRTDfunc` and `WGMDfunc` keep that of their front.
+fn turns_its_normal(kind: &Kind) -> bool {
+    match kind {
+        Kind::Emitter(_) | Kind::Mist(_) | Kind::Prism(_) | Kind::Mirror { substitute: None, .. } => false,
+        Kind::Scatterer(scatterer) => !matches!(**scatterer, Scatterer::Brtd(_) | Scatterer::WardFunction(_)),
+        Kind::Illum { substitute, .. } => *substitute != Substitution::Void,
+        _ => true,
     }
 }

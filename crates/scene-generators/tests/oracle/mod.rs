@@ -41,6 +41,12 @@ impl Radiance {
         if let Some(library) = &self.library {
             command.env("RAYPATH", format!(".:{}", library.display()));
         }
+        // mgf2rad runs ies2rad.
+        if let Some(bin) = &self.bin {
+            let path = std::env::var_os("PATH").unwrap_or_default();
+            let folders = std::iter::once(bin.clone()).chain(std::env::split_paths(&path));
+            command.env("PATH", std::env::join_paths(folders).expect("a search path"));
+        }
         if let Some(directory) = directory {
             command.current_dir(directory);
         }

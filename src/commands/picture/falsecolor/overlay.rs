@@ -64,7 +64,7 @@ impl Overlay {
         }
         let wrong = |error| failed("overlay", error);
         let mut header = Header::new("RADIANCE");
-        header.push_variable("FORMAT", "32-bit_rle_rgbe");
+        header.push_variable("FORMAT", Encoding::Rgbe.name());
         let mut text = Vec::new();
         compose(&mut labels, [width as usize, height as usize], [0; 4], &header, &mut text).map_err(wrong)?;
         let shadow = super::inverted(&text)?;
@@ -100,9 +100,8 @@ fn means(
     let path = &options.picture;
     let wrong = |error| failed(path, error);
     let scale = reader.header().radiance_scale().map_err(|error| wrong(error.into()))?;
-    let encoding = reader.encoding();
     let mut header = Header::new("RADIANCE");
-    header.push_variable("FORMAT", encoding.name());
+    header.push_variable("FORMAT", Encoding::Rgbe.name());
     let mut part = Vec::new();
     let mut layers = [Layer { reader, corner: [-x, -y], above: None, below: None }];
     compose(&mut layers, [width as usize, height as usize], [0; 4], &header, &mut part).map_err(wrong)?;
@@ -124,10 +123,7 @@ fn means(
         return Err(Failure::input(format!("{path}: the pixels are not square")));
     }
     let values = picture.three_values();
-    let bright = |pixel: &[f32; 3]| {
-        let value: [f32; 3] = std::array::from_fn(|i| pixel[i] * scale[i]);
-        if encoding == Encoding::Xyze { f64::from(value[1]) } else { of_rgb(value) }
-    };
+    let bright = |pixel: &[f32; 3]| of_rgb(std::array::from_fn(|i| pixel[i] * scale[i]));
     Ok(values.data().as_chunks::<3>().0.iter().map(|pixel| bright(pixel) * options.scale.multiplier).collect())
 }
 
