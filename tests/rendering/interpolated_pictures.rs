@@ -2,6 +2,7 @@
 //! and `-pt`.
 
 use crate::program::{Folder, command, run_with};
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 const SIDE: usize = 128;
@@ -328,10 +329,10 @@ fn leaves(count: u32) -> String {
     let number = |index: u32, step: f64| (f64::from(index + 1) * step).fract();
     for index in 0..count {
         let radius = 1.5 * number(index, 0.819_172_5).cbrt();
-        let (z, turn) = (2.0 * number(index, 0.671_043_6) - 1.0, 6.283 * number(index, 0.549_700_5));
+        let (z, turn) = (2.0 * number(index, 0.671_043_6) - 1.0, TAU * number(index, 0.549_700_5));
         let across = radius * (1.0 - z * z).sqrt();
         let center = [across * turn.cos(), across * turn.sin(), radius * z];
-        let (tilt, side) = (6.283 * number(index, 0.318_309_9), 0.06);
+        let (tilt, side) = (TAU * number(index, 0.324_717_9), 0.06);
         let (along, beside) =
             ([side * tilt.cos(), side * tilt.sin(), 0.0], [0.0, 0.5 * side, side * (3.0 * tilt).sin()]);
         let corner = |a: f64, b: f64| {

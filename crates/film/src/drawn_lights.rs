@@ -258,7 +258,7 @@ impl Search<'_> {
         for (number, piece) in pieces.iter().enumerate() {
             let image = &self.images[piece.image];
             let rays = if image.hole.is_empty() { RAYS } else { RAYS_AROUND_A_HOLE };
-            let first = DRAWN | (pixel as u64) << NUMBERS_LOG2 | number as u64 * RAYS_AROUND_A_HOLE;
+            let first = DRAWN | (pixel as u64) << NUMBERS_LOG2 | (number as u64 * RAYS_AROUND_A_HOLE);
             let (visible, others): (Vec<Trial>, Vec<Trial>) =
                 self.trials(first..first + rays, pixel, piece).partition(|trial| trial.shows_light);
             hidden.extend(others);
