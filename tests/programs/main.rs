@@ -7,6 +7,7 @@ mod program;
 mod beside;
 mod commands;
 mod converters;
+mod falsecolor;
 mod files_as_they_are;
 mod matrix_programs;
 mod mkillum;
