@@ -12,7 +12,7 @@
 //! other rays than those that measure how much of it is visible: the same rays would draw what they
 //! happen to meet in full, and leave what they miss to the samples, which meet it once more.
 
-use crate::light_strata::disjoint;
+use crate::light_strata::{MIN_COVER, disjoint};
 use crate::projection::{Cover, PixelSquare, Visit, images, projected, projected_hole, visit_touched};
 use crate::section::{ConvexPolygon, Partition, Sections};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
@@ -46,9 +46,6 @@ const TRIALS: u64 = DRAWN | 1 << 62;
 /// than a part of a pixel, against rounding; the middle of a wide light is hundreds of pixels away.
 const INWARDS: f64 = 0.0013;
 const INWARDS_OF_EXACT: f64 = 0.05;
-
-/// A light that covers less than this fraction of a pixel counts as nothing.
-const LEAST_COVER: f64 = 1e-9;
 
 /// The samples of a pixel pass beside lights unless they cover more than this fraction of it.
 const MOST_COVERED: f64 = 0.995;
@@ -212,7 +209,7 @@ fn pieces(camera: &ViewCamera, index: usize, image: &LightImage, widest: f64) ->
             Cover::All if is_narrow => ConvexPolygon::square(),
             Cover::All => return Visit::SkipRow,
         };
-        if part.area() > LEAST_COVER {
+        if part.area() > MIN_COVER {
             let piece = Piece { outline: part, middle: square.upright(0.5 * (low + high)), image: index };
             found.push((row * camera.columns() + column, piece));
         }

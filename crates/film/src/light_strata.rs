@@ -22,7 +22,7 @@ const MAX_EMITTERS: usize = 1 << 16;
 const MAX_COVER: f64 = 0.9;
 
 /// A light that covers less than this of a pixel counts as nothing.
-const MIN_COVER: f64 = 1e-9;
+pub(crate) const MIN_COVER: f64 = 1e-9;
 
 /// Outlines of a pixel beyond this number become one.
 const MAX_OUTLINES: usize = 8;
