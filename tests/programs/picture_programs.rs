@@ -2,7 +2,7 @@
 //! kinds.
 
 use crate::program::{Folder, Run, command, radsight_with, run_with};
-use radsight_picture::{Encoding, FileFormat, Header, Image, Picture, write_image};
+use radsight_picture::{FileFormat, Header, Image, Picture, write_image};
 use radsight_test_support::Radiance;
 use std::path::PathBuf;
 
