@@ -20,3 +20,4 @@ mod opencv_calibration;
 mod parts;
 mod series;
 mod truth;
+mod windows;

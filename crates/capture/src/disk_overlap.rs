@@ -14,6 +14,16 @@ pub(crate) struct DiskOverlap {
 }
 
 impl DiskOverlap {
+    /// The mean of some.
+    pub(crate) fn mean<const COUNT: usize>(overlaps: [DiskOverlap; COUNT]) -> DiskOverlap {
+        let share = 1.0 / COUNT as f64;
+        let add = |sum: DiskOverlap, next: DiskOverlap| DiskOverlap {
+            area: sum.area + share * next.area,
+            moment: sum.moment + share * next.moment,
+        };
+        overlaps.into_iter().fold(DiskOverlap::default(), add)
+    }
+
     /// For the corners of a convex polygon in order.
     pub(crate) fn new(corners: &[DVec2]) -> DiskOverlap {
         let mut sum = Sum::default();

@@ -85,7 +85,7 @@ impl Edges {
         let (rays, plan) = (film.exposer.rays, film.exposer.renderer.plan());
         let [columns, rows] = film.size();
         let PixelEdges { widths, by_pinhole, outlines } = PixelEdges::find(film);
-        let distance = |pixel: usize| film.center_ray(pixel).and_then(|ray| plan.distance(&ray));
+        let distance = |pixel: usize| film.center_ray(pixel).and_then(|ray| plan.distance_behind_panes(&ray));
         let blur_at = |pixel: usize| {
             let near = [Some(pixel), Some(pixel + 1), Some(pixel + columns)].into_iter().flatten();
             let nearest = near.filter(|near| *near < columns * rows).filter_map(distance).fold(f64::INFINITY, f64::min);

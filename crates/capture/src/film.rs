@@ -145,7 +145,7 @@ impl UnblurredFilm {
             for ray in places.iter().filter_map(|place| self.ray_of_point(exposer.rays, self.corner(pixel) + *place)) {
                 worker.specular_ends(&ray, ends);
             }
-            ends.iter().any(SpecularEnd::is_refracted)
+            ends.iter().any(|end| end.is_refracted)
         };
         let start = || (exposer.renderer.worker(), Vec::new());
         (0..self.pixel_count()).into_par_iter().with_min_len(64).map_init(start, of_pixel).collect()
@@ -391,7 +391,7 @@ fn focal_ratios(exposer: &Exposer<'_>, is_seen: impl Fn(usize) -> bool + Sync) -
     let camera = rays.camera();
     let of_pixel = |pixel: usize| {
         let ray = rays.ray_through(pixel as u64, [0.5; 2], [0.0; 2])?;
-        let distance = plan.distance(&Ray::new(ray.origin, ray.direction)?)?;
+        let distance = plan.distance_behind_panes(&Ray::new(ray.origin, ray.direction)?)?;
         let depth = distance * camera.scene_unit_m() * ray.direction.dot(camera.direction());
         Some(camera.focal_distance_m() / depth)
     };

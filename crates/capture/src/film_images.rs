@@ -22,6 +22,10 @@ use std::ops::Range;
 /// at one point.
 const PARTS_PER_PIXEL: f64 = 8.0;
 
+/// Light that is seen within so many pixels of a point, standard deviation, is spread as if it were seen at
+/// that point.
+const POINT: f64 = 0.08;
+
 /// The images that a film shows.
 #[derive(Debug)]
 pub(crate) struct FilmImages {
@@ -94,11 +98,19 @@ impl ImagePart {
         blur: &ImageBlur,
     ) -> ImagePart {
         let [mut visible, mut squared_weights] = [0.0; 2];
-        blur.for_each_pixel(rays, center, |_, overlap| {
+        blur.for_each_pixel(rays, (center, DVec2::ZERO), |_, overlap| {
             visible += overlap.area;
             squared_weights += overlap.area * overlap.area;
         });
         ImagePart { image, cells, center, expected, visible, squared_weights }
+    }
+}
+
+#[cfg(test)]
+impl ImagePart {
+    /// A part around a point of which nothing is known.
+    pub(crate) fn unseen(center: DVec2) -> ImagePart {
+        ImagePart { image: 0, cells: 0..1, center, expected: 1.0, visible: 1.0, squared_weights: 1.0 }
     }
 }
 
@@ -256,16 +268,17 @@ impl FilmImages {
         Some(PartRay { ray: seen.ray, center: film.picture_point(point), weight: density.recip() })
     }
 
-    /// The pixels of the picture over which the light of a part is spread that is seen at a point through
-    /// the middle of the pinhole, each with the points of the pinhole through which it is seen there.
+    /// The pixels of the picture over which the light of a part is spread that is seen at some points through
+    /// the middle of the pinhole, each with the points of the pinhole through which it is seen there. The
+    /// points are given by their mean and standard deviation.
     pub(crate) fn for_each_pixel(
         &self,
         rays: &Rays,
-        (part, center): (usize, DVec2),
+        (part, seen_at): (usize, (DVec2, DVec2)),
         of_pixel: impl FnMut(usize, DiskOverlap),
     ) {
         let blur = self.images.get(self.parts[part].image).map_or(&self.film_blur, |image| &image.blur);
-        blur.for_each_pixel(rays, center, of_pixel);
+        blur.for_each_pixel(rays, seen_at, of_pixel);
     }
 
     /// The parts of each image.
@@ -333,10 +346,16 @@ impl ImageBlur {
         ImageBlur::new(DMat2::from_diagonal(-film.shift()))
     }
 
-    fn for_each_pixel(&self, rays: &Rays, center: DVec2, mut of_pixel: impl FnMut(usize, DiskOverlap)) {
+    fn for_each_pixel(
+        &self,
+        rays: &Rays,
+        (center, deviation): (DVec2, DVec2),
+        mut of_pixel: impl FnMut(usize, DiskOverlap),
+    ) {
         let camera = rays.camera();
         let [columns, rows] = [camera.columns(), camera.rows()].map(|count| count as usize);
-        let extent = extent(self.by_pinhole);
+        let extent = extent(self.by_pinhole) + deviation;
+        let is_point = deviation.max_element() < POINT;
         let pixels = |at: f64, extent: f64, count: usize| {
             // Negative numbers become 0.
             ((at - extent).floor() as usize)..((at + extent).ceil() as usize).min(count)
@@ -345,7 +364,14 @@ impl ImageBlur {
         for row in pixels(center.y, extent.y, rows) {
             for column in pixels(center.x, extent.x, columns) {
                 let middle = DVec2::new(column as f64, row as f64) + 0.5 - center;
-                let overlap = pixel_on_pinhole.overlap(self.inverse * middle);
+                let overlap_at = |at: DVec2| pixel_on_pinhole.overlap(self.inverse * at);
+                let overlap = if is_point {
+                    overlap_at(middle)
+                } else {
+                    // Four points with this mean and deviation.
+                    let around = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(DVec2::from);
+                    DiskOverlap::mean(around.map(|side| overlap_at(middle + side * deviation)))
+                };
                 if overlap.area > 0.0 {
                     of_pixel(row * columns + column, overlap);
                 }

@@ -275,7 +275,9 @@ impl<'s> RegionSearch<'s> {
         let (film, rays) = (self.film, self.exposer.rays);
         let plan = self.exposer.renderer.plan();
         let (reflectors, has_panes) = (&plan.reflectors, plan.has_panes);
-        if reflectors.is_empty() && !has_panes {
+        // A single flat one shows no mirror in a mirror.
+        let is_single = plan.flat_reflectors.hold_all_panes && plan.flat_reflectors.surfaces.len() == 1;
+        if reflectors.is_empty() && (!has_panes || is_single) {
             return Vec::new();
         }
         let is_near = |pixel: &usize| {

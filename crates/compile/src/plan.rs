@@ -6,7 +6,7 @@ use crate::medium::Medium;
 use crate::mist_lights::MistLights;
 use crate::options::{BackFaces, Caustics, GlobalMedium, Lights, RenderOptions, Skip};
 use crate::portals::Portals;
-use crate::reflectors::Reflector;
+use crate::reflectors::{FlatReflectors, Reflector};
 use crate::shader::{Kind, Shader, Substitution};
 use crate::unbounded::Unbounded;
 use crate::visibility_class::{Receiver, Visibility};
@@ -45,6 +45,8 @@ pub struct RenderPlan {
     pub portals: Portals,
     /// Curved mirrors that may reflect lights.
     pub reflectors: Vec<Reflector>,
+    /// Flat specular surfaces that make no virtual sources.
+    pub flat_reflectors: FlatReflectors,
     /// Whether indirect irradiance has caustics, with details as fine as pixels.
     pub has_caustics: bool,
     /// Distant sources, in the order in which a ray that leaves the scene tests them.

@@ -10,7 +10,7 @@ use crate::options::{BareSurfaces, RenderOptions, Skip};
 use crate::plan::{RenderPlan, Sky, virtual_source_shader};
 use crate::portal_search::makes_caustics;
 use crate::portals::Portals;
-use crate::reflectors::find_reflectors;
+use crate::reflectors::{find_flat_reflectors, find_reflectors};
 use crate::shader::{Emitter, EmitterType, Kind, Shader, Substitution};
 use crate::shader_sets::{all_cut, excluded, mark_tracked};
 use crate::substance::substance;
@@ -78,6 +78,7 @@ impl RenderPlan {
             Visibility::everything()
         };
         let reflectors = find_reflectors(&scene, &geometry, &shaders, shader);
+        let flat_reflectors = find_flat_reflectors(&scene, &geometry, shader, lights.len());
         let mist_lights = MistLights::new(&scene, &lights, &mut shaders).map_err(|error| vec![error])?;
         let excluded = excluded(&scene, &shaders, &options.ambient_surfaces);
         let mut plan = RenderPlan {
@@ -93,6 +94,7 @@ impl RenderPlan {
             light_draws: [0; 2],
             portals: Portals::default(),
             reflectors,
+            flat_reflectors,
             has_caustics: false,
             sky,
             visibility,

@@ -2,7 +2,7 @@
 
 use crate::shader::{Kind, Shader};
 use glam::DVec3;
-use radsight_accel::{Bounds, Geometry, MemberId, Ray, RayFrame, is_flat};
+use radsight_accel::{Bounds, Geometry, MemberId, Ray, RayFrame, flat_normal, is_flat};
 use radsight_bsdf::Scatterer;
 use radsight_ir::{Shape, SurfaceHandle, ValidScene};
 
@@ -59,6 +59,79 @@ impl Reflector {
         let reach = self.radius + REACH * farthest;
         (offset - direction * along).length_squared() <= reach * reach
     }
+}
+
+/// Maximum number of flat reflectors, and of their pairs with lights.
+const MOST_FLAT: usize = 64;
+const MOST_FLAT_PAIRS: usize = 4096;
+
+/// The plane of a flat specular surface that makes no virtual sources: a pane, a polished or a
+/// dielectric surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlatReflector {
+    point: DVec3,
+    /// Unit.
+    normal: DVec3,
+}
+
+impl FlatReflector {
+    /// The mirror image of a point.
+    #[must_use]
+    pub fn image_of_point(&self, point: DVec3) -> DVec3 {
+        point - 2.0 * (point - self.point).dot(self.normal) * self.normal
+    }
+
+    /// The mirror image of a direction.
+    #[must_use]
+    pub fn image_of_direction(&self, direction: DVec3) -> DVec3 {
+        direction - 2.0 * direction.dot(self.normal) * self.normal
+    }
+}
+
+/// The flat specular surfaces of a scene that make no virtual sources.
+#[derive(Clone, Debug, Default)]
+pub struct FlatReflectors {
+    /// Without those in instances; empty if there are too many for a search.
+    pub surfaces: Vec<FlatReflector>,
+    /// Whether all panes of the scene are among them.
+    pub hold_all_panes: bool,
+}
+
+impl FlatReflectors {
+    fn new() -> FlatReflectors {
+        FlatReflectors { surfaces: Vec::new(), hold_all_panes: true }
+    }
+}
+
+/// Finds the flat specular surfaces.
+pub(crate) fn find_flat_reflectors<'a>(
+    scene: &ValidScene,
+    geometry: &Geometry,
+    shader: impl Fn(SurfaceHandle) -> &'a Shader,
+    lights: usize,
+) -> FlatReflectors {
+    let mut found = FlatReflectors::new();
+    for (_, handle) in geometry.listed_members() {
+        let (shape, kind) = (scene.surfaces[handle].shape, &shader(handle).kind);
+        let is_pane = matches!(kind, Kind::Glass { .. });
+        let point = match shape {
+            Shape::Polygon { start, .. } => scene.polygon_vertices(start, 1)[0],
+            Shape::Ring(ring) => scene.rings[ring].center,
+            // The contents of meshes and instances are not examined.
+            _ => {
+                found.hold_all_panes &= !(is_pane || matches!(shape, Shape::Mesh(_) | Shape::Instance(_)));
+                continue;
+            }
+        };
+        let Some(normal) = flat_normal(scene, shape).filter(|_| is_pane || mirrors(kind, Some(shape))) else {
+            continue;
+        };
+        if found.surfaces.len() == MOST_FLAT || (found.surfaces.len() + 1) * lights > MOST_FLAT_PAIRS {
+            return FlatReflectors::default();
+        }
+        found.surfaces.push(FlatReflector { point, normal });
+    }
+    found
 }
 
 /// Mirrors of a scene that make no virtual sources.

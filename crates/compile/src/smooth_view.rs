@@ -4,6 +4,7 @@
 //! if nothing on the surface itself is sharp. Two rays whose [`SmoothView`]s join see such a
 //! surface. They say nothing about what lies between the two rays.
 
+use crate::panes::BehindPanes;
 use crate::plan::RenderPlan;
 use crate::shader::{Kind, Shader};
 use crate::visibility_class::VisibilityClass;
@@ -26,6 +27,8 @@ const GRAZING: f64 = 0.02;
 pub struct SmoothView {
     /// The primitive, `NONE` for no surface.
     primitive: PrimitiveId,
+    /// A hash of the panes before it.
+    panes: u64,
     /// A bit for each light whose centre is occluded.
     hidden: u64,
     /// A bit for each light whose cone excludes the point, and for each whose cone contains the
@@ -38,8 +41,14 @@ pub struct SmoothView {
 }
 
 impl SmoothView {
-    const NOTHING: SmoothView =
-        SmoothView { primitive: PrimitiveId::NONE, hidden: 0, outside: 0, inside: 0, edge_width: f64::INFINITY };
+    const NOTHING: SmoothView = SmoothView {
+        primitive: PrimitiveId::NONE,
+        panes: 0,
+        hidden: 0,
+        outside: 0,
+        inside: 0,
+        edge_width: f64::INFINITY,
+    };
 
     /// Width of the sharpest edge of a light's cone at the point or within a pixel of it, in
     /// pixels: the extent of the light blurs it. Infinite if there is none.
@@ -52,7 +61,8 @@ impl SmoothView {
     #[must_use]
     pub fn joins(&self, other: &SmoothView) -> bool {
         let is_sharp = self.outside & other.inside | self.inside & other.outside != 0;
-        self.primitive == other.primitive && self.hidden == other.hidden && !is_sharp
+        let [own, other] = [self, other].map(|view| (view.primitive, view.panes, view.hidden));
+        own == other && !is_sharp
     }
 }
 
@@ -70,20 +80,23 @@ enum LightCoverage {
 
 impl RenderPlan {
     /// The view of a ray, if its radiance is smooth: without pattern, texture, mirror image and
-    /// mist. Neighbouring pixels are `spacing` apart, radians.
+    /// mist. Plain panes transmit it, if they reflect nothing. Neighbouring pixels are `spacing` apart,
+    /// radians.
     #[must_use]
     pub fn smooth_view(&self, ray: &Ray, spacing: f64) -> Option<SmoothView> {
         if self.has_mist || self.has_antimatter || self.lights.len() > MOST_LIGHTS {
             return None;
         }
-        let Some(hit) = self.first_hit(ray, None) else {
-            return self.sky.is_empty().then_some(SmoothView::NOTHING);
+        let passes = |ray: &Ray, hit: &Intersection| self.sky.is_empty() && self.reflects_nothing(ray, hit);
+        let BehindPanes { panes, hit } = self.behind_panes(ray, passes)?;
+        let Some((hit, distance)) = hit else {
+            return self.sky.is_empty().then_some(SmoothView { panes, ..SmoothView::NOTHING });
         };
         if !is_smooth(self.shader_at(hit.shader)) {
             return None;
         }
-        let mut view = SmoothView { primitive: hit.primitive, ..SmoothView::NOTHING };
-        let pixel = spacing * hit.distance / hit.front.dot(ray.direction).abs().max(GRAZING);
+        let mut view = SmoothView { primitive: hit.primitive, panes, ..SmoothView::NOTHING };
+        let pixel = spacing * distance / hit.front.dot(ray.direction).abs().max(GRAZING);
         let is_free = self.sees_all_centers(&hit);
         for (index, light) in self.lights.iter().enumerate() {
             let bit = 1 << index;
@@ -165,7 +178,8 @@ impl RenderPlan {
         let center = centers().sum::<DVec3>() / centers().count() as f64;
         let radius = centers().map(|other| other.distance(center)).fold(0.0, f64::max);
         let beam = Beam { from: hit.point, to: center, radius };
-        let is_beside = |member: &MemberId| !self.geometry.may_block(&self.scene, *member, &beam);
+        let is_beside =
+            |member: &MemberId| self.is_pane(*member) || !self.geometry.may_block(&self.scene, *member, &beam);
         // Lights of a group have the same blockers.
         let mut checked: &[MemberId] = &[];
         for (light, class) in lights() {
@@ -184,7 +198,7 @@ impl RenderPlan {
         true
     }
 
-    /// Whether the centre of a light is occluded from a point.
+    /// Whether the centre of a light is occluded from a point by more than plain panes.
     fn hides(&self, hit: &Intersection, light: &Light) -> bool {
         let (direction, distance) = if light.radius.is_infinite() {
             (light.center, f64::INFINITY)
@@ -201,7 +215,7 @@ impl RenderPlan {
             &ray,
             (Some(hit.primitive), PrimitiveId::NONE),
             distance.max(0.0),
-            |_| true,
+            |crossing| !self.is_pane_primitive(crossing.primitive),
         )
     }
 }

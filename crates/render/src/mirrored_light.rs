@@ -27,6 +27,10 @@ const MAX_SIDE: usize = 96;
 const MAX_STEPS: u32 = 12;
 const MET: f64 = 1e-3;
 
+/// A ray towards the mirror image of a light in a flat surface passes it within so many radii, if
+/// refraction shifts it.
+const NEAR_LIGHT: f64 = 8.0;
+
 /// Accepted distance where it does not converge, as between the facets of a mesh, in radii of the
 /// light.
 const MAX_MISS: f64 = 1.5;
@@ -155,6 +159,16 @@ pub fn light_offset(plan: &RenderPlan, light: usize, towards: DVec3, ray: &Ray) 
     Some(position / radius)
 }
 
+/// The squared distance from a light's centre at which a ray passes it, in radii of the light. `None` where
+/// it cannot see the light.
+fn passing(light: &Light, ray: &Ray) -> Option<f64> {
+    if light.misses(ray.origin) {
+        return None;
+    }
+    let (position, radius) = passing_point(light, &TangentPlane::new(ray.direction), ray)?;
+    Some((position / radius).length_squared())
+}
+
 /// A square grid of directions around the cone of a reflector.
 struct DirectionGrid {
     /// Around the axis of the cone.
@@ -203,8 +217,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     pub(crate) fn mirrored_lights(&mut self, from: DVec3, is_seen: &dyn Fn(DVec3, f64) -> bool) -> Vec<MirroredLight> {
         let plan = self.plan;
         let mut found = Vec::new();
-        if plan.has_antimatter || plan.lights.len() > MAX_LIGHTS || plan.reflectors.is_empty() {
+        if plan.has_antimatter || plan.lights.len() > MAX_LIGHTS {
             return found;
+        }
+        self.add_lights_in_flat_reflectors(from, is_seen, &mut found);
+        if plan.reflectors.is_empty() {
+            return distinct(found);
         }
         let in_plane_mirrors = MirroredLight::in_plane_mirrors(plan, from);
         let side = ((MAX_RAYS / plan.reflectors.len() as f64).sqrt() as usize).clamp(MIN_SIDE, MAX_SIDE);
@@ -215,6 +233,37 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             }
         }
         distinct(found)
+    }
+
+    /// Adds the images of lights in flat surfaces. A ray towards the mirror image of a light's centre shows
+    /// it, or, by way of dielectrics, comes near it.
+    fn add_lights_in_flat_reflectors(
+        &mut self,
+        from: DVec3,
+        is_seen: &dyn Fn(DVec3, f64) -> bool,
+        found: &mut Vec<MirroredLight>,
+    ) {
+        let plan = self.plan;
+        let lights = || plan.lights.iter().enumerate().filter(|(_, light)| light.virtual_sources.is_empty());
+        for reflector in &plan.flat_reflectors.surfaces {
+            for (index, light) in lights() {
+                let (direction, size) = match light.form {
+                    LightForm::Distant { direction, .. } => (reflector.image_of_direction(direction), 0.0),
+                    LightForm::DistantImage { .. } => continue,
+                    _ => {
+                        let offset = reflector.image_of_point(light.center) - from;
+                        (offset.normalize_or_zero(), light.radius / offset.length())
+                    }
+                };
+                let is_possible = direction != DVec3::ZERO && is_seen(direction, NEAR_LIGHT * size);
+                let rays = if is_possible { self.image_rays((from, None), direction) } else { Vec::new() };
+                for MirroredRay { ray, events, .. } in rays {
+                    if passing(light, &ray).is_some_and(|squared| squared <= NEAR_LIGHT * NEAR_LIGHT) {
+                        found.extend(self.mirrored_light(from, direction, (index, events)));
+                    }
+                }
+            }
+        }
     }
 
     /// The images of lights that directions towards a reflector lead to, except those with one
@@ -257,17 +306,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 
     fn passings(&self, light: usize, grid: &[Vec<MirroredRay>]) -> Passings {
         let light = &self.plan.lights[light];
-        let passing = |ray: &Ray| {
-            if light.misses(ray.origin) {
-                return None;
-            }
-            let (position, radius) = passing_point(light, &TangentPlane::new(ray.direction), ray)?;
-            Some((position / radius).length_squared())
-        };
         let mut passings = Passings::default();
         for rays in grid {
             let first = passings.all.len();
-            passings.all.extend(rays.iter().filter_map(|ray| Some((ray.chain, passing(&ray.ray)?))));
+            passings.all.extend(rays.iter().filter_map(|ray| Some((ray.chain, passing(light, &ray.ray)?))));
             passings.of_ray.push(first..passings.all.len());
         }
         passings

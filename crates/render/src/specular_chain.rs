@@ -10,6 +10,8 @@ pub(crate) struct SpecularChain {
     reflected: u16,
     length: u8,
     is_lost: bool,
+    /// Whether an interaction has changed the direction.
+    is_bent: bool,
 }
 
 /// A perfectly specular interaction.
@@ -41,7 +43,18 @@ impl SpecularChain {
             reflected: self.reflected << 1 | u16::from(event == SpecularEvent::Reflected),
             length: self.length.saturating_add(1),
             is_lost: self.is_lost || self.length >= MAX_INTERACTIONS,
+            is_bent: true,
         }
+    }
+
+    /// The chain extended by a transmission that does not change the direction.
+    pub(crate) fn after_straight_transmission(self) -> SpecularChain {
+        SpecularChain { is_bent: self.is_bent, ..self.after(SpecularEvent::Transmitted) }
+    }
+
+    /// Whether it is straight: light sampling reaches what it shows.
+    pub(crate) fn is_straight(self) -> bool {
+        !self.is_bent && !self.is_lost
     }
 
     /// The chain of these interactions.
@@ -106,6 +119,14 @@ mod tests {
         for other in [&[Transmitted][..], &[Reflected, Reflected], &[Reflected, Transmitted, Reflected, Reflected]] {
             assert!(!chain.begins_with(SpecularChain::of(other)), "{other:?}");
         }
+    }
+
+    #[test]
+    fn panes_leave_a_chain_straight() {
+        let through_panes = SpecularChain::default().after_straight_transmission().after_straight_transmission();
+        assert!(through_panes.is_straight() && through_panes.backwards().is_some_and(|events| events.count() == 2));
+        assert!(!through_panes.after(Reflected).after_straight_transmission().is_straight());
+        assert!(!through_panes.lost().is_straight());
     }
 
     #[test]

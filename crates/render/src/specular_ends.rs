@@ -4,9 +4,9 @@ use crate::retrace::{MAX_EVENTS, MirroredRay};
 use crate::specular_chain::SpecularEvent;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
-use radsight_accel::{Intersection, PrimitiveId, Ray};
+use radsight_accel::{Intersection, PrimitiveId, Ray, is_flat};
 use radsight_bsdf::pane;
-use radsight_compile::Kind;
+use radsight_compile::{Kind, Shader};
 
 /// Ends with less than this fraction of a ray's weight are not followed: a lamp is about ten thousand
 /// times as bright as what it lights, and five reflections within glass leave less than a millionth.
@@ -23,21 +23,18 @@ const MAX_ENDS: usize = 16;
 pub struct SpecularEnd {
     /// A bit for each reflection and refraction on its way, 1 for a reflection, after a leading 1.
     pub chain: u32,
-    /// Number of mirrors on its way. Dielectrics and panes count twice: they show further images.
+    /// Number of mirrors on its way. Dielectrics and panes count twice: they show further images. Flat
+    /// panes do not, if there are few.
     pub mirrors: usize,
     /// Fraction of the radiance that is left, by Fresnel's equations. Mirrors count as perfect.
     pub weight: f64,
+    /// Whether a dielectric has refracted the ray.
+    pub is_refracted: bool,
     /// From the last of them.
     pub ray: Ray,
 }
 
 impl SpecularEnd {
-    /// Whether the ray was refracted on its way, and not by a single pane alone.
-    #[must_use]
-    pub fn is_refracted(&self) -> bool {
-        self.mirrors > 1 && self.chain.count_zeros() > self.chain.leading_zeros()
-    }
-
     /// The events on its way.
     fn events(&self) -> Vec<SpecularEvent> {
         let event = |bit: u32| match self.chain >> bit & 1 {
@@ -61,8 +58,9 @@ impl Branch {
         Branch { from: Some(hit.primitive), end }
     }
 
-    fn is_followed_by(&self, weight: f64, mirrors: usize) -> Option<Branch> {
-        let end = SpecularEnd { weight: self.end.weight * weight, mirrors: self.end.mirrors + mirrors, ..self.end };
+    fn is_followed_by(&self, weight: f64, mirrors: usize, refracts: bool) -> Option<Branch> {
+        let (weight, mirrors) = (self.end.weight * weight, self.end.mirrors + mirrors);
+        let end = SpecularEnd { weight, mirrors, is_refracted: self.end.is_refracted || refracts, ..self.end };
         (end.weight >= MIN_WEIGHT).then_some(Branch { end, ..*self })
     }
 }
@@ -71,7 +69,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Adds the ends of a ray behind the mirrors and dielectrics to which it leads. Straight on through
     /// panes it has none.
     pub(crate) fn specular_ends(&mut self, ray: &Ray, ends: &mut Vec<SpecularEnd>) {
-        let start = SpecularEnd { chain: 1, mirrors: 0, weight: 1.0, ray: *ray };
+        let start = SpecularEnd { chain: 1, mirrors: 0, weight: 1.0, is_refracted: false, ray: *ray };
         let mut waiting = vec![Branch { from: None, end: start }];
         let most = ends.len() + MAX_ENDS;
         while let Some(branch) = waiting.pop() {
@@ -101,14 +99,23 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         rays
     }
 
+    /// Whether the images of lights that a pane reflects are known one by one.
+    fn shows_one_image(&self, hit: &Intersection, shader: &Shader) -> bool {
+        let plan = self.plan;
+        let is_flat = hit.instance.is_none() && is_flat(plan.scene.surfaces[hit.surface].shape);
+        is_flat && shader.textures.steps.is_empty() && !plan.flat_reflectors.surfaces.is_empty()
+    }
+
     /// Adds the branches of a ray after a surface; whether it is a mirror, a pane or a dielectric.
     fn divide(&mut self, branch: &Branch, hit: &Intersection, waiting: &mut Vec<Branch>) -> bool {
         let shader = self.plan.shader_at(hit.shader);
         let ray = &branch.end.ray;
+        let mut is_dielectric = false;
         // Of each part: its direction, weight and number of mirrors.
         let (reflected, transmitted) = if let Some(refraction) = self.refraction(ray, hit, shader) {
             let reflected = Some(refraction.reflected(ray.direction, hit.front));
             let transmitted = refraction.transmitted.map(|(direction, _)| direction);
+            is_dielectric = true;
             ((reflected, refraction.reflectance, 2), (transmitted, 1.0 - refraction.reflectance, 2))
         } else {
             let mut towards = |event| self.specular_direction(ray, hit, shader, event);
@@ -116,7 +123,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             if let Kind::Glass { refractive_index, .. } = &shader.kind {
                 let [[reflectance], _] = pane([1.0], *refractive_index, ray.direction.dot(hit.front).abs());
                 let transmitted = towards(SpecularEvent::Transmitted);
-                ((reflected, reflectance, 2), (transmitted, 1.0 - reflectance, 0))
+                let mirrors = if self.shows_one_image(hit, shader) { 1 } else { 2 };
+                ((reflected, reflectance, mirrors), (transmitted, 1.0 - reflectance, 0))
             } else if reflected.is_some() {
                 ((reflected, 1.0, 1), (None, 0.0, 0))
             } else {
@@ -127,7 +135,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             [(SpecularEvent::Reflected, reflected), (SpecularEvent::Transmitted, transmitted)]
         {
             let next = direction.map(|direction| branch.after(hit, direction, event));
-            waiting.extend(next.and_then(|next| next.is_followed_by(weight, mirrors)));
+            let refracts = is_dielectric && event == SpecularEvent::Transmitted;
+            waiting.extend(next.and_then(|next| next.is_followed_by(weight, mirrors, refracts)));
         }
         true
     }

@@ -242,7 +242,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
         let mut point = ReturnPoint { from, bsdf, peak: bsdf.peak(), least: 0.0 };
         let mut found = SpecularReturn::default();
-        if let Some(events) = chain.backwards() {
+        if let Some(events) = chain.backwards().filter(|_| !chain.is_straight()) {
             let events: Vec<SpecularEvent> = events.collect();
             self.add_images(&mut found, &point, (bsdf.outgoing, &events));
         }

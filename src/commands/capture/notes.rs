@@ -114,7 +114,7 @@ fn distance_m(plan: &RenderPlan, camera: &PinholeCamera) -> Option<f64> {
         .filter_map(|index| {
             let (column, row) = (place(index % ACROSS, camera.columns()), place(index / ACROSS, camera.rows()));
             let ray = rays.ray_through(row * u64::from(camera.columns()) + column, [0.5; 2], [0.0; 2])?;
-            let distance = plan.distance(&Ray::new(ray.origin, ray.direction)?)?;
+            let distance = plan.distance_behind_panes(&Ray::new(ray.origin, ray.direction)?)?;
             let depth = distance * camera.scene_unit_m() * ray.direction.dot(camera.direction());
             (depth > 0.0).then_some(depth)
         })

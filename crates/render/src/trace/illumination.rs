@@ -282,7 +282,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 
     /// Number of highlight samples at a point without splitting.
     fn highlight_draws(&self, path: &PathState<BANDS>, point: &Bsdf<'_, BANDS>) -> u32 {
-        if point.is_retroreflector() && (1..=LAST_SPLIT_DEPTH).contains(&path.depth) {
+        let is_near = (1..=LAST_SPLIT_DEPTH).contains(&path.depth);
+        if point.is_retroreflector() && is_near && !path.chain.is_straight() {
             SPLIT_DRAWS
         } else {
             self.highlight_samples(path)

@@ -82,7 +82,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let reflected = same_side && !matches!(passage, Passage::Prism { .. });
         let reflections = path.reflections + u32::from(reflected);
         let event = if same_side { SpecularEvent::Reflected } else { SpecularEvent::Transmitted };
-        let chain = path.chain.after(event);
+        let chain = match passage {
+            Passage::Pane { undisturbed: true, .. } | Passage::Sheet { undisturbed: true, .. } => {
+                path.chain.after_straight_transmission()
+            }
+            _ => path.chain.after(event),
+        };
         if path.caustic().is_some_and(|caustic| !caustic.chain.begins_with(chain)) {
             return;
         }
