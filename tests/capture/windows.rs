@@ -85,6 +85,7 @@ fn a_window_across_the_view_shows_the_leds() {
     let difference = Difference::new(&window.exposure, &mirror.exposure);
     println!("{difference:?}, {} rays", window.rays);
     assert!(difference.rms < 0.012 && difference.mean.abs() < 0.003, "{difference:?}");
+    assert!(window.rays < 1e6, "{} rays", window.rays);
 }
 
 /// Two panes show images of LEDs behind several reflections, as a density of rays over a region.

@@ -114,7 +114,9 @@ impl UnblurredFilm {
         if !(is_suitable(x) && is_suitable(y)) {
             return None;
         }
-        let focal_ratios = focal_ratios(exposer, |_| true);
+        let seen = focal_ratios(exposer, |_| true);
+        // Where nothing is seen, the film is that of infinity.
+        let focal_ratios = if seen[0] > seen[1] { [0.0; 2] } else { seen };
         let focal_ratio = shared_focal_ratio(focal_ratios)?;
         // A column is farther right, and a row is farther down.
         let shift = DVec2::new(x, -y) * (1.0 + focal_ratio);
@@ -407,7 +409,7 @@ fn union(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 /// The mean of two extreme focal ratios; `None` where depths differ too much.
 fn shared_focal_ratio([least, most]: [f64; 2]) -> Option<f64> {
     let is_even = most - least <= MAX_DEPTH_EFFECT * (1.0 + most) && most <= MAX_FOCAL_RATIO;
-    (is_even && most > 0.0).then_some(0.5 * (least + most))
+    is_even.then_some(0.5 * (least + most))
 }
 
 #[cfg(test)]
