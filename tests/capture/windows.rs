@@ -88,6 +88,28 @@ fn a_window_across_the_view_shows_the_leds() {
     assert!(window.rays < 1e6, "{} rays", window.rays);
 }
 
+/// The images of LEDs fill whole pixels of a lens, and are nearly in its focus: aimed rays would mostly pass
+/// other pixels.
+#[test]
+fn a_window_before_a_lens_shows_the_leds() {
+    let folder = Folder::new();
+    let [reflected, _] = pane(0.0);
+    std::fs::write(folder.path("window.rad"), glass(0.0)).expect("written");
+    let mirror = window(&format!("mirror m\n0\n0\n3 {reflected} {reflected} {reflected}\n"), 0.0);
+    std::fs::write(folder.path("mirror.rad"), mirror).expect("written");
+    let camera = "[camera]\nposition_m = [0, 0, 0.48]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\npixels = [32, 28]\n\
+        pixel_pitch_um = [27.5, 32]\nlens_focal_length_mm = 6.75\nf_number = 4\nfocus_distance_m = 0.48\n\
+        exposure_ms = 10\nwavelength_nm = 650\n\
+        [rig]\nleds = 12\nring_diameter_mm = 25.4\nled_diameter_mm = 5\nled_intensity_w_per_sr = 0.055\n";
+    std::fs::write(folder.path("camera.toml"), camera).expect("written");
+    let [window, mirror] = ["window.rad", "mirror.rad"]
+        .map(|scene| capture(&folder.word("camera.toml"), &[&folder.word(scene)], &["--error", "0.02"]));
+    let difference = Difference::new(&window.exposure, &mirror.exposure);
+    println!("{difference:?}, {} and {} rays", window.rays, mirror.rays);
+    assert!(difference.rms < 0.03 && difference.mean.abs() < 0.005, "{difference:?}");
+    assert!(window.rays < 1e6, "{} rays", window.rays);
+}
+
 /// Two panes show images of LEDs behind several reflections, as a density of rays over a region.
 /// `tests/gripps/truth/two-windows.pfm` is the mean of two captures by `--samples 2048` with different seeds.
 /// Its noise is 0.64 % of the mean exposure.

@@ -6,7 +6,7 @@
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
 use crate::film::{FilmRay, PixelPassage, UnblurredFilm};
 use crate::film_images::FilmImages;
-use crate::mirrored_lights::PixelImages;
+use crate::mirrored_lights::{PixelImages, RayPurpose};
 use crate::pixel_errors::{Estimate, SELECTION_BIAS};
 use crate::radiance::{MAX_BANDS, bands_apart, radiance, radiance_apart};
 use crate::shared_film::{FilmRecord, SharedFilm};
@@ -44,10 +44,6 @@ const REPLICA_STREAM: u64 = 1 << 32;
 /// Ray number of the samples that place the lattice and select pixels for audits. No ray of a pixel
 /// has it.
 pub(crate) const RESERVED_NUMBER: u64 = u64::MAX;
-
-/// Fraction of the rays of a pixel that is aimed at images in curved mirrors, where they show all
-/// light.
-const AIMED: f64 = 0.5;
 
 /// The renderer's set of dimensions that chooses rays of the second phase. No path is that long.
 pub(crate) const CHOICE_SET: u32 = 1 << 24;
@@ -348,7 +344,7 @@ impl<'a> AdaptiveSampler<'a> {
                 (ray.ray, 1.0, self.counted_on_film(&ray))
             }
             None if matches!(self.images_apart, ImagesApart::No) => {
-                let (ray, weight) = self.images.ray((renderer.plan(), rays), (pixel, AIMED), u)?;
+                let (ray, weight) = self.images.ray((renderer.plan(), rays), (pixel, RayPurpose::AllLight), u)?;
                 (ray, weight, CountedLight::All)
             }
             None => {

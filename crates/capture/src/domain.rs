@@ -49,6 +49,12 @@ impl Domain {
         rays.ray_through(pixel, on_pixel.into(), on_pinhole.into())
     }
 
+    /// A fixed point uniform by area.
+    pub(crate) fn uniform_fixed(self, u: [f64; 2]) -> DVec2 {
+        let of_other = if self == Domain::Square { Domain::Disk } else { Domain::Square };
+        of_other.uniform(u)
+    }
+
     /// A point uniform by area.
     pub(crate) fn uniform(self, u: [f64; 2]) -> DVec2 {
         match self {

@@ -10,6 +10,7 @@
 
 use crate::adaptive::{AdaptiveSampler, MAX_PASSES};
 use crate::checkpoint::AdaptiveState;
+use crate::mirrored_lights::RayPurpose;
 use crate::pixel_errors::{Estimate, NoisePooling, pooled_errors};
 use crate::radiance::radiance;
 use crate::sums::{Pixel, Sums};
@@ -23,10 +24,6 @@ use std::ops::Range;
 
 /// Fraction of the squared error that is kept for the light of images. Their rays are cheap.
 pub(crate) const IMAGE_FRACTION: f64 = 0.15;
-
-/// Fraction of the rays that is aimed at images in curved mirrors, in pixels that also see images in
-/// plane mirrors. Fractions of powers of two divide the low-discrepancy sequence exactly.
-const AIMED_BESIDE_PLANE: f64 = 0.875;
 
 /// Ray numbers of images begin at this pixel, so that their samples are independent of others.
 const FIRST_PIXEL: u64 = 1 << 40;
@@ -155,11 +152,11 @@ impl<'a> PixelSource for ImageSource<'_, 'a> {
         let Exposer { renderer, rays, weights, .. } = *self.sampler.exposer;
         let pixel = self.pixels[pixel];
         let number = pixel as u64;
-        let aimed = if self.sampler.images.sees_plane(pixel) { AIMED_BESIDE_PLANE } else { 1.0 };
+        let purpose = RayPurpose::ImagesApart;
         let light = |sample: u32| {
             let index = ray_number(FIRST_PIXEL + number, sample);
             let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
-            let (ray, weight) = self.sampler.images.ray((renderer.plan(), rays), (pixel, aimed), u)?;
+            let (ray, weight) = self.sampler.images.ray((renderer.plan(), rays), (pixel, purpose), u)?;
             Some(weight * ray.cos4 * radiance(worker, index, (rays, number), &ray, weights))
         };
         Sums { whole: samples.filter_map(light).sum(), ..Sums::default() }

@@ -32,6 +32,16 @@ const CONVERGED: f64 = 0.02;
 /// light.
 const MAX_MISS: f64 = 1.5;
 
+/// Fraction of the rays of a pixel that is aimed at images in curved mirrors, where they show all
+/// light.
+const AIMED: f64 = 0.5;
+
+/// The same where they show the light of images alone, in pixels that also see images in plane mirrors, and
+/// in pixels of which images fill more than aimed rays would hit. Fractions of powers of two divide the
+/// low-discrepancy sequence exactly.
+const AIMED_BESIDE_PLANE: f64 = 0.875;
+const AIMED_AT_WIDE: f64 = 0.125;
+
 /// Points farther out than this, in radii of the pinhole or in pixels, belong to other pixels.
 const MAX_COORDINATE: f64 = 3.0;
 
@@ -41,11 +51,28 @@ pub(crate) struct PixelImages {
     domain: Domain,
     /// The images in curved mirrors.
     curved: Vec<CurvedImage>,
-    /// Of each pixel; empty if no pixel sees any.
-    images: Vec<Vec<PixelImage>>,
+    /// Those of each pixel; empty if no pixel sees any.
+    of_pixels: Vec<PixelCurvedImages>,
     /// The lights that plane mirrors may show, and their images.
     in_plane_mirrors: Vec<MirroredLight>,
     plane: PlaneImages,
+}
+
+/// How the rays of a pixel are distributed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RayPurpose {
+    /// They show all light.
+    AllLight,
+    /// They show the light of images alone, where rays are aimed at them. Others show it elsewhere.
+    ImagesApart,
+}
+
+/// The images in curved mirrors that one pixel sees.
+#[derive(Clone, Debug, Default)]
+struct PixelCurvedImages {
+    images: Vec<PixelImage>,
+    /// Fraction of the rays that is aimed at them, where they show the light of images alone.
+    aimed: f64,
 }
 
 /// The image of a light in a pixel.
@@ -64,7 +91,7 @@ struct PixelImage {
 impl PixelImages {
     /// Whether no pixel sees an image.
     pub(crate) fn is_empty(&self) -> bool {
-        self.images.is_empty() && self.plane.is_empty()
+        self.of_pixels.is_empty() && self.plane.is_empty()
     }
 
     /// The images in curved mirrors; `None` if there are others.
@@ -74,7 +101,7 @@ impl PixelImages {
 
     /// Whether a pixel sees an image.
     pub(crate) fn sees_any(&self, pixel: usize) -> bool {
-        self.images.get(pixel).is_some_and(|images| !images.is_empty()) || self.plane.sees_any(pixel)
+        !self.curved_of(pixel).is_empty() || self.plane.sees_any(pixel)
     }
 
     /// The ray that passes through a pixel and the pinhole.
@@ -86,8 +113,12 @@ impl PixelImages {
     /// Whether rays are aimed where a ray passes. With plane mirrors they are aimed everywhere.
     pub(crate) fn are_aimed_at(&self, passage: &PixelPassage) -> bool {
         let is_aimed_at = |image: &PixelImage| self.density(image, passage.on_pixel, passage.on_pinhole) > 0.0;
-        let curved = || self.images.get(passage.pixel).is_some_and(|images| images.iter().any(is_aimed_at));
-        self.plane.sees_any(passage.pixel) || curved()
+        self.plane.sees_any(passage.pixel) || self.curved_of(passage.pixel).iter().any(is_aimed_at)
+    }
+
+    /// The images in curved mirrors that a pixel sees.
+    fn curved_of(&self, pixel: usize) -> &[PixelImage] {
+        self.of_pixels.get(pixel).map_or(&[], |of_pixel| &of_pixel.images)
     }
 
     /// The pdf of the samples of an image, relative to uniform sampling.
@@ -98,7 +129,7 @@ impl PixelImages {
     }
 
     /// Whether a pixel sees an image in a plane mirror.
-    pub(crate) fn sees_plane(&self, pixel: usize) -> bool {
+    fn sees_plane(&self, pixel: usize) -> bool {
         self.plane.sees_any(pixel)
     }
 
@@ -108,7 +139,7 @@ impl PixelImages {
         let none = PixelImages {
             domain,
             curved: Vec::new(),
-            images: Vec::new(),
+            of_pixels: Vec::new(),
             in_plane_mirrors: Vec::new(),
             plane: PlaneImages::default(),
         };
@@ -132,33 +163,33 @@ impl PixelImages {
         let blocks = PixelBlocks::new(rays, may_see_any);
         let of_pixel = |worker: &mut RayWorker<'_>, pixel: usize| {
             if !blocks.may_see_any(pixel) {
-                return (Vec::new(), None);
+                return (PixelCurvedImages::default(), None);
             }
             let pixel = pixel as u64;
-            let Some(cone) = PixelCone::new(rays, pixel) else { return (Vec::new(), None) };
+            let Some(cone) = PixelCone::new(rays, pixel) else { return (PixelCurvedImages::default(), None) };
             let search = &mut Search { worker, rays, pixel, domain };
-            let images = search.curved_images(&cone, &curved);
+            let images = PixelCurvedImages::new(search.curved_images(&cone, &curved), &curved);
             let seen = in_plane_mirrors.iter().enumerate().filter(|(_, image)| cone.meets_plane(image));
             let plane = seen.filter_map(|image| search.plane_image(renderer.plan(), image));
             (images, PlaneStrata::new(plane, domain).map(Box::new))
         };
-        let (images, plane): (Vec<_>, Vec<_>) = (0..camera.pixel_count() as usize)
+        let (of_pixels, plane): (Vec<_>, Vec<_>) = (0..camera.pixel_count() as usize)
             .into_par_iter()
             .with_min_len(64)
             .map_init(|| renderer.worker(), of_pixel)
             .unzip();
-        let images = if images.iter().all(Vec::is_empty) { Vec::new() } else { images };
-        PixelImages { domain, curved, images, in_plane_mirrors, plane: PlaneImages::new(plane) }
+        let is_empty = of_pixels.iter().all(|of_pixel: &PixelCurvedImages| of_pixel.images.is_empty());
+        let of_pixels = if is_empty { Vec::new() } else { of_pixels };
+        PixelImages { domain, curved, of_pixels, in_plane_mirrors, plane: PlaneImages::new(plane) }
     }
 
-    /// The ray of a pixel for a point of the unit cube, and its weight. `aimed` is the fraction of
-    /// rays that is aimed at images in curved mirrors. `None` where it would miss
+    /// The ray of a pixel for a point of the unit cube, and its weight. `None` where it would miss
     /// the pinhole or the pixel, or its light belongs to another stratum.
     #[inline]
     pub(crate) fn ray(
         &self,
         (plan, rays): (&RenderPlan, &Rays),
-        (pixel, aimed): (usize, f64),
+        (pixel, purpose): (usize, RayPurpose),
         u: [f64; 4],
     ) -> Option<(CameraRay, f64)> {
         if !self.sees_any(pixel) {
@@ -166,8 +197,14 @@ impl PixelImages {
         }
         let is_point = self.domain == Domain::Square;
         let [fixed, drawn] = if is_point { [[u[2], u[3]], [u[0], u[1]]] } else { [[u[0], u[1]], [u[2], u[3]]] };
-        let curved = self.images.get(pixel).map_or(&[][..], Vec::as_slice);
-        let mixed = |drawn| self.mixed_point((curved, aimed), fixed, drawn);
+        let curved = self.curved_of(pixel);
+        let (aimed, is_apart) = match purpose {
+            RayPurpose::AllLight => (AIMED, false),
+            // With plane mirrors rays are aimed everywhere.
+            RayPurpose::ImagesApart if self.sees_plane(pixel) => (AIMED_BESIDE_PLANE, false),
+            RayPurpose::ImagesApart => (self.of_pixels[pixel].aimed, true),
+        };
+        let mixed = |drawn| self.mixed_point(curved, (aimed, is_apart), fixed, drawn);
         let ray = |fixed, at| self.domain.ray(rays, pixel as u64, fixed, at);
         let hits = |fixed, at, light: usize| {
             let ray = ray(fixed, at).and_then(|ray| Ray::new(ray.origin, ray.direction));
@@ -181,10 +218,12 @@ impl PixelImages {
     }
 
     /// A point of the pinhole, or of the pixel for a point pinhole, and its fixed point, with their
-    /// weight. `None` where the aimed one of them misses the pinhole or the pixel.
+    /// weight. `aimed` is the fraction of points that is aimed at the images; if they are exposed apart, there
+    /// are no points elsewhere. `None` where the aimed one of them misses the pinhole or the pixel.
     fn mixed_point(
         &self,
-        (images, aimed): (&[PixelImage], f64),
+        images: &[PixelImage],
+        (aimed, is_apart): (f64, bool),
         uniform: [f64; 2],
         drawn: [f64; 2],
     ) -> Option<WeightedPoint> {
@@ -206,11 +245,63 @@ impl PixelImages {
             self.domain.fixed_and_drawn(fixed, at)
         };
         let density = images.iter().map(|image| self.density(image, on_pixel, on_pinhole)).sum::<f64>();
+        if is_apart && density <= 0.0 {
+            return None;
+        }
         let pdf = 1.0 - aimed + aimed * density;
         let (fixed, at) = self.domain.fixed_and_drawn(on_pixel, on_pinhole);
         // By rounding a point may lie outside of the image that it was drawn from.
         (pdf > 0.0).then(|| WeightedPoint { fixed, at, weight: pdf.recip() })
     }
+}
+
+impl PixelCurvedImages {
+    /// Points of pixel and pinhole that tell how well rays can be aimed.
+    const POINTS: u32 = 64;
+
+    /// Of images with their light instead of probabilities. Those whose rays hardly pass the pixel get few.
+    fn new(mut images: Vec<PixelImage>, curved: &[CurvedImage]) -> PixelCurvedImages {
+        if images.is_empty() {
+            return PixelCurvedImages::default();
+        }
+        let share = |is_counted: &dyn Fn([f64; 4]) -> bool| {
+            (0..PixelCurvedImages::POINTS).filter(|index| is_counted(even_point(*index))).count() as f64
+                / f64::from(PixelCurvedImages::POINTS)
+        };
+        // The fraction of the rays aimed at each image that pass.
+        let passing: Vec<f64> = images
+            .iter()
+            .map(|image| {
+                let passes = |[a, b, c, d]: [f64; 4]| {
+                    let (fixed, place) =
+                        (image.domain.uniform_fixed([a, b]), curved[image.image].footprint.sample([c, d]));
+                    image.domain.contains(image.ellipse.point(fixed, place))
+                };
+                share(&passes)
+            })
+            .collect();
+        for (image, passing) in images.iter_mut().zip(&passing) {
+            image.probability *= passing.max(f64::from(PixelCurvedImages::POINTS).recip());
+        }
+        let total: f64 = images.iter().map(|image| image.probability).sum();
+        images.iter_mut().for_each(|image| image.probability /= total);
+        let passing: f64 = images.iter().zip(&passing).map(|(image, passing)| image.probability * passing).sum();
+        // The fraction of uniform rays that show an image.
+        let shows = |image: &PixelImage, [a, b, c, d]: [f64; 4]| {
+            let (fixed, at) = image.domain.fixed_and_drawn(DVec2::new(a, b), Domain::Disk.uniform([c, d]));
+            curved[image.image].footprint.in_cells(image.ellipse.offset(fixed, at)) > 0.0
+        };
+        let showing = share(&|u| images.iter().any(|image| shows(image, u)));
+        let aimed = if passing >= showing { 1.0 } else { AIMED_AT_WIDE };
+        PixelCurvedImages { images, aimed }
+    }
+}
+
+/// Evenly distributed points of the unit cube of four dimensions (the R4 sequence of M. Roberts).
+fn even_point(index: u32) -> [f64; 4] {
+    const STEPS: [f64; 4] =
+        [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_037_808_7, 0.538_597_257_223_610_1];
+    STEPS.map(|step| (0.5 + step * f64::from(index)).fract())
 }
 
 /// A cone around all rays of a plain pinhole camera.
@@ -394,17 +485,14 @@ impl Search<'_, '_> {
         best.filter(|(miss, _)| *miss <= MAX_MISS).map(|(_, ellipse)| ellipse)
     }
 
-    /// The images in curved mirrors that the pixel sees.
+    /// The images in curved mirrors that the pixel sees, with their light instead of probabilities.
     fn curved_images(&self, cone: &PixelCone, images: &[CurvedImage]) -> Vec<PixelImage> {
         let seen = |(image, curved): (usize, &CurvedImage)| {
             let is_near = cone.meets(curved.direction(), curved.reach());
             let (domain, ellipse) = is_near.then(|| self.curved_image(curved))??;
             Some(PixelImage { image, domain, ellipse, probability: curved.light() })
         };
-        let mut seen: Vec<PixelImage> = images.iter().enumerate().filter_map(seen).collect();
-        let total: f64 = seen.iter().map(|image| image.probability).sum();
-        seen.iter_mut().for_each(|image| image.probability /= total);
-        seen
+        images.iter().enumerate().filter_map(seen).collect()
     }
 
     /// Where the light of an image in curved mirrors is seen; `None` if the pixel does not see it.
