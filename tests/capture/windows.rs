@@ -100,7 +100,7 @@ fn a_window_before_a_lens_shows_the_leds() {
     let camera = "[camera]\nposition_m = [0, 0, 0.48]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\npixels = [32, 28]\n\
         pixel_pitch_um = [27.5, 32]\nlens_focal_length_mm = 6.75\nf_number = 4\nfocus_distance_m = 0.48\n\
         exposure_ms = 10\nwavelength_nm = 650\n\
-        [rig]\nleds = 12\nring_diameter_mm = 25.4\nled_diameter_mm = 5\nled_intensity_w_per_sr = 0.055\n";
+        [rig]\nleds = 12\nring_diameter_mm = 25.4\nled_diameter_mm = 5\nled_intensity_w_per_sr = 0.055\nled_cone_deg = 40\n";
     std::fs::write(folder.path("camera.toml"), camera).expect("written");
     let [window, mirror] = ["window.rad", "mirror.rad"]
         .map(|scene| capture(&folder.word("camera.toml"), &[&folder.word(scene)], &["--error", "0.02"]));
