@@ -51,17 +51,28 @@ struct Branch {
     end: SpecularEnd,
 }
 
-impl Branch {
-    fn after(&self, hit: &Intersection, direction: DVec3, event: SpecularEvent) -> Branch {
-        let ray = Ray { origin: hit.point, direction };
-        let end = SpecularEnd { chain: event.appended_to(self.end.chain), ray, ..self.end };
-        Branch { from: Some(hit.primitive), end }
-    }
+/// A part into which a surface divides a ray.
+struct Part {
+    event: SpecularEvent,
+    direction: DVec3,
+    /// Fraction of the radiance.
+    weight: f64,
+    /// How many mirrors the surface counts as.
+    mirrors: usize,
+    is_refracted: bool,
+}
 
-    fn is_followed_by(&self, weight: f64, mirrors: usize, refracts: bool) -> Option<Branch> {
-        let (weight, mirrors) = (self.end.weight * weight, self.end.mirrors + mirrors);
-        let end = SpecularEnd { weight, mirrors, is_refracted: self.end.is_refracted || refracts, ..self.end };
-        (end.weight >= MIN_WEIGHT).then_some(Branch { end, ..*self })
+impl Branch {
+    /// The branch that a part is; `None` if it is too weak to be followed.
+    fn after(&self, hit: &Intersection, part: &Part) -> Option<Branch> {
+        let end = SpecularEnd {
+            chain: part.event.appended_to(self.end.chain),
+            mirrors: self.end.mirrors + part.mirrors,
+            weight: self.end.weight * part.weight,
+            is_refracted: self.end.is_refracted || part.is_refracted,
+            ray: Ray { origin: hit.point, direction: part.direction },
+        };
+        (end.weight >= MIN_WEIGHT).then_some(Branch { from: Some(hit.primitive), end })
     }
 }
 
@@ -110,34 +121,41 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     fn divide(&mut self, branch: &Branch, hit: &Intersection, waiting: &mut Vec<Branch>) -> bool {
         let shader = self.plan.shader_at(hit.shader);
         let ray = &branch.end.ray;
-        let mut is_dielectric = false;
-        // Of each part: its direction, weight and number of mirrors.
-        let (reflected, transmitted) = if let Some(refraction) = self.refraction(ray, hit, shader) {
-            let reflected = Some(refraction.reflected(ray.direction, hit.front));
-            let transmitted = refraction.transmitted.map(|(direction, _)| direction);
-            is_dielectric = true;
-            ((reflected, refraction.reflectance, 2), (transmitted, 1.0 - refraction.reflectance, 2))
+        let reflected = |direction: DVec3, weight: f64, mirrors: usize| {
+            Some(Part { event: SpecularEvent::Reflected, direction, weight, mirrors, is_refracted: false })
+        };
+        let parts = if let Some(refraction) = self.refraction(ray, hit, shader) {
+            let refracted = |(direction, _)| Part {
+                event: SpecularEvent::Transmitted,
+                direction,
+                weight: 1.0 - refraction.reflectance,
+                mirrors: 2,
+                is_refracted: true,
+            };
+            let direction = refraction.reflected(ray.direction, hit.front);
+            [reflected(direction, refraction.reflectance, 2), refraction.transmitted.map(refracted)]
         } else {
             let mut towards = |event| self.specular_direction(ray, hit, shader, event);
-            let reflected = towards(SpecularEvent::Reflected);
+            let mirrored = towards(SpecularEvent::Reflected);
             if let Kind::Glass { refractive_index, .. } = &shader.kind {
-                let [[reflectance], _] = pane([1.0], *refractive_index, ray.direction.dot(hit.front).abs());
                 let transmitted = towards(SpecularEvent::Transmitted);
+                let [[reflectance], _] = pane([1.0], *refractive_index, ray.direction.dot(hit.front).abs());
                 let mirrors = if self.shows_one_image(hit, shader) { 1 } else { 2 };
-                ((reflected, reflectance, mirrors), (transmitted, 1.0 - reflectance, 0))
-            } else if reflected.is_some() {
-                ((reflected, 1.0, 1), (None, 0.0, 0))
+                let passed = |direction| Part {
+                    event: SpecularEvent::Transmitted,
+                    direction,
+                    weight: 1.0 - reflectance,
+                    mirrors: 0,
+                    is_refracted: false,
+                };
+                [mirrored.and_then(|direction| reflected(direction, reflectance, mirrors)), transmitted.map(passed)]
+            } else if let Some(direction) = mirrored {
+                [reflected(direction, 1.0, 1), None]
             } else {
                 return false;
             }
         };
-        for (event, (direction, weight, mirrors)) in
-            [(SpecularEvent::Reflected, reflected), (SpecularEvent::Transmitted, transmitted)]
-        {
-            let next = direction.map(|direction| branch.after(hit, direction, event));
-            let refracts = is_dielectric && event == SpecularEvent::Transmitted;
-            waiting.extend(next.and_then(|next| next.is_followed_by(weight, mirrors, refracts)));
-        }
+        waiting.extend(parts.iter().flatten().filter_map(|part| branch.after(hit, part)));
         true
     }
 }
