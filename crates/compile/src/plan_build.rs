@@ -78,7 +78,7 @@ impl RenderPlan {
             Visibility::everything()
         };
         let reflectors = find_reflectors(&scene, &geometry, &shaders, shader);
-        let flat_reflectors = find_flat_reflectors(&scene, &geometry, shader, lights.len());
+        let flat_reflectors = find_flat_reflectors(&scene, &geometry, &shaders, shader, lights.len());
         let mist_lights = MistLights::new(&scene, &lights, &mut shaders).map_err(|error| vec![error])?;
         let excluded = excluded(&scene, &shaders, &options.ambient_surfaces);
         let mut plan = RenderPlan {

@@ -93,27 +93,27 @@ impl FlatReflector {
 pub struct FlatReflectors {
     /// Without those in instances; empty if there are too many for a search.
     pub surfaces: Vec<FlatReflector>,
-    /// Whether all panes of the scene are among them.
+    /// Whether all panes of the scene are among them, and plain.
     pub hold_all_panes: bool,
-}
-
-impl FlatReflectors {
-    fn new() -> FlatReflectors {
-        FlatReflectors { surfaces: Vec::new(), hold_all_panes: true }
-    }
 }
 
 /// Finds the flat specular surfaces.
 pub(crate) fn find_flat_reflectors<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
+    shaders: &[Shader],
     shader: impl Fn(SurfaceHandle) -> &'a Shader,
     lights: usize,
 ) -> FlatReflectors {
-    let mut found = FlatReflectors::new();
+    let is_specular = |kind: &Kind, shape| matches!(kind, Kind::Glass { .. }) || mirrors(kind, shape);
+    let mut found = FlatReflectors { surfaces: Vec::new(), hold_all_panes: true };
+    if !shaders.iter().any(|shader| is_specular(&shader.kind, None)) {
+        return found;
+    }
     for (_, handle) in geometry.listed_members() {
-        let (shape, kind) = (scene.surfaces[handle].shape, &shader(handle).kind);
-        let is_pane = matches!(kind, Kind::Glass { .. });
+        let (shape, shader) = (scene.surfaces[handle].shape, shader(handle));
+        let is_pane = matches!(shader.kind, Kind::Glass { .. });
+        found.hold_all_panes &= !is_pane || shader.is_plain_pane();
         let point = match shape {
             Shape::Polygon { start, .. } => scene.polygon_vertices(start, 1)[0],
             Shape::Ring(ring) => scene.rings[ring].center,
@@ -123,9 +123,8 @@ pub(crate) fn find_flat_reflectors<'a>(
                 continue;
             }
         };
-        let Some(normal) = flat_normal(scene, shape).filter(|_| is_pane || mirrors(kind, Some(shape))) else {
-            continue;
-        };
+        let is_found = is_specular(&shader.kind, Some(shape));
+        let Some(normal) = flat_normal(scene, shape).filter(|_| is_found) else { continue };
         if found.surfaces.len() == MOST_FLAT || (found.surfaces.len() + 1) * lights > MOST_FLAT_PAIRS {
             return FlatReflectors::default();
         }
