@@ -57,17 +57,35 @@ fn times(image: &Image<f32>, factor: f64) -> Image<f32> {
     Image::new(image.width(), image.height(), 1, values).expect("a picture")
 }
 
-/// The light of LEDs passes it twice, and what it reflects is seen elsewhere. Pixels share rays as without it.
-#[test]
-fn a_tilted_window_dims_the_sheet() {
-    let (folder, sheet) = (Folder::new(), gripps("sheet-retro.rad"));
-    let (camera, tilt) = ("part-fine.toml", 15_f64.to_radians());
+/// Captures of a window across the view, and of a mirror in its place with the same reflectance.
+fn captured_window_and_mirror(camera: &str, error: &str) -> [Captured; 2] {
+    let folder = Folder::new();
+    let [reflected, _] = pane(0.0);
+    let mirror = window(&format!("mirror m\n0\n0\n3 {reflected} {reflected} {reflected}\n"), 0.0);
+    [("window.rad", glass(0.0)), ("mirror.rad", mirror)].map(|(name, scene)| {
+        std::fs::write(folder.path(name), scene).expect("written");
+        capture(camera, &[&folder.word(name)], &["--error", error])
+    })
+}
+
+/// Captures of scenes behind a window tilted by 15 degrees, which shows no LED, and without it; and how the
+/// former differs from the latter times the squared transmittance.
+fn captured_behind_tilted_window(scenes: &[&str]) -> ([Captured; 2], Difference) {
+    let (folder, tilt) = (Folder::new(), 15_f64.to_radians());
     std::fs::write(folder.path("window.rad"), glass(tilt)).expect("written");
-    let without = capture(camera, &[&sheet], &["--error", "0.005"]);
-    let with = capture(camera, &[&sheet, &folder.word("window.rad")], &["--error", "0.005"]);
+    let (camera, error, window) = ("part-fine.toml", ["--error", "0.005"], folder.word("window.rad"));
+    let with = capture(camera, &[scenes, &[window.as_str()]].concat(), &error);
+    let without = capture(camera, scenes, &error);
     let [_, transmitted] = pane(tilt);
     let difference = Difference::new(&with.exposure, &times(&without.exposure, transmitted * transmitted));
     println!("{difference:?}, {} and {} rays", without.rays, with.rays);
+    ([with, without], difference)
+}
+
+/// The light of LEDs passes it twice, and what it reflects is seen elsewhere. Pixels share rays as without it.
+#[test]
+fn a_tilted_window_dims_the_sheet() {
+    let ([with, without], difference) = captured_behind_tilted_window(&[&gripps("sheet-retro.rad")]);
     assert!(difference.rms < 0.007 && difference.mean.abs() < 0.002, "{difference:?}");
     assert!(with.rays < 4.0 * without.rays, "{} and {} rays", without.rays, with.rays);
 }
@@ -75,13 +93,7 @@ fn a_tilted_window_dims_the_sheet() {
 /// As a mirror of the same reflectance does, whose images of LEDs are known as virtual sources.
 #[test]
 fn a_window_across_the_view_shows_the_leds() {
-    let folder = Folder::new();
-    let [reflected, _] = pane(0.0);
-    std::fs::write(folder.path("window.rad"), glass(0.0)).expect("written");
-    let mirror = window(&format!("mirror m\n0\n0\n3 {reflected} {reflected} {reflected}\n"), 0.0);
-    std::fs::write(folder.path("mirror.rad"), mirror).expect("written");
-    let [window, mirror] = ["window.rad", "mirror.rad"]
-        .map(|scene| capture("centre-fine.toml", &[&folder.word(scene)], &["--error", "0.005"]));
+    let [window, mirror] = captured_window_and_mirror("centre-fine.toml", "0.005");
     let difference = Difference::new(&window.exposure, &mirror.exposure);
     println!("{difference:?}, {} rays", window.rays);
     assert!(difference.rms < 0.012 && difference.mean.abs() < 0.003, "{difference:?}");
@@ -93,17 +105,12 @@ fn a_window_across_the_view_shows_the_leds() {
 #[test]
 fn a_window_before_a_lens_shows_the_leds() {
     let folder = Folder::new();
-    let [reflected, _] = pane(0.0);
-    std::fs::write(folder.path("window.rad"), glass(0.0)).expect("written");
-    let mirror = window(&format!("mirror m\n0\n0\n3 {reflected} {reflected} {reflected}\n"), 0.0);
-    std::fs::write(folder.path("mirror.rad"), mirror).expect("written");
     let camera = "[camera]\nposition_m = [0, 0, 0.48]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\npixels = [32, 28]\n\
         pixel_pitch_um = [27.5, 32]\nlens_focal_length_mm = 6.75\nf_number = 4\nfocus_distance_m = 0.48\n\
         exposure_ms = 10\nwavelength_nm = 650\n\
         [rig]\nleds = 12\nring_diameter_mm = 25.4\nled_diameter_mm = 5\nled_intensity_w_per_sr = 0.055\nled_cone_deg = 40\n";
     std::fs::write(folder.path("camera.toml"), camera).expect("written");
-    let [window, mirror] = ["window.rad", "mirror.rad"]
-        .map(|scene| capture(&folder.word("camera.toml"), &[&folder.word(scene)], &["--error", "0.02"]));
+    let [window, mirror] = captured_window_and_mirror(&folder.word("camera.toml"), "0.02");
     let difference = Difference::new(&window.exposure, &mirror.exposure);
     println!("{difference:?}, {} and {} rays", window.rays, mirror.rays);
     assert!(difference.rms < 0.03 && difference.mean.abs() < 0.005, "{difference:?}");
@@ -134,13 +141,7 @@ fn two_windows_show_the_leds_twice() {
 /// A part behind a window: no ray of the polished ball's images of LEDs is lost, and none counts twice.
 #[test]
 fn a_part_behind_a_window_keeps_its_images() {
-    let (folder, sheet, ball) = (Folder::new(), gripps("sheet-retro.rad"), gripps("part-ball.rad"));
-    let (camera, tilt) = ("part-fine.toml", 15_f64.to_radians());
-    std::fs::write(folder.path("window.rad"), glass(tilt)).expect("written");
-    let without = capture(camera, &[&sheet, &ball], &["--error", "0.005"]);
-    let with = capture(camera, &[&sheet, &ball, &folder.word("window.rad")], &["--error", "0.005"]);
-    let [_, transmitted] = pane(tilt);
-    let difference = Difference::new(&with.exposure, &times(&without.exposure, transmitted * transmitted));
-    println!("{difference:?}, {} and {} rays", without.rays, with.rays);
+    let scenes = [gripps("sheet-retro.rad"), gripps("part-ball.rad")];
+    let (_, difference) = captured_behind_tilted_window(&scenes.each_ref().map(String::as_str));
     assert!(difference.rms < 0.012 && difference.mean.abs() < 0.004, "{difference:?}");
 }

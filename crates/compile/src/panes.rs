@@ -6,6 +6,7 @@
 use crate::plan::RenderPlan;
 use crate::shader::{Kind, Shader};
 use radsight_accel::{Intersection, MemberId, PrimitiveId, Ray};
+use radsight_texture::reflect;
 
 /// Maximum number of panes that a ray passes.
 const MOST: u32 = 16;
@@ -73,8 +74,7 @@ impl RenderPlan {
 
     /// Whether a pane that reflects a ray at an intersection shows nothing in it, or through other panes.
     pub(crate) fn reflects_nothing(&self, ray: &Ray, hit: &Intersection) -> bool {
-        let direction = ray.direction - 2.0 * ray.direction.dot(hit.front) * hit.front;
-        let reflected = Ray { origin: hit.point, direction };
+        let reflected = Ray { origin: hit.point, direction: reflect(ray.direction, hit.front) };
         let behind = self.behind_panes_from(reflected, Some(hit.primitive), &mut |_, _| true);
         behind.is_some_and(|behind| behind.hit.is_none())
     }

@@ -5,6 +5,7 @@ use glam::DVec3;
 use radsight_accel::{Bounds, Geometry, MemberId, Ray, RayFrame, flat_normal, is_flat};
 use radsight_bsdf::Scatterer;
 use radsight_ir::{Shape, SurfaceHandle, ValidScene};
+use radsight_texture::reflect;
 
 /// Tangent of the angle from the retroreflection direction within which mirrors are searched. It
 /// covers lamps at four times a camera's distance from its light ring.
@@ -78,13 +79,13 @@ impl FlatReflector {
     /// The mirror image of a point.
     #[must_use]
     pub fn image_of_point(&self, point: DVec3) -> DVec3 {
-        point - 2.0 * (point - self.point).dot(self.normal) * self.normal
+        self.point + self.image_of_direction(point - self.point)
     }
 
     /// The mirror image of a direction.
     #[must_use]
     pub fn image_of_direction(&self, direction: DVec3) -> DVec3 {
-        direction - 2.0 * direction.dot(self.normal) * self.normal
+        reflect(direction, self.normal)
     }
 }
 
