@@ -107,6 +107,34 @@ fn the_edge_of_a_card_is_blurred_by_the_pinhole() {
     }
 }
 
+/// Almost no ray of a pixel meets a strip that is a fiftieth of its width.
+#[test]
+fn a_narrow_strip_takes_few_rays() {
+    let (setup, width) = (Setup::new([12, 3], 27.0), 4e-5);
+    let scene = format!(
+        "void glow white 0 0 4 1 1 1 0 white polygon card_strip 0 0 12
+         {0} -.1 0  {1} -.1 0  {1} .1 0  {0} .1 0
+         void glow black 0 0 4 0 0 0 0
+         black polygon card_left 0 0 12  -.1 -.1 0  {0} -.1 0  {0} .1 0  -.1 .1 0
+         black polygon card_right 0 0 12  {1} -.1 0  .1 -.1 0  .1 .1 0  {1} .1 0",
+        CARD_LEFT - 0.5 * width,
+        CARD_LEFT + 0.5 * width
+    );
+    let found = derivative(&setup.capture(), &scene, "card_*.x", 0.005);
+    assert!(found.relative_error <= 0.005 && found.rays < 3_000_000, "{found:?}");
+    let radius = 0.5e-4 * (1.0 + 0.5 / 6.75e-3);
+    let chord = |distance: f64| 2.0 * (radius * radius - distance * distance).max(0.0).sqrt() / (PI * radius * radius);
+    let largest = exposure_per_radiance(&setup) * width * chord(0.0) / setup.on_plane();
+    for (pixel, value) in found.values.iter().enumerate() {
+        let [left, right] = [-6.0, -5.0].map(|side| ((pixel % 12) as f64 + side) * setup.on_plane());
+        // The mean chord over the pixel changes by what enters and leaves at its sides.
+        let change = (chord(CARD_LEFT - left) - chord(CARD_LEFT - right)) / setup.on_plane();
+        let expected = exposure_per_radiance(&setup) * width * change;
+        let tolerance = 4.0 * found.standard_errors[pixel] + 4e-3 * largest;
+        assert!((value - expected).abs() <= tolerance, "pixel {pixel}: {value} instead of {expected}");
+    }
+}
+
 #[test]
 fn light_of_a_moved_disk_is_neither_lost_nor_gained() {
     let scene = "void glow white 0 0 4 1 1 1 0 white ring disk 0 0 8 .001 .002 0 0 0 1 0 .008";

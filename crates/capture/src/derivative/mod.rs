@@ -16,10 +16,14 @@
 //! samples on the pixel where the outline is sharp, and on the pinhole where it is blurred over many
 //! pixels.
 //!
+//! Pixels behind a finite pinhole share the samples of a film, which then need no boundary terms
+//! ([`film`]).
+//!
 //! Independent randomisations of the sample sequence give the standard error. The error of the finite
 //! step follows from steps of h and 2h: a central difference errs by c·h², a third of their
 //! difference.
 
+mod film;
 mod flow;
 mod outline;
 mod pixel_derivative;

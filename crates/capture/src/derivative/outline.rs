@@ -4,6 +4,7 @@ use super::ParameterStep;
 use crate::neighbourhood::around;
 use crate::{Progress, Workers};
 use glam::DVec3;
+use radsight_pinhole::CameraRay;
 use radsight_render::Ray;
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
@@ -93,32 +94,53 @@ impl Seen {
     }
 }
 
-/// For each pixel a point of a moving outline that it may see. `None` for all if the work was
-/// stopped.
-pub(super) fn outlines(step: &ParameterStep<'_>, progress: &dyn Progress) -> Vec<Option<DVec3>> {
-    let camera = step.center.rays.camera();
-    let pixels = camera.pixel_count();
+/// The rays of a grid of pixels.
+pub(super) struct PixelRays<'a> {
+    /// Columns and rows.
+    pub(super) size: [usize; 2],
+    /// Of a pixel, for a point of the unit cube.
+    pub(super) ray: &'a (dyn Fn(u64, [f64; 4]) -> Option<CameraRay> + Sync),
+}
+
+/// What moves, as a pixel sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SeenPart {
+    /// The point of it nearest to the camera that the pixel or its neighbours see.
+    pub(super) point: DVec3,
+    /// Whether they may see an outline, too.
+    pub(super) has_outline: bool,
+}
+
+/// For each pixel what moves there, if anything does. `None` for all if the work was stopped.
+pub(super) fn seen_parts(
+    step: &ParameterStep<'_>,
+    pixels: &PixelRays<'_>,
+    progress: &dyn Progress,
+) -> Vec<Option<SeenPart>> {
+    let [columns, rows] = pixels.size;
     if *step.motion == Motion::Still {
-        return vec![None; pixels as usize];
+        return vec![None; columns * rows];
     }
-    let seen: Vec<Seen> = (0..pixels as usize)
+    let seen: Vec<Seen> = (0..columns * rows)
         .into_par_iter()
         .with_min_len(32)
         .map_init(
             || step.center.workers(),
-            |workers, pixel| if progress.stops() { Seen::default() } else { seen(step, workers, pixel as u64) },
+            |workers, pixel| {
+                if progress.stops() { Seen::default() } else { seen(step, workers, (pixels, pixel as u64)) }
+            },
         )
         .collect();
-    with_neighbours(&seen, camera.columns() as usize)
+    with_neighbours(&seen, columns)
 }
 
-fn seen(step: &ParameterStep<'_>, workers: &mut Workers<'_>, pixel: u64) -> Seen {
+fn seen(step: &ParameterStep<'_>, workers: &mut Workers<'_>, (pixels, pixel): (&PixelRays<'_>, u64)) -> Seen {
     let rays = step.center.rays;
     let mut seen = Seen::default();
     for sample in 0..RAYS_PER_PIXEL {
-        let index = step.index(0, pixel, sample);
-        let ray = rays.ray(pixel, RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA));
-        let Some(ray) = Ray::new(ray.origin, ray.direction) else { continue };
+        let index = step.index(0, pixel % rays.camera().pixel_count(), sample);
+        let ray = (pixels.ray)(pixel, RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA));
+        let Some(ray) = ray.and_then(|ray| Ray::new(ray.origin, ray.direction)) else { continue };
         let traced = workers.main.trace(index, &ray);
         let Some(hit) = traced.first_hit else {
             seen.add(NOTHING);
@@ -132,11 +154,11 @@ fn seen(step: &ParameterStep<'_>, workers: &mut Workers<'_>, pixel: u64) -> Seen
     seen
 }
 
-fn with_neighbours(seen: &[Seen], columns: usize) -> Vec<Option<DVec3>> {
+fn with_neighbours(seen: &[Seen], columns: usize) -> Vec<Option<SeenPart>> {
     let size = [columns, seen.len() / columns.max(1)];
     let of_pixel = |pixel: usize| {
         let all = around(pixel, size).fold(Seen::default(), |all, near| all.union(&seen[near]));
-        all.nearest.filter(|_| all.is_mixed).map(|(_, point)| point)
+        all.nearest.map(|(_, point)| SeenPart { point, has_outline: all.is_mixed })
     };
     (0..seen.len()).map(of_pixel).collect()
 }

@@ -3,6 +3,7 @@
 //! The derivative is a sum of three terms ([`Term`]), each sampled for itself: a part's wall may be
 //! seen by one ray in thirty and have all of the noise.
 
+use super::film::PASS_SEQUENCES;
 use super::flow::Flow;
 use super::place::{Border, DrawBorder, Place, on_rim, on_sides, ray, uniform};
 use super::{Motion, ParameterStep, RANDOMISATIONS};
@@ -48,13 +49,23 @@ pub(super) struct TermSums {
 const PLACES_PER_SAMPLE: u32 = 4;
 
 /// Sequences of each pixel: outlines, and for each randomisation one of each term.
-const SEQUENCES: u64 = 1 + (Term::ALL.len() as u64) * RANDOMISATIONS as u64;
+const PIXEL_SEQUENCES: u64 = 1 + (Term::ALL.len() as u64) * RANDOMISATIONS as u64;
+
+/// The same with those of passes over a film.
+const SEQUENCES: u64 = PIXEL_SEQUENCES + PASS_SEQUENCES;
 
 /// The workers of one thread.
 pub(super) struct StepWorkers<'a> {
     center: Workers<'a>,
     below: Workers<'a>,
     above: Workers<'a>,
+}
+
+impl<'a> StepWorkers<'a> {
+    /// Those below and above the parameter's value.
+    pub(super) fn sides(&mut self) -> [&mut Workers<'a>; 2] {
+        [&mut self.below, &mut self.above]
+    }
 }
 
 impl ParameterStep<'_> {
@@ -67,6 +78,11 @@ impl ParameterStep<'_> {
         let cells = self.center.rays.camera().pixel_count();
         let block = (u64::from(self.stream) * SEQUENCES + sequence) * cells + pixel;
         ray_number(block, sample)
+    }
+
+    /// The same for a sequence of the passes over a film.
+    pub(super) fn index_of_pass(&self, sequence: u64, stratum: u64, sample: u32) -> u64 {
+        self.index(PIXEL_SEQUENCES + sequence, stratum, sample)
     }
 
     /// Sums of samples of a term of a pixel.

@@ -1,7 +1,8 @@
 //! Samples pixels until the derivative has its error.
 
+use super::film;
 use super::flow::Flow;
-use super::outline::outlines;
+use super::outline::{PixelRays, SeenPart, seen_parts};
 use super::pixel_derivative::{StepWorkers, Term};
 use super::{DerivativeSamples, ParameterStep, RANDOMISATIONS};
 use crate::Progress;
@@ -28,7 +29,8 @@ pub struct Derivative {
     pub step_error: f64,
     /// Number of rays.
     pub rays: u64,
-    /// Number of pixels whose samples move with an outline.
+    /// Number of pixels whose samples move with an outline; where pixels share rays, of those of the film
+    /// that see a moving part.
     pub outline_pixels: usize,
 }
 
@@ -69,10 +71,10 @@ const MAX_SAMPLES: u32 = 1 << 14;
 const GAIN: f64 = 0.4;
 
 /// Radius of the window over which squared errors are averaged, pixels.
-const WINDOW: usize = 1;
+pub(super) const WINDOW: usize = 1;
 
 /// Weight of a pixel's own squared error beside that of its window: it has 7 degrees of freedom.
-const OWN_WEIGHT: f64 = 0.5;
+pub(super) const OWN_WEIGHT: f64 = 0.5;
 
 const MAX_PASSES: u32 = 48;
 
@@ -123,9 +125,22 @@ pub(super) fn derivative(
             outline_pixels: 0,
         });
     }
-    let outlines = outlines(step, progress);
-    let flow = |(pixel, outline): (usize, &Option<_>)| Flow::following(step, pixel as u64, (*outline)?);
-    let flows: Vec<Option<Flow>> = outlines.par_iter().enumerate().map(flow).collect();
+    if let DerivativeSamples::ToError(error) = samples
+        && let Some(shared) = film::derivative(step, error, progress)
+    {
+        return Some(shared);
+    }
+    if progress.stops() {
+        return None;
+    }
+    let camera = rays.camera();
+    let size = [camera.columns(), camera.rows()].map(|count| count as usize);
+    let parts = seen_parts(step, &PixelRays { size, ray: &|pixel, u| Some(rays.ray(pixel, u)) }, progress);
+    let flow = |(pixel, part): (usize, &Option<SeenPart>)| {
+        let outline = part.filter(|part| part.has_outline)?.point;
+        Flow::following(step, pixel as u64, outline)
+    };
+    let flows: Vec<Option<Flow>> = parts.par_iter().enumerate().map(flow).collect();
     let sampler = Sampler { step, flows: &flows, progress, traced: AtomicU64::new(0) };
     let mut state = SamplingState::new(Term::ALL.len() * flows.len());
     begin(&sampler, &mut state);
@@ -144,11 +159,10 @@ pub(super) fn derivative(
     }
     let estimate = DerivativeErrors::new(&state.pixels, rays.camera().columns() as usize, step.step);
     let size = estimate.signal.sqrt();
-    let relative = |squared: f64| if squared > 0.0 { squared.sqrt() / size } else { 0.0 };
     let squared = of_pixels(&estimate.cells, |cell| cell.squared);
     Some(Derivative {
-        relative_error: relative(mean(&squared)),
-        step_error: relative(sampler.squared_step_error(&state.pixels)),
+        relative_error: relative_to(mean(&squared), size),
+        step_error: relative_to(sampler.squared_step_error(&state.pixels), size),
         values: of_pixels(&state.pixels, Cell::mean),
         standard_errors: squared.iter().map(|squared| squared.sqrt()).collect(),
         rays: sampler.traced.load(Ordering::Relaxed),
@@ -281,7 +295,9 @@ impl DerivativeErrors {
         let squared = terms.flat_map(|cells| squared_errors(cells, columns));
         let of_cell = |(cell, squared): (&Cell, f64)| PixelError { squared, gain: GAIN, samples: cell.samples };
         let errors: Vec<PixelError> = cells.iter().zip(squared).map(of_cell).collect();
-        let signal = signal(cells, &of_pixels(&errors, |cell| cell.squared), step);
+        let exposure = |cell: &Cell| cell.sums.exposure / f64::from(RANDOMISATIONS * cell.samples.max(1));
+        let pictures = (&of_pixels(cells, Cell::mean)[..], &of_pixels(cells, exposure)[..]);
+        let signal = signal(pictures, &of_pixels(&errors, |cell| cell.squared), step);
         DerivativeErrors { cells: errors, signal }
     }
 }
@@ -315,15 +331,16 @@ fn squared_errors(cells: &[Cell], columns: usize) -> Vec<f64> {
     own.iter().zip(&near).zip(cells).map(pooled).collect()
 }
 
+/// The root of a squared error relative to the size of a derivative.
+pub(super) fn relative_to(squared: f64, size: f64) -> f64 {
+    if squared > 0.0 { squared.sqrt() / size } else { 0.0 }
+}
+
 /// Mean square of the derivative without its noise, to which errors relate. A derivative that
-/// changes next to nothing over the step counts as if it changed [`LEAST_CHANGE`]. `squared_errors` are
-/// those of the pixels.
-fn signal(cells: &[Cell], squared_errors: &[f64], step: f64) -> f64 {
-    let slopes = of_pixels(cells, Cell::mean);
-    let exposure = |cell: &Cell| cell.sums.exposure / f64::from(RANDOMISATIONS * cell.samples.max(1));
-    let exposures = of_pixels(cells, exposure);
-    let square = mean_square(&slopes);
-    let least = (LEAST_CHANGE / step).powi(2) * mean_square(&exposures);
+/// changes next to nothing over the step counts as if it changed [`LEAST_CHANGE`].
+pub(super) fn signal((slopes, exposures): (&[f64], &[f64]), squared_errors: &[f64], step: f64) -> f64 {
+    let square = mean_square(slopes);
+    let least = (LEAST_CHANGE / step).powi(2) * mean_square(exposures);
     // Where noise dominates, the difference says nothing.
     (square - mean(squared_errors)).max(0.1 * square).max(least)
 }
@@ -332,6 +349,6 @@ fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
 }
 
-fn mean(values: &[f64]) -> f64 {
+pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }

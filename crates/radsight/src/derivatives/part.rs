@@ -14,7 +14,7 @@ const OUTLINE_STEP: f64 = 0.1;
 
 /// Largest step of an angle, degrees. A wall that a camera sees at a grazing angle appears and
 /// vanishes within a degree, and mirrors turn light by twice their own angle.
-const MAX_TURN_STEP: f64 = 0.25;
+const MAX_TURN_STEP: f64 = 0.1;
 
 /// A part of a scene, and a degree of freedom of its pose.
 pub(super) struct MovingPart<'p> {
