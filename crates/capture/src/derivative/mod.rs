@@ -23,15 +23,17 @@
 //! step follows from steps of h and 2h: a central difference errs by c·h², a third of their
 //! difference.
 
+mod derivative_picture;
 mod film;
 mod flow;
 mod outline;
 mod pixel_derivative;
 mod place;
+mod ray_index;
 mod refine;
 
+pub use derivative_picture::Derivative;
 pub use outline::{Motion, PartMotion};
-pub use refine::Derivative;
 
 use crate::{Exposer, Progress};
 
@@ -79,6 +81,15 @@ impl<'a> ParameterStep<'a> {
     /// `None`; nor is there one if the work was stopped.
     #[must_use]
     pub fn derivative(&self, samples: DerivativeSamples, progress: &dyn Progress) -> Option<Derivative> {
+        if !self.center.rays.hole().has_points() {
+            return None;
+        }
+        if let DerivativeSamples::ToError(error) = samples {
+            let known = refine::zero_without_change(self, progress).or_else(|| film::derivative(self, error, progress));
+            if known.is_some() || progress.stops() {
+                return known;
+            }
+        }
         refine::derivative(self, samples, progress)
     }
 }

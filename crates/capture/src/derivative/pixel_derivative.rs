@@ -3,13 +3,12 @@
 //! The derivative is a sum of three terms ([`Term`]), each sampled for itself: a part's wall may be
 //! seen by one ray in thirty and have all of the noise.
 
-use super::film::PASS_SEQUENCES;
 use super::flow::Flow;
 use super::place::{Border, DrawBorder, Place, on_rim, on_sides, ray, uniform};
-use super::{Motion, ParameterStep, RANDOMISATIONS};
+use super::ray_index::TERMS;
+use super::{Motion, ParameterStep};
 use crate::radiance::radiance;
 use crate::{Exposer, Workers};
-use radsight_adaptive::ray_number;
 use radsight_pinhole::Hole;
 use radsight_render::Ray;
 use radsight_sampling::{DimensionSet, RaySampler};
@@ -30,7 +29,7 @@ pub(super) enum Term {
 }
 
 impl Term {
-    pub(super) const ALL: [Term; 4] = [Term::Rest, Term::Moving, Term::Sides, Term::Rim];
+    pub(super) const ALL: [Term; TERMS] = [Term::Rest, Term::Moving, Term::Sides, Term::Rim];
 }
 
 /// Sums over samples of a term.
@@ -47,12 +46,6 @@ pub(super) struct TermSums {
 /// Number of places per sample of [`Term::Moving`]. Where a place does not show what moves, only its
 /// first hit is computed; so samples of all terms cost about the same.
 const PLACES_PER_SAMPLE: u32 = 4;
-
-/// Sequences of each pixel: outlines, and for each randomisation one of each term.
-const PIXEL_SEQUENCES: u64 = 1 + (Term::ALL.len() as u64) * RANDOMISATIONS as u64;
-
-/// The same with those of passes over a film.
-const SEQUENCES: u64 = PIXEL_SEQUENCES + PASS_SEQUENCES;
 
 /// The workers of one thread.
 pub(super) struct StepWorkers<'a> {
@@ -71,18 +64,6 @@ impl<'a> StepWorkers<'a> {
 impl ParameterStep<'_> {
     pub(super) fn step_workers(&self) -> StepWorkers<'_> {
         StepWorkers { center: self.center.workers(), below: self.below.workers(), above: self.above.workers() }
-    }
-
-    /// The number of a sample's ray, for the renderer's random numbers.
-    pub(super) fn index(&self, sequence: u64, pixel: u64, sample: u32) -> u64 {
-        let cells = self.center.rays.camera().pixel_count();
-        let block = (u64::from(self.stream) * SEQUENCES + sequence) * cells + pixel;
-        ray_number(block, sample)
-    }
-
-    /// The same for a sequence of the passes over a film.
-    pub(super) fn index_of_pass(&self, sequence: u64, stratum: u64, sample: u32) -> u64 {
-        self.index(PIXEL_SEQUENCES + sequence, stratum, sample)
     }
 
     /// Sums of samples of a term of a pixel.

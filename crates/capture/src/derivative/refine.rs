@@ -1,6 +1,6 @@
 //! Samples pixels until the derivative has its error.
 
-use super::film;
+use super::derivative_picture::{Derivative, OWN_WEIGHT, WINDOW, mean, relative_to, signal};
 use super::flow::Flow;
 use super::outline::{PixelRays, SeenPart, seen_parts};
 use super::pixel_derivative::{StepWorkers, Term};
@@ -14,25 +14,6 @@ use radsight_adaptive::{
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// The derivative of an exposed picture.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Derivative {
-    /// dE/dθ of each pixel, J/m² per unit of the parameter, in scanline order from the top left.
-    pub values: Vec<f64>,
-    /// Its standard error, by independent randomisations of the samples.
-    pub standard_errors: Vec<f64>,
-    /// Rms of the standard errors, relative to the rms of the derivative (or, if that is larger, to
-    /// the derivative that changes the exposure by 0.003 % over the step).
-    pub relative_error: f64,
-    /// Estimated rms error due to the finite step, relative to the rms of the derivative.
-    pub step_error: f64,
-    /// Number of rays.
-    pub rays: u64,
-    /// Number of pixels whose samples move with an outline; where pixels share rays, of those of the film
-    /// that see a moving part.
-    pub outline_pixels: usize,
-}
 
 /// Sums over the samples of one term of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -70,17 +51,7 @@ const MAX_SAMPLES: u32 = 1 << 14;
 /// Factor by which a doubling of the samples lowers the squared error, for the choice of pixels.
 const GAIN: f64 = 0.4;
 
-/// Radius of the window over which squared errors are averaged, pixels.
-pub(super) const WINDOW: usize = 1;
-
-/// Weight of a pixel's own squared error beside that of its window: it has 7 degrees of freedom.
-pub(super) const OWN_WEIGHT: f64 = 0.5;
-
 const MAX_PASSES: u32 = 48;
-
-/// Change of the exposure over a step, rms relative to the rms of the exposure, below which a
-/// derivative counts as zero.
-const LEAST_CHANGE: f64 = 3e-5;
 
 /// Change of a pixel over a step, relative to its exposure, that rounding makes.
 const ROUNDING: f64 = 1e-9;
@@ -103,36 +74,13 @@ fn squared_error(cell: &Cell) -> f64 {
     squares / f64::from(RANDOMISATIONS * (RANDOMISATIONS - 1))
 }
 
+/// The derivative by samples of each pixel; `None` if the work was stopped.
 pub(super) fn derivative(
     step: &ParameterStep<'_>,
     samples: DerivativeSamples,
     progress: &dyn Progress,
 ) -> Option<Derivative> {
     let rays = step.center.rays;
-    if !rays.hole().has_points() {
-        return None;
-    }
-    if let DerivativeSamples::ToError(_) = samples
-        && let Some(traced) = rays_without_change(step, progress)
-    {
-        let zeros = vec![0.0; rays.camera().pixel_count() as usize];
-        return Some(Derivative {
-            values: zeros.clone(),
-            standard_errors: zeros,
-            relative_error: 0.0,
-            step_error: 0.0,
-            rays: traced,
-            outline_pixels: 0,
-        });
-    }
-    if let DerivativeSamples::ToError(error) = samples
-        && let Some(shared) = film::derivative(step, error, progress)
-    {
-        return Some(shared);
-    }
-    if progress.stops() {
-        return None;
-    }
     let camera = rays.camera();
     let size = [camera.columns(), camera.rows()].map(|count| count as usize);
     let parts = seen_parts(step, &PixelRays { size, ray: &|pixel, u| Some(rays.ray(pixel, u)) }, progress);
@@ -170,9 +118,23 @@ pub(super) fn derivative(
     })
 }
 
-/// Number of first rays, if the step changes none of them, as the rotation of a sphere about its
-/// middle does: the derivative is zero. Samples that follow an outline would have noise without
-/// end, and a relative error of zero cannot be reached. `None` at the first change.
+/// Zero, if the step changes none of the first rays, as the rotation of a sphere about its middle does:
+/// samples that follow an outline would have noise without end, and a relative error of zero cannot be
+/// reached. `None` at the first change.
+pub(super) fn zero_without_change(step: &ParameterStep<'_>, progress: &dyn Progress) -> Option<Derivative> {
+    let traced = rays_without_change(step, progress)?;
+    let zeros = vec![0.0; step.center.rays.camera().pixel_count() as usize];
+    Some(Derivative {
+        values: zeros.clone(),
+        standard_errors: zeros,
+        relative_error: 0.0,
+        step_error: 0.0,
+        rays: traced,
+        outline_pixels: 0,
+    })
+}
+
+/// Number of first rays, if the step changes none of them.
 fn rays_without_change(step: &ParameterStep<'_>, progress: &dyn Progress) -> Option<u64> {
     let flows = vec![None; step.center.rays.camera().pixel_count() as usize];
     let sampler = Sampler { step, flows: &flows, progress, traced: AtomicU64::new(0) };
@@ -329,26 +291,4 @@ fn squared_errors(cells: &[Cell], columns: usize) -> Vec<f64> {
         OWN_WEIGHT * own + (1.0 - OWN_WEIGHT) * near / f64::from(cell.samples.max(1))
     };
     own.iter().zip(&near).zip(cells).map(pooled).collect()
-}
-
-/// The root of a squared error relative to the size of a derivative.
-pub(super) fn relative_to(squared: f64, size: f64) -> f64 {
-    if squared > 0.0 { squared.sqrt() / size } else { 0.0 }
-}
-
-/// Mean square of the derivative without its noise, to which errors relate. A derivative that
-/// changes next to nothing over the step counts as if it changed [`LEAST_CHANGE`].
-pub(super) fn signal((slopes, exposures): (&[f64], &[f64]), squared_errors: &[f64], step: f64) -> f64 {
-    let square = mean_square(slopes);
-    let least = (LEAST_CHANGE / step).powi(2) * mean_square(exposures);
-    // Where noise dominates, the difference says nothing.
-    (square - mean(squared_errors)).max(0.1 * square).max(least)
-}
-
-fn mean_square(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
-}
-
-pub(super) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }

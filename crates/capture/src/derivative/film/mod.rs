@@ -22,15 +22,13 @@ mod passes;
 mod strata;
 mod velocity;
 
-use super::refine::Derivative;
+use super::derivative_picture::Derivative;
 use super::{Motion, ParameterStep};
 use crate::Progress;
 use crate::film::UnblurredFilm;
 use kernel::PixelKernel;
 use passes::Passes;
 use velocity::FilmVelocity;
-
-pub(super) use passes::PASS_SEQUENCES;
 
 /// The derivative, until it has its error; `None` where pixels do not share rays, and if the work was
 /// stopped.
@@ -47,5 +45,5 @@ pub(super) fn derivative(step: &ParameterStep<'_>, error: f64, progress: &dyn Pr
     let film = UnblurredFilm::new(&step.center)?;
     let velocity = FilmVelocity::new(step, &film, progress);
     let kernel = PixelKernel::new(film.shift());
-    Passes { step, film: &film, velocity: &velocity, kernel: &kernel, progress, traced: 0 }.to_error(error)
+    Passes { step, film: &film, velocity: &velocity, kernel: &kernel, progress, traced: 0 }.until_error(error)
 }

@@ -1,11 +1,12 @@
 //! Passes of samples over a film.
 
-use super::super::pixel_derivative::StepWorkers;
-use super::super::refine::{Derivative, OWN_WEIGHT, WINDOW, mean, relative_to, signal};
-use super::super::{ParameterStep, RANDOMISATIONS};
 use super::kernel::PixelKernel;
 use super::strata::{SlopeSums, Strata, Stratum};
 use super::velocity::FilmVelocity;
+use crate::derivative::derivative_picture::{Derivative, OWN_WEIGHT, WINDOW, mean, relative_to, signal};
+use crate::derivative::pixel_derivative::StepWorkers;
+use crate::derivative::ray_index::MAX_FILM_PASSES;
+use crate::derivative::{ParameterStep, RANDOMISATIONS};
 use crate::film::UnblurredFilm;
 use crate::neighbourhood::window_means;
 use crate::radiance::radiance;
@@ -14,11 +15,6 @@ use glam::{DMat2, DVec2};
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Sequences of all passes, and of the error of the step.
-pub(in super::super) const PASS_SEQUENCES: u64 = (MAX_PASSES as u64 + 1) * RANDOMISATIONS as u64;
-
-const MAX_PASSES: usize = 24;
 
 /// Passes after which the error may be believed.
 const MIN_PASSES: usize = 3;
@@ -62,6 +58,13 @@ struct PassPictures {
     samples: f64,
 }
 
+impl PassPictures {
+    /// Larger passes know more, so a sample of theirs has less noise.
+    fn weight(&self) -> f64 {
+        self.samples * self.samples
+    }
+}
+
 /// Rows of a picture that some strata expose.
 struct ExposedRows {
     first: usize,
@@ -84,7 +87,7 @@ impl PassEstimate {
 }
 
 impl Passes<'_> {
-    pub(super) fn to_error(&mut self, error: f64) -> Option<Derivative> {
+    pub(super) fn until_error(&mut self, error: f64) -> Option<Derivative> {
         let mut strata = Strata::new(self.film, self.velocity);
         let (mut passes, mut number, mut samples) = (Vec::new(), 0, 0.0);
         let most = MOST_SAMPLES_PER_PIXEL * self.film.picture_pixels() as f64;
@@ -96,7 +99,7 @@ impl Passes<'_> {
             forget_small_passes(&mut passes);
             let estimate = self.estimate(&passes);
             let relative = estimate.relative_error();
-            if number >= MIN_PASSES && relative <= error || samples >= most || number == MAX_PASSES {
+            if number >= MIN_PASSES && relative <= error || samples >= most || number == MAX_FILM_PASSES {
                 break estimate;
             }
             strata.divide(&sums);
@@ -116,10 +119,10 @@ impl Passes<'_> {
 
     /// The mean of passes, with weights that do not depend on what they found.
     fn estimate(&self, passes: &[PassPictures]) -> PassEstimate {
-        let total: f64 = passes.iter().map(|pass| pass.samples).sum();
+        let total: f64 = passes.iter().map(PassPictures::weight).sum();
         let pixels = self.film.picture_pixels();
         let mean_of = |picture: &dyn Fn(&PassPictures) -> f64| {
-            passes.iter().map(|pass| pass.samples * picture(pass)).sum::<f64>() / total
+            passes.iter().map(|pass| pass.weight() * picture(pass)).sum::<f64>() / total
         };
         let slope = |randomisation: usize, pixel: usize| mean_of(&|pass| pass.slopes[randomisation][pixel]);
         let of_pixel = |pixel: usize| {
@@ -142,8 +145,8 @@ impl Passes<'_> {
     fn squared_step_error(&mut self, strata: &mut Strata) -> Option<f64> {
         let Some(doubled) = self.step.doubled() else { return Some(0.0) };
         strata.distribute(STEP_PART * strata.samples());
-        let (near, _) = self.pass(self.step, strata, MAX_PASSES)?;
-        let (far, _) = self.pass(&doubled, strata, MAX_PASSES)?;
+        let (near, _) = self.pass(self.step, strata, MAX_FILM_PASSES)?;
+        let (far, _) = self.pass(&doubled, strata, MAX_FILM_PASSES)?;
         let of_pixel = |pixel: usize| {
             let slopes: [f64; RANDOMISATIONS as usize] = std::array::from_fn(|randomisation| {
                 (far.slopes[randomisation][pixel] - near.slopes[randomisation][pixel]) / 3.0

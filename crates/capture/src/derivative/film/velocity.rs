@@ -1,8 +1,8 @@
 //! The velocity with which the samples of a film follow what moves.
 
-use super::super::ParameterStep;
-use super::super::outline::{PixelRays, seen_parts};
 use crate::Progress;
+use crate::derivative::ParameterStep;
+use crate::derivative::outline::{PixelRays, seen_parts};
 use crate::film::UnblurredFilm;
 use glam::{DMat2, DVec2, DVec3};
 
