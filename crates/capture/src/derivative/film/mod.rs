@@ -14,8 +14,8 @@
 //!
 //! Samples are drawn in passes. Each is an estimate of its own, and learns where the next one puts its
 //! samples ([`Strata`]): the radiance of a strip along a wall that is a hundredth of a pixel wide may
-//! change a thousand times as much as that of all other places. Passes are weighted by their number of
-//! samples, never by what they find.
+//! change a thousand times as much as that of all other places. Passes weigh by
+//! their numbers of samples, never by what they find.
 
 mod kernel;
 mod passes;
