@@ -205,3 +205,70 @@ impl Strata {
         self.all.iter().map(|stratum| f64::from(stratum.samples)).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::tests::film;
+
+    /// Strata of a film of 21 by 17 pixels, of which one moves.
+    fn strata() -> Strata {
+        let film = film([2.5, 1.6], [11, 9]);
+        assert_eq!(film.size(), [21, 17]);
+        let mut moves = vec![false; film.pixel_count()];
+        moves[5 * 21 + 4] = true;
+        Strata::new(&film, &FilmVelocity::zero(&film, moves))
+    }
+
+    fn assert_covers(strata: &Strata) {
+        let mut covered = vec![0.0; 21 * 17];
+        for stratum in &strata.all {
+            strata.pixels_of(stratum).for_each(|(pixel, share)| covered[pixel] += share * stratum.area());
+        }
+        assert!(covered.iter().all(|area| (area - 1.0).abs() < 1e-12), "{covered:?}");
+    }
+
+    #[test]
+    fn strata_cover_the_film_once() {
+        let strata = strata();
+        assert_covers(&strata);
+        let side_at = |at: DVec2| {
+            let holds = |stratum: &&Stratum| {
+                (at - stratum.corner).min_element() >= 0.0 && (at - stratum.corner).max_element() < stratum.side
+            };
+            strata.all.iter().find(holds).map(|stratum| stratum.side)
+        };
+        assert_eq!(side_at(DVec2::new(4.5, 5.5)), Some(1.0));
+        assert_eq!(side_at(DVec2::new(10.5, 10.5)), Some(FIRST_SIDE));
+    }
+
+    /// Where one quarter of a stratum changes, it gets most samples, and others keep some.
+    #[test]
+    fn samples_go_where_the_noise_is() {
+        let mut strata = strata();
+        let noisy = strata.all.iter().position(|stratum| stratum.side == 1.0).expect("one pixel moves");
+        let corner = strata.all[noisy].corner;
+        for _ in 0..4 {
+            let of_quarter = |stratum: &Stratum, quarter: usize| {
+                let is_noisy = stratum.corner.distance(corner) < 1e-9 && quarter == 0;
+                let mut sums = SlopeSums::default();
+                for slope in [1.0, -1.0].repeat(64) {
+                    sums.add(&SlopeSums::of_sample(if is_noisy { slope } else { 0.0 }, 0.0));
+                }
+                sums
+            };
+            strata.distribute(4096.0);
+            let sums: Vec<_> =
+                strata.all.iter().map(|stratum| std::array::from_fn(|quarter| of_quarter(stratum, quarter))).collect();
+            strata.divide(&sums);
+            assert_covers(&strata);
+        }
+        strata.distribute(4096.0);
+        let within = |stratum: &&Stratum| {
+            (stratum.corner - corner).max_element() < 0.25 && (stratum.corner - corner).min_element() >= 0.0
+        };
+        let samples: u32 = strata.all.iter().filter(within).map(|stratum| stratum.samples).sum();
+        assert!(samples > 2048, "{samples}");
+        assert!(strata.all.iter().all(|stratum| stratum.samples >= 1));
+    }
+}

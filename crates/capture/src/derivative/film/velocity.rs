@@ -38,6 +38,13 @@ impl FilmVelocity {
         FilmVelocity { columns, corners, moves: parts.iter().map(Option::is_some).collect() }
     }
 
+    /// Of a film of which some pixels move, at no speed.
+    #[cfg(test)]
+    pub(super) fn zero(film: &UnblurredFilm, moves: Vec<bool>) -> FilmVelocity {
+        let [columns, rows] = film.size();
+        FilmVelocity { columns: columns + 1, corners: vec![DVec2::ZERO; (columns + 1) * (rows + 1)], moves }
+    }
+
     pub(super) fn moves(&self, pixel: usize) -> bool {
         self.moves[pixel]
     }
