@@ -1,5 +1,7 @@
 //! The derivative of a picture, and its error.
 
+use super::RANDOMISATIONS;
+
 /// The derivative of an exposed picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derivative {
@@ -23,11 +25,23 @@ pub struct Derivative {
 pub(super) const WINDOW: usize = 1;
 
 /// Weight of a pixel's own squared error beside that of its window: it has 7 degrees of freedom.
-pub(super) const OWN_WEIGHT: f64 = 0.5;
+const OWN_WEIGHT: f64 = 0.5;
 
 /// Change of the exposure over a step, rms relative to the rms of the exposure, below which a
 /// derivative counts as zero.
 const LEAST_CHANGE: f64 = 3e-5;
+
+/// The mean of the randomisations of a value, and its squared standard error.
+pub(super) fn mean_and_squared_error(randomised: &[f64; RANDOMISATIONS as usize]) -> (f64, f64) {
+    let mean = randomised.iter().sum::<f64>() / f64::from(RANDOMISATIONS);
+    let squares: f64 = randomised.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, squares / f64::from(RANDOMISATIONS * (RANDOMISATIONS - 1)))
+}
+
+/// The squared error of a pixel, from its own and the mean of its window.
+pub(super) fn pooled(own: f64, near: f64) -> f64 {
+    OWN_WEIGHT * own + (1.0 - OWN_WEIGHT) * near
+}
 
 /// The root of a squared error relative to the size of a derivative.
 pub(super) fn relative_to(squared: f64, size: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! Samples pixels until the derivative has its error.
 
-use super::derivative_picture::{Derivative, OWN_WEIGHT, WINDOW, mean, relative_to, signal};
+use super::derivative_picture::{Derivative, WINDOW, mean, mean_and_squared_error, pooled, relative_to, signal};
 use super::flow::Flow;
 use super::outline::{PixelRays, SeenPart, seen_parts};
 use super::pixel_derivative::{StepWorkers, Term};
@@ -69,9 +69,8 @@ const STEP_SHARE: u32 = 4;
 
 /// Squared standard error of the mean.
 fn squared_error(cell: &Cell) -> f64 {
-    let (mean, samples) = (cell.mean(), f64::from(cell.samples.max(1)));
-    let squares: f64 = cell.sums.slopes.iter().map(|sum| (sum / samples - mean).powi(2)).sum();
-    squares / f64::from(RANDOMISATIONS * (RANDOMISATIONS - 1))
+    let samples = f64::from(cell.samples.max(1));
+    mean_and_squared_error(&cell.sums.slopes.map(|sum| sum / samples)).1
 }
 
 /// The derivative by samples of each pixel; `None` if the work was stopped.
@@ -287,8 +286,6 @@ fn squared_errors(cells: &[Cell], columns: usize) -> Vec<f64> {
     let own: Vec<f64> = cells.iter().map(squared_error).collect();
     let of_one: Vec<f64> = own.iter().zip(cells).map(|(own, cell)| own * f64::from(cell.samples)).collect();
     let near = window_means(&of_one, columns, WINDOW);
-    let pooled = |((own, near), cell): ((&f64, &f64), &Cell)| {
-        OWN_WEIGHT * own + (1.0 - OWN_WEIGHT) * near / f64::from(cell.samples.max(1))
-    };
-    own.iter().zip(&near).zip(cells).map(pooled).collect()
+    let of_cell = |((own, near), cell): ((&f64, &f64), &Cell)| pooled(*own, near / f64::from(cell.samples.max(1)));
+    own.iter().zip(&near).zip(cells).map(of_cell).collect()
 }

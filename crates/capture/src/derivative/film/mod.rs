@@ -7,15 +7,14 @@
 //! with the radiance L that leaves the scene's point at q on the film of a point pinhole (see
 //! [`crate::film`]), and the fraction K_B of the pinhole that sees it from the pixel. All pixels share
 //! the samples of q. Where they see a moving part they move with it, at a velocity V(q) that falls to 0
-//! beside it. K_B is
-//! continuous and 0 at its end, so no boundary terms remain:
+//! beside it. K_B is continuous and 0 at its end, so no boundary terms remain:
 //!
 //! dE_B/dθ = d/dh ∫ L(q + hV, θ + h) K_B(q + hV) det(1 + h∇V) dq.
 //!
 //! Samples are drawn in passes. Each is an estimate of its own, and learns where the next one puts its
 //! samples ([`Strata`]): the radiance of a strip along a wall that is a hundredth of a pixel wide may
-//! change a thousand times as much as that of all other places. Passes weigh by
-//! their numbers of samples, never by what they find.
+//! change a thousand times as much as that of all other places. Passes weigh by their numbers of
+//! samples, never by what they find.
 
 mod kernel;
 mod passes;

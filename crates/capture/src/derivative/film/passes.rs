@@ -3,7 +3,9 @@
 use super::kernel::PixelKernel;
 use super::strata::{SlopeSums, Strata, Stratum};
 use super::velocity::FilmVelocity;
-use crate::derivative::derivative_picture::{Derivative, OWN_WEIGHT, WINDOW, mean, relative_to, signal};
+use crate::derivative::derivative_picture::{
+    Derivative, WINDOW, mean, mean_and_squared_error, pooled, relative_to, signal,
+};
 use crate::derivative::pixel_derivative::StepWorkers;
 use crate::derivative::ray_index::MAX_FILM_PASSES;
 use crate::derivative::{ParameterStep, RANDOMISATIONS};
@@ -133,8 +135,7 @@ impl Passes<'_> {
         let (values, own): (Vec<f64>, Vec<f64>) = (0..pixels).into_par_iter().map(of_pixel).unzip();
         let columns = self.step.center.rays.camera().columns() as usize;
         let near = window_means(&own, columns, WINDOW);
-        let pooled = |(own, near): (&f64, f64)| OWN_WEIGHT * own + (1.0 - OWN_WEIGHT) * near;
-        let squared_errors: Vec<f64> = own.iter().zip(near).map(pooled).collect();
+        let squared_errors: Vec<f64> = own.iter().zip(near).map(|(own, near)| pooled(*own, near)).collect();
         let exposures: Vec<f64> = (0..pixels).map(|pixel| mean_of(&|pass| pass.exposure[pixel])).collect();
         let size = signal((&values, &exposures), &squared_errors, self.step.step).sqrt();
         PassEstimate { values, squared_errors, size }
@@ -312,12 +313,6 @@ impl MovingPoint {
         let shifted = 0.5 * (self.above + self.below) * (self.shift / (step * radius)).length();
         SlopeSums::of_sample(slope, shifted)
     }
-}
-
-fn mean_and_squared_error(replicates: &[f64; RANDOMISATIONS as usize]) -> (f64, f64) {
-    let mean = replicates.iter().sum::<f64>() / f64::from(RANDOMISATIONS);
-    let squares: f64 = replicates.iter().map(|value| (value - mean).powi(2)).sum();
-    (mean, squares / f64::from(RANDOMISATIONS * (RANDOMISATIONS - 1)))
 }
 
 fn add(sums: &mut [f64], added: &[f64]) {
