@@ -162,11 +162,14 @@ impl PixelNoise {
                 let weight = near * (f64::from(other.samples) / samples).min(1.0);
                 // Scaled to the number of samples of this pixel.
                 let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
+                let mean = other.mean();
                 for (band, sum) in sums.iter_mut().enumerate() {
-                    *sum += scale * (square(other.last[band]) + gain * square(other.before[band]));
+                    let darker = (MAX_BRIGHTNESS * own[band].hypot(self.floors[band]) / mean[band]).min(1.0);
+                    let squares = square(other.last[band]) + gain * square(other.before[band]);
+                    *sum += scale * darker * darker * squares;
                 }
                 weights += weight;
-                for (step, (own, other)) in steps.iter_mut().zip(own.iter().zip(other.mean())) {
+                for (step, (own, other)) in steps.iter_mut().zip(own.iter().zip(mean)) {
                     *step = step.max((own - other).abs());
                 }
             }
@@ -185,6 +188,11 @@ fn square(difference: f32) -> f64 {
 /// patches, the squared error was 1.3 to 1.6 times the estimated one for pictures of independent
 /// paths at 10 and 5 %.
 const SELECTION_BIAS: f64 = 1.4;
+
+/// The noise of a neighbour that is more than so many times as bright as a pixel says too much of
+/// the pixel's noise, and is reduced in proportion. (A pixel whose samples are brighter by chance
+/// still counts in its neighbours, where it is not hidden by its own value.)
+const MAX_BRIGHTNESS: f64 = 10.0;
 
 /// A feature that a neighbour sees may cover about 1/N of this pixel without being hit by any of
 /// its N samples. This is its assumed probability.
@@ -355,5 +363,31 @@ mod tests {
         let [smooth, noisy] = [2, 1].map(|column| estimated.pixels()[4 * COLUMNS + column].squared);
         let of_noisy_pixel = noisy * 16.0 / 1024.0;
         assert!(0.0 < smooth && smooth < 0.1 * of_noisy_pixel, "{smooth}, and {of_noisy_pixel} like a neighbour");
+    }
+
+    /// The estimated squared errors of pixels of one value around one of another value.
+    fn around_one(pixel: Pixel, others: Pixel) -> [f64; 2] {
+        let center = 4 * COLUMNS + 2;
+        let pixels: Vec<Pixel> =
+            (0..COLUMNS * COLUMNS).map(|index| if index == center { pixel } else { others }).collect();
+        let estimated = PixelNoise::new(&pixels, COLUMNS).of_rows(&pixels, &(0..pixels.len()));
+        [center, center + 1].map(|index| estimated.pixels()[index].squared)
+    }
+
+    #[test]
+    fn noise_of_much_brighter_neighbours_is_not_that_of_a_dark_pixel() {
+        let dark = pixel(1024, 0.001);
+        let bright = Pixel { sums: [1024.0 * 4000.0; 3], last: [40.0; 3], before: [40.0; 3], ..dark };
+        let [of_dark, of_bright] = around_one(dark, bright);
+        assert!(of_bright < 2e-4 && of_dark < 200.0 * of_bright, "{of_dark} beside {of_bright}");
+    }
+
+    #[test]
+    fn a_pixel_that_is_too_bright_by_chance_counts_in_its_neighbours() {
+        // One of 64 samples is 6,400 times as bright as the others.
+        let quiet = pixel(64, 0.001);
+        let chance = Pixel { sums: [64.0 + 6400.0; 3], last: [100.0; 3], ..quiet };
+        let [of_chance, of_neighbour] = around_one(chance, quiet);
+        assert!(of_chance < 2.0 && of_neighbour > 4.0, "{of_chance} beside {of_neighbour}");
     }
 }

@@ -110,27 +110,39 @@ impl Residual {
     /// product of two batches is divided by the value that the other two find, which is independent
     /// of it.
     fn error_after(&self, correction: &[f64; 3], floors: &[f64; 3]) -> f64 {
+        let products = |band: usize, pair: [f64; 2]| pair.map(|mean| mean - correction[band]).iter().product();
+        self.mean_over_splits(floors, products)
+    }
+
+    /// The variance of [`Residual::mean`], a mean over the bands, relative to the true value. What
+    /// two batches differ by is divided by the value that the other two find: a value with a rare
+    /// bright path in it would hide how wrong it is.
+    fn noise(&self, floors: &[f64; 3]) -> f64 {
+        self.mean_over_splits(floors, |_, [one, other]| (one - other).powi(2) / (2 * BATCHES) as f64)
+    }
+
+    /// The square of the pixel's unit relative to that of its true value, a mean over the bands.
+    fn scale(&self, floors: &[f64; 3]) -> f64 {
+        self.mean_over_splits(floors, |_, _| 1.0)
+    }
+
+    /// The mean over the bands and all pairs of batches of a quantity of the means of a pair,
+    /// relative to the square of the true value by the other two.
+    fn mean_over_splits(&self, floors: &[f64; 3], quantity: impl Fn(usize, [f64; 2]) -> f64) -> f64 {
         let variances = self.variances();
         let of_band = |band: usize| {
             let means = self.means(band);
             let of_pair = |&[first, second, third, fourth]: &[usize; BATCHES]| {
                 let residual = 0.5 * (means[third] + means[fourth]);
-                let product = (means[first] - correction[band]) * (means[second] - correction[band]);
                 // Of all batches, since two that miss a rare path do not know of its variance. The
                 // term that correlates with the product is removed.
                 let own = (means[first] - residual) * (means[second] - residual);
                 let variance = 2.0 * (variances[band] + own / (2.0 * PAIRS)).max(0.0);
-                product * true_value_scale(residual, variance, floors[band])
+                quantity(band, [means[first], means[second]]) * true_value_scale(residual, variance, floors[band])
             };
             SPLITS.iter().map(of_pair).sum::<f64>() / SPLITS.len() as f64
         };
         (of_band(0) + of_band(1) + of_band(2)) / 3.0
-    }
-
-    /// The square of the unit of each band relative to that of its true value.
-    fn scales(&self, floors: &[f64; 3]) -> [f64; 3] {
-        let (mean, variances) = (self.mean(), self.variances());
-        std::array::from_fn(|band| true_value_scale(mean[band], variances[band], floors[band]))
     }
 }
 
@@ -153,11 +165,6 @@ const MAX_VARIANCE: f64 = 0.2;
 
 /// The least square of a true value that is distinguished, relative to that of the pixel.
 const MIN_SQUARE: f64 = 1e-4;
-
-/// The mean of a product of bands.
-fn mean_product(one: [f64; 3], other: [f64; 3]) -> f64 {
-    (one[0] * other[0] + one[1] * other[1] + one[2] * other[2]) / 3.0
-}
 
 /// The variance of a mean product of pairs of batches whose mean is `left`, where the mean of all
 /// batches has the variance `noise`, both relative to the true value; `scale` is that of
@@ -373,11 +380,10 @@ impl Residuals {
             let residual = &self.pixels[pixel];
             let unit = self.units[pixel];
             let floors = std::array::from_fn(|band| (self.floors[band] / unit[band]).powi(2).min(1.0));
-            let scales = residual.scales(&floors);
             KnownError {
                 left: corrections[pixel].map(|correction| residual.error_after(&correction, &floors)),
-                noise: mean_product(scales, residual.variances()),
-                scale: mean_product(scales, [1.0; 3]),
+                noise: residual.noise(&floors),
+                scale: residual.scale(&floors),
             }
         });
         let statistics = (known.iter().zip(&self.pixels))
@@ -590,6 +596,30 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn rare_bright_rays_do_not_hide_how_wrong_a_pixel_is() {
+        const PROBABILITY: f64 = 5e-4;
+        const BRIGHTNESS: f64 = 80.0;
+        let truth = vec![PROBABILITY * BRIGHTNESS; PIXELS];
+        let (mut found, mut actual) = (0.0, 0.0);
+        for seed in 0..240 {
+            let mut state = 1000 + seed;
+            let mut residuals = Residuals::new(0..PIXELS, COLUMNS, vec![[1.0; 3]; PIXELS], [0.0; 3]);
+            for pixel in &mut residuals.pixels {
+                let mut ray = || {
+                    let is_bright = noise(&mut state, 1.0) / 12f64.sqrt() + 0.5 < PROBABILITY;
+                    noise(&mut state, 0.8) + if is_bright { BRIGHTNESS } else { 0.0 }
+                };
+                let sums = std::array::from_fn(|_| [(0..RAYS).map(|_| ray()).sum(); 3]);
+                *pixel = Residual { sums, rays: RAYS };
+            }
+            let assessment = residuals.assess(1 << 16);
+            found += assessment.squared;
+            actual += left(&assessment, &truth);
+        }
+        assert!((0.85..1.3).contains(&(found / actual)), "{found} for {actual}");
     }
 
     #[test]
