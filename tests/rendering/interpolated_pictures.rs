@@ -130,12 +130,13 @@ fn floor(scene: &str, options: &str) -> Vec<f64> {
     red(scene, &format!("{FLOOR_VIEW} {options}")).split_off(70 * SIDE)
 }
 
-/// The mean of the floor with some seeds, relative to many rays through each pixel.
-fn mean_of_seeds(scene: &str, options: &str) -> f64 {
+/// The mean of the floor with some seeds, relative to many rays through each pixel; `bounces` is
+/// `-ab`.
+fn mean_of_seeds(scene: &str, bounces: u32, options: &str) -> f64 {
     let seeds = 0..4;
-    let sum = |options: &str| floor(scene, options).iter().sum::<f64>();
+    let sum = |options: &str| floor(scene, &format!("-ab {bounces} {options}")).iter().sum::<f64>();
     let quick: f64 = seeds.clone().map(|seed| sum(&format!("{options} --seed {seed}"))).sum();
-    quick / f64::from(seeds.end) / sum("--samples 256")
+    quick / f64::from(seeds.end) / sum("-aa 0 --samples 256")
 }
 
 /// The rms difference of the floor between two seeds.
@@ -147,13 +148,13 @@ fn grain(scene: &str, options: &str) -> f64 {
 
 #[test]
 fn rare_bright_reflections_keep_their_light() {
-    let mean = mean_of_seeds(GLINT, "-ss 16");
+    let mean = mean_of_seeds(GLINT, 0, "-ss 16");
     assert!((mean - 1.0).abs() < 0.1, "{mean} of the light");
 }
 
 #[test]
 fn windows_reflected_below_the_threshold_keep_their_light() {
-    let mean = mean_of_seeds(WINDOW, "-ps 4");
+    let mean = mean_of_seeds(WINDOW, 0, "-ps 4");
     assert!((mean - 1.0).abs() < 0.03, "{mean} of the light");
 }
 
@@ -167,6 +168,25 @@ fn highlights_take_as_many_samples_as_requested() {
 fn single_rays_divide_lights() {
     let [whole, divided] = ["0", ".2"].map(|size| grain(PENUMBRA, &format!("-ps 1 -ds {size}")));
     assert!(divided < 0.25 * whole, "{whole} with whole lights, {divided} with divided ones");
+}
+
+/// A floor under a panel that only the rays of a hemisphere find.
+const SKYLIGHT: &str = "
+void glow panel 0 0 4 10 10 10 0
+panel polygon window 0 0 12 -1 1 4  -1 3 4  1 3 4  1 1 4
+void plastic grey 0 0 5 .5 .5 .5 0 0
+grey ring floor 0 0 8 0 0 0 0 0 1 0 30
+";
+
+#[test]
+fn pictures_without_cache_take_as_many_rays_as_requested() {
+    for spacing in ["-ps 1", "-ps 4"] {
+        let options = |rays: u32| format!("{spacing} -aa 0 -ad {rays}");
+        let [few, many] = [16, 400].map(|rays| grain(SKYLIGHT, &format!("-ab 1 {}", options(rays))));
+        assert!(many < 0.35 * few, "{spacing}: {few} with 16 rays, {many} with 400");
+        let mean = mean_of_seeds(SKYLIGHT, 1, &options(400));
+        assert!((mean - 1.0).abs() < 0.01, "{spacing}: {mean} of the light");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Splits a requested error between the irradiance cache and the pixels.
 
 use radsight_film::{ErrorTarget, Interpolation, MAX_SAMPLES, SamplingBudget};
-use radsight_render::{Gathering, LightDivision, RenderOptions};
+use radsight_render::{Gathering, LightDivision, RenderOptions, Uncached};
 
 /// Error below which the limits of rays per pixel and per cache point are raised.
 const COARSE_ERROR: f64 = 0.02;
@@ -41,6 +41,11 @@ const THOROUGHNESS: f64 = 0.15;
 /// Maximum interpolation error of a preview's irradiance cache (`-aa`), relative to the noise of a
 /// record: records of many rays are worth a smaller spacing.
 const INTERPOLATION_NOISES: f64 = 2.0;
+
+/// Rays at a diffuse surface without cache (`-aa 0`), relative to Radiance's: as much time, since a
+/// ray costs more and its noise is lower. Cells that are refined because of noise cost further rays.
+const SPLIT_SHARE: f64 = 0.7;
+const SPLIT_SHARE_OF_CELLS: f64 = 0.5;
 
 /// Points on each part of a light (`-ds`), together over the rays of a pixel. Radiance takes about
 /// as many.
@@ -241,6 +246,9 @@ impl ErrorBudget {
                 gathering.accuracy = gathering.accuracy.min(INTERPOLATION_NOISES * gathering.noise);
                 gathering.record_share = RECORD_SHARE * thoroughness.powi(2);
                 gathering.most_residual = f64::INFINITY;
+                if gathering.accuracy == 0.0 {
+                    split(gathering, interpolation.spacing);
+                }
                 let density = points_per_square(interpolation.spacing);
                 options.light_division = match interpolation.spacing {
                     ..2.0 => LightDivision::BySize(density),
@@ -250,6 +258,16 @@ impl ErrorBudget {
             }
         }
     }
+}
+
+/// Lets the rays of a preview without cache (`-aa 0`) split at surfaces as in Radiance, into fewer
+/// rays (`-ad`, `-as`).
+fn split(gathering: &mut Gathering, spacing: f64) {
+    let share = if spacing < 2.0 { SPLIT_SHARE } else { SPLIT_SHARE_OF_CELLS };
+    let fewer = |rays: u32| (share * f64::from(rays)).ceil() as u32;
+    gathering.uncached = Uncached::Split;
+    gathering.divisions = fewer(gathering.divisions);
+    gathering.super_samples = fewer(gathering.super_samples);
 }
 
 /// Points in each part of a light for one ray of a preview, whose first grid has this spacing.
