@@ -33,14 +33,16 @@ const NOISE_OF_A_RAY: f64 = 1.5;
 const RECORD_SHARE: f64 = 0.75;
 
 /// With more than so many rays a record, Radiance's time grows with the number, radsight's hardly.
-/// The time is spent on less noise, by this power of the number: a preview with many rays is to be
-/// accurate.
+/// The time is spent on less noise, by this power of the number, and on records that the pre-pass
+/// finds to be missing in corners, up to this spacing of its rays, pixels: a preview with many rays
+/// is to be accurate.
 const FEW_RAYS: f64 = 80.0;
-const THOROUGHNESS: f64 = 0.15;
+const THOROUGHNESS: f64 = 0.13;
+const FINEST_PREPASS: f64 = 2.0;
 
 /// Maximum interpolation error of a preview's irradiance cache (`-aa`), relative to the noise of a
 /// record: records of many rays are worth a smaller spacing.
-const INTERPOLATION_NOISES: f64 = 2.0;
+const INTERPOLATION_NOISES: f64 = 3.0;
 
 /// Rays at a diffuse surface without cache (`-aa 0`), relative to Radiance's: as much time, since a
 /// ray costs more and its noise is lower. Cells that are refined because of noise cost further rays.
@@ -133,9 +135,9 @@ impl ErrorBudget {
     /// Radiance's adaptive preview: smooth regions are interpolated between samples.
     ///
     /// ```
-    /// use radsight::{ErrorBudget, Interpolation};
+    /// use radsight::{ErrorBudget, Interpolation, SamplingBudget};
     /// let coarse = ErrorBudget::preview(Interpolation { spacing: 8.0, contrast: 0.1 });
-    /// assert_eq!(coarse.prepass_spacing(), 4);
+    /// assert!(matches!(coarse.apply(&mut Default::default()), SamplingBudget::Interpolated(_)));
     /// ```
     #[must_use]
     pub fn preview(interpolation: Interpolation) -> ErrorBudget {
@@ -197,17 +199,23 @@ impl ErrorBudget {
         if let Asked::Preview(_) = self.0 { USUAL_JITTER } else { 1.0 }
     }
 
-    /// The side in pixels of the squares that get one ray of the cache's pre-pass.
+    /// The side in pixels of the squares that get one ray of the cache's pre-pass: half the spacing
+    /// of a preview, less where records are to have many rays.
     ///
     /// ```
-    /// assert_eq!(radsight::ErrorBudget::default().prepass_spacing(), 2);
+    /// use radsight::options::Gathering;
+    /// use radsight::{ErrorBudget, Interpolation};
+    /// let coarse = ErrorBudget::preview(Interpolation { spacing: 8.0, contrast: 0.1 });
+    /// let gathering = |divisions| Gathering { divisions, super_samples: 0, ..Gathering::default() };
+    /// assert_eq!([64, 1024].map(|divisions| coarse.prepass_spacing(&gathering(divisions))), [4, 2]);
+    /// assert_eq!(ErrorBudget::error(0.1).prepass_spacing(&gathering(64)), 1);
     /// ```
     #[must_use]
-    pub fn prepass_spacing(&self) -> usize {
-        match self.0 {
-            Asked::Preview(Interpolation { spacing, .. }) => (0.5 * spacing).max(1.0) as usize,
-            _ => 1,
-        }
+    pub fn prepass_spacing(&self, gathering: &Gathering) -> usize {
+        let Asked::Preview(Interpolation { spacing, .. }) = self.0 else { return 1 };
+        let coarsest = 0.5 * spacing;
+        let finer = (gathering.rays() as f64 / FEW_RAYS).max(1.0).sqrt();
+        (coarsest / finer).max(coarsest.min(FINEST_PREPASS)).max(1.0) as usize
     }
 
     /// Allots the irradiance cache its part of the error, or Radiance's number of rays, and returns

@@ -279,7 +279,7 @@ impl Renderer {
         let mut options = self.options.clone();
         let pixels = self.budget.apply(&mut options);
         let (asked, used) = (self.budget.asked_error(), options.clone());
-        let side = self.budget.prepass_spacing();
+        let side = self.budget.prepass_spacing(&options.gathering);
         let sources = self.scene.sources.clone();
         if let SamplingBudget::Error(_) = pixels {
             self.prepare(options.clone())?.guide_paths(&camera.prepass_rays(side), camera.spread(side));

@@ -188,7 +188,7 @@ impl Options {
 
     /// The side in pixels of the squares that get one ray of the cache's pre-pass.
     pub(super) fn prepass_spacing(&self) -> usize {
-        self.budget().prepass_spacing()
+        self.budget().prepass_spacing(&self.render.gathering)
     }
 
     /// Parses one option; returns the number of words it used.
