@@ -37,7 +37,7 @@ const RECORD_SHARE: f64 = 0.75;
 /// finds to be missing in corners, up to this spacing of its rays, pixels: a preview with many rays
 /// is to be accurate.
 const FEW_RAYS: f64 = 80.0;
-const THOROUGHNESS: f64 = 0.13;
+const THOROUGHNESS: f64 = 0.15;
 const FINEST_PREPASS: f64 = 2.0;
 
 /// Maximum interpolation error of a preview's irradiance cache (`-aa`), relative to the noise of a
@@ -46,8 +46,8 @@ const INTERPOLATION_NOISES: f64 = 3.0;
 
 /// Rays at a diffuse surface without cache (`-aa 0`), relative to Radiance's: as much time, since a
 /// ray costs more and its noise is lower. Cells that are refined because of noise cost further rays.
-const SPLIT_SHARE: f64 = 0.7;
-const SPLIT_SHARE_OF_CELLS: f64 = 0.5;
+const SPLIT_SHARE: f64 = 0.8;
+const SPLIT_SHARE_OF_CELLS: f64 = 0.6;
 
 /// Points on each part of a light (`-ds`), together over the rays of a pixel. Radiance takes about
 /// as many.
