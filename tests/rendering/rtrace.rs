@@ -185,6 +185,29 @@ fn modifiers_from_a_file_take_part_in_interreflection_or_do_not() {
     assert!((value("-aI") - 0.5).abs() < 1e-3 && (value("-aE") - 0.1).abs() < 1e-6);
 }
 
+#[test]
+fn no_ambient_divisions_are_no_interreflection() {
+    let folder = Folder::new();
+    folder.file("scene.rad", SCENE);
+    let run = |program: &str, options: &str| {
+        let words: Vec<&str> = [program, "-h"].into_iter().chain(options.split(' ')).chain(["scene.rad"]).collect();
+        run_with(command(&words).current_dir(folder.path("")), b"0 3 .01 0 0 1\n").text()
+    };
+    let ambient = "-I -av .1 .2 .3";
+    for options in ["-ab 2 -ad 0", "-ab 1 -ad 0 -aa 0", "-ab 1 -ad 0 -as 64"] {
+        assert_eq!(run("rtrace", &format!("{ambient} {options}")), run("rtrace", &format!("{ambient} -ab 0")));
+    }
+    let values = run("rcontrib", "-I -ab 1 -ad 0 -m sky");
+    assert!(first_values(&values).iter().all(|value| *value == 0.0), "{values}");
+    if let Some(radiance) = Radiance::find() {
+        let octree = radiance.octree(&folder, &["scene.rad"]);
+        let words = ["-h", "-w", "-I", "-av", ".1", ".2", ".3", "-ab", "2", "-ad", "0", "-u+", "-dj", "0", &octree];
+        let mut real = radiance.command("rtrace", &words);
+        let real = run_with(real.current_dir(folder.path("")), b"0 3 .01 0 0 1\n").done();
+        same_words(run("rtrace", &format!("{ambient} -ab 2 -ad 0 --samples 4096")).as_bytes(), &real, &["-ad 0"]);
+    }
+}
+
 /// The first value of each record.
 fn first_values(text: &str) -> Vec<f64> {
     let first = |line: &str| line.split_whitespace().next().expect("a value").parse().expect("a number");

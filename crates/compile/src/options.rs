@@ -120,7 +120,8 @@ pub struct Gathering {
     /// Size of the scene over the smallest spacing of cache records, times `accuracy` (`-ar`); 0
     /// means no limit. Default 256.
     pub resolution: u32,
-    /// Hemisphere samples of a cache point (`-ad`). Default 1024.
+    /// Hemisphere samples of a cache point (`-ad`); 0 means no interreflection, as 0
+    /// [`RenderOptions::ambient_bounces`]. Default 1024.
     pub divisions: u32,
     /// Additional hemisphere samples, distributed like the others (`-as`). Default 0.
     pub super_samples: u32,

@@ -31,9 +31,12 @@ impl RenderPlan {
     /// What the scene uses and this renderer does not support, with its position in the scene text.
     pub fn new(
         scene: ValidScene,
-        options: RenderOptions,
+        mut options: RenderOptions,
         models: &dyn ModelSource,
     ) -> Result<RenderPlan, Vec<Diagnostic>> {
+        if options.gathering.divisions == 0 {
+            options.ambient_bounces = 0;
+        }
         let layout = Arc::new(BandLayout::new(options.sampling));
         let colors = [options.ambient_value, options.medium.extinction, options.medium.albedo];
         let (mut shaders, shader_table, bands) = compile_shaders(&scene, models, &colors, &layout, options.skipping)?;

@@ -215,7 +215,7 @@ impl ErrorBudget {
         let Asked::Preview(Interpolation { spacing, .. }) = self.0 else { return 1 };
         let coarsest = 0.5 * spacing;
         let finer = (gathering.rays() as f64 / FEW_RAYS).max(1.0).sqrt();
-        (coarsest / finer).max(coarsest.min(FINEST_PREPASS)).max(1.0) as usize
+        (coarsest / finer).max(FINEST_PREPASS) as usize
     }
 
     /// Allots the irradiance cache its part of the error, or Radiance's number of rays, and returns
