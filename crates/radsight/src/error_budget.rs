@@ -40,6 +40,9 @@ const FEW_RAYS: f64 = 80.0;
 const THOROUGHNESS: f64 = 0.15;
 const FINEST_PREPASS: f64 = 2.0;
 
+/// Accuracy (`-aa`) from which the pre-pass of a finer first grid (`-ps`) is as fine as the grid.
+const FINE_ACCURACY: f64 = 0.05;
+
 /// Maximum interpolation error of a preview's irradiance cache (`-aa`), relative to the noise of a
 /// record: records of many rays are worth a smaller spacing.
 const INTERPOLATION_NOISES: f64 = 3.0;
@@ -200,7 +203,7 @@ impl ErrorBudget {
     }
 
     /// The side in pixels of the squares that get one ray of the cache's pre-pass: half the spacing
-    /// of a preview, less where records are to have many rays.
+    /// of a preview, less where records are to have many rays; at least two unless `-aa` is small.
     ///
     /// ```
     /// use radsight::options::Gathering;
@@ -208,6 +211,9 @@ impl ErrorBudget {
     /// let coarse = ErrorBudget::preview(Interpolation { spacing: 8.0, contrast: 0.1 });
     /// let gathering = |divisions| Gathering { divisions, super_samples: 0, ..Gathering::default() };
     /// assert_eq!([64, 1024].map(|divisions| coarse.prepass_spacing(&gathering(divisions))), [4, 2]);
+    /// let single = ErrorBudget::preview(Interpolation { spacing: 1.0, contrast: 0.0 });
+    /// let accurate_to = |accuracy| Gathering { accuracy, ..gathering(256) };
+    /// assert_eq!([0.2, 0.05].map(|accuracy| single.prepass_spacing(&accurate_to(accuracy))), [2, 1]);
     /// assert_eq!(ErrorBudget::error(0.1).prepass_spacing(&gathering(64)), 1);
     /// ```
     #[must_use]
@@ -215,7 +221,8 @@ impl ErrorBudget {
         let Asked::Preview(Interpolation { spacing, .. }) = self.0 else { return 1 };
         let coarsest = 0.5 * spacing;
         let finer = (gathering.rays() as f64 / FEW_RAYS).max(1.0).sqrt();
-        (coarsest / finer).max(FINEST_PREPASS) as usize
+        let finest = if gathering.accuracy <= FINE_ACCURACY { coarsest.min(FINEST_PREPASS) } else { FINEST_PREPASS };
+        (coarsest / finer).max(finest).max(1.0) as usize
     }
 
     /// Allots the irradiance cache its part of the error, or Radiance's number of rays, and returns
