@@ -35,8 +35,17 @@ pub struct EmissionProfile {
     /// Orthonormal: two vectors in the light's plane, and its normal.
     frame: [DVec3; 3],
     /// Cumulative probability of the rows of cells, and of the cells within each row.
-    rows: Vec<f64>,
-    columns: Vec<f64>,
+    rows: Vec<f32>,
+    columns: Vec<f32>,
+}
+
+/// A sampled direction out of a light.
+#[derive(Clone, Copy, Debug)]
+pub struct ProfileSample {
+    /// Unit vector away from the light.
+    pub direction: DVec3,
+    /// Density, 1/sr.
+    pub pdf: f64,
 }
 
 impl EmissionProfile {
@@ -64,25 +73,17 @@ impl EmissionProfile {
 
     fn of_corners(frame: [DVec3; 3], corners: &[[f64; 2]]) -> EmissionProfile {
         let weight = |[radiance, cosine]: [f64; 2]| radiance / cosine.max(GRAZING);
-        let (mut rows, mut columns, mut total) = (Vec::with_capacity(CELLS), Vec::with_capacity(CELLS * CELLS), 0.0);
+        let (mut rows, mut columns) = (Vec::with_capacity(CELLS), Vec::with_capacity(CELLS * CELLS));
         for row in 0..CELLS {
-            let mut sum = 0.0;
-            for column in 0..CELLS {
+            let of_cell = |column| {
                 let first = row * (CELLS + 1) + column;
-                sum += [first, first + 1, first + CELLS + 1, first + CELLS + 2]
-                    .map(|corner| weight(corners[corner]))
-                    .iter()
-                    .sum::<f64>();
-                columns.push(sum);
-            }
-            if sum > 0.0 {
-                columns[row * CELLS..].iter_mut().for_each(|share| *share /= sum);
-            }
-            total += sum;
-            rows.push(total);
+                [first, first + 1, first + CELLS + 1, first + CELLS + 2].map(|corner| weight(corners[corner])).iter().sum()
+            };
+            let weights: Vec<f64> = (0..CELLS).map(of_cell).collect();
+            columns.extend(cumulative(&weights));
+            rows.push(weights.iter().sum());
         }
-        rows.iter_mut().for_each(|share| *share /= total);
-        EmissionProfile { frame, rows, columns }
+        EmissionProfile { frame, rows: cumulative(&rows).collect(), columns }
     }
 
     /// Probability of sampling by direction, for a receiver at this distance from the centre of a
@@ -91,14 +92,18 @@ impl EmissionProfile {
         if radius > NEAR * distance { BY_DIRECTION } else { 0.0 }
     }
 
-    /// Maps a point of the unit square to a unit direction away from the light.
-    pub fn sample(&self, [u, v]: [f64; 2]) -> Option<DVec3> {
-        let (row, b) = sampled_cell(&self.rows, v);
-        let (column, a) = sampled_cell(&self.columns[row * CELLS..][..CELLS], u);
-        let [a, b] = [column as f64 + a, row as f64 + b].map(|step| 2.0 * step / CELLS as f64 - 1.0);
+    /// Maps a point of the unit square to a direction away from the light.
+    pub fn sample(&self, [u, v]: [f64; 2]) -> Option<ProfileSample> {
+        let row = SampledCell::new(&self.rows, v);
+        let column = SampledCell::new(&self.columns[row.index * CELLS..][..CELLS], u);
+        let [a, b] = [&column, &row].map(|cell| 2.0 * (cell.index as f64 + cell.within) / CELLS as f64 - 1.0);
         let squared = 1.0 - a * a - b * b;
         let [x, y, normal] = self.frame;
-        (squared > 0.0).then(|| x * a + y * b + normal * squared.sqrt())
+        (squared > 0.0).then(|| {
+            let cosine = squared.sqrt();
+            let direction = x * a + y * b + normal * cosine;
+            ProfileSample { direction, pdf: density(row.probability * column.probability, cosine) }
+        })
     }
 
     /// Density of [`EmissionProfile::sample`], 1/sr.
@@ -108,10 +113,14 @@ impl EmissionProfile {
             return 0.0;
         }
         let [column, row] = [a, b].map(|at| ((0.5 * (at + 1.0) * CELLS as f64) as usize).min(CELLS - 1));
-        let chance = probability(&self.rows, row) * probability(&self.columns[row * CELLS..][..CELLS], column);
-        // Solid angle of a cell: its area over the cosine.
-        chance * (0.25 * (CELLS * CELLS) as f64) * cosine
+        density(probability(&self.rows, row) * probability(&self.columns[row * CELLS..][..CELLS], column), cosine)
     }
+}
+
+/// Density of the directions of a cell, 1/sr: its probability over its solid angle, which is its area
+/// over the cosine.
+fn density(probability: f64, cosine: f64) -> f64 {
+    probability * (0.25 * (CELLS * CELLS) as f64) * cosine
 }
 
 /// The mean of the square of the radiance relative to the square of its mean, over directions out of
@@ -126,16 +135,35 @@ fn narrowness(corners: &[[f64; 2]]) -> Option<f64> {
     (sum > 0.0 && squares.is_finite()).then(|| squares * count / (sum * sum))
 }
 
-/// Index of the sampled cell of a cumulative distribution, and the position within it.
-fn sampled_cell(cumulative: &[f64], u: f64) -> (usize, f64) {
-    let index = cumulative.partition_point(|sum| *sum <= u).min(cumulative.len() - 1);
-    let before = if index == 0 { 0.0 } else { cumulative[index - 1] };
-    let width = cumulative[index] - before;
-    (index, if width > 0.0 { ((u - before) / width).clamp(0.0, 1.0) } else { 0.5 })
+/// Cumulative probabilities in proportion to these weights; zero if all weights are.
+fn cumulative(weights: &[f64]) -> impl Iterator<Item = f32> {
+    let total: f64 = weights.iter().sum();
+    weights.iter().scan(0.0, move |sum, weight| {
+        *sum += weight;
+        Some(if total > 0.0 { (*sum / total) as f32 } else { 0.0 })
+    })
 }
 
-fn probability(cumulative: &[f64], index: usize) -> f64 {
-    cumulative[index] - if index == 0 { 0.0 } else { cumulative[index - 1] }
+/// A cell that is sampled from a cumulative distribution.
+struct SampledCell {
+    index: usize,
+    /// Position within the cell, 0…1.
+    within: f64,
+    probability: f64,
+}
+
+impl SampledCell {
+    fn new(cumulative: &[f32], u: f64) -> SampledCell {
+        let index = cumulative.partition_point(|sum| f64::from(*sum) <= u).min(cumulative.len() - 1);
+        let before = if index == 0 { 0.0 } else { f64::from(cumulative[index - 1]) };
+        let probability = f64::from(cumulative[index]) - before;
+        let within = if probability > 0.0 { ((u - before) / probability).clamp(0.0, 1.0) } else { 0.5 };
+        SampledCell { index, within, probability }
+    }
+}
+
+fn probability(cumulative: &[f32], index: usize) -> f64 {
+    f64::from(cumulative[index]) - if index == 0 { 0.0 } else { f64::from(cumulative[index - 1]) }
 }
 
 #[cfg(test)]
@@ -175,7 +203,8 @@ mod tests {
         let (mut mean, mut near, side) = (0.0, 0, 512);
         for index in 0..side * side {
             let u = [index % side, index / side].map(|step| (step as f64 + 0.5) / side as f64);
-            let Some(direction) = profile.sample(u) else { continue };
+            let Some(ProfileSample { direction, pdf }) = profile.sample(u) else { continue };
+            assert!((pdf / profile.pdf(direction) - 1.0).abs() < 1e-9);
             // The mean of 1/pdf over samples is the solid angle: here the part of the hemisphere
             // above z = 0.5, π.
             mean += if direction.z > 0.5 { 1.0 / profile.pdf(direction) } else { 0.0 } / (side * side) as f64;

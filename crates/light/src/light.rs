@@ -4,7 +4,7 @@ use crate::bilinear::{Bilinear, by_received_light};
 use crate::cubature::{DiskRule, IntegrandShape};
 use crate::disk_nodes::{DiskFrame, DiskNodes};
 use crate::disk_overlap::{DiskOverlap, Overlap};
-use crate::emission_profile::EmissionProfile;
+use crate::emission_profile::{EmissionProfile, ProfileSample};
 use crate::form::{LightForm, LightSample, coordinates, seen};
 use crate::lobe_weighting::{LobePeak, ReceiverCosine};
 use crate::spherical_rectangle::{SphericalRectangle, perpendicular};
@@ -187,7 +187,7 @@ impl<'l> LightSampler<'l> {
         let LightSampler { light, receiver, gradient, sampled } = self;
         match sampled {
             SampledPart::Nothing => None,
-            SampledPart::Profile(mixture) => light.sample_profile(*mixture, *receiver, u, *gradient),
+            SampledPart::Profile(_) => self.sample_by_profile(u).map(|(sample, _)| sample),
             SampledPart::Polygon(polygon) => polygon.sample(*receiver, u),
             SampledPart::Overlap { overlap, center, normal, away } => {
                 let across = normal.cross(*away);
@@ -198,16 +198,25 @@ impl<'l> LightSampler<'l> {
         }
     }
 
-    /// The radiance that the receiver sees in a unit direction, relative to the mean over all
-    /// directions out of the light, as the light's emission profile tabulates it. 1 where no profile is
-    /// sampled.
+    /// [`LightSampler::sample`] where an emission profile is sampled, with the radiance that the receiver
+    /// sees there, relative to the mean over all directions out of the light, as the profile tabulates it.
+    /// `None` without a profile, too.
     #[inline]
     #[must_use]
-    pub fn relative_radiance(&self, direction: DVec3) -> f64 {
-        match &self.sampled {
-            SampledPart::Profile(mixture) => 2.0 * PI * mixture.profile.pdf(-direction),
-            _ => 1.0,
-        }
+    pub fn sample_by_profile(&self, [u, v]: [f64; 2]) -> Option<(LightSample, f64)> {
+        let LightSampler { light: Light { form, .. }, receiver, gradient, sampled } = self;
+        let SampledPart::Profile(mixture @ Mixture { profile, chance }) = sampled else { return None };
+        let (sample, by_direction) = if u < *chance {
+            let outward = profile.sample([u / chance, v])?;
+            let (direction, (normal, _)) = (-outward.direction, form.plane()?);
+            let (distance, cosine) = form.intersect(*receiver, direction)?;
+            let pdf = form.pdf(*receiver, direction, distance, cosine, *gradient);
+            (LightSample { direction, distance, pdf, normal }, outward.pdf)
+        } else {
+            let sample = form.sample(*receiver, [(u - chance) / (1.0 - chance), v], *gradient)?;
+            (sample, profile.pdf(-sample.direction))
+        };
+        Some((LightSample { pdf: mixture.pdf(by_direction, sample.pdf), ..sample }, 2.0 * PI * by_direction))
     }
 
     /// Whether an emission profile is sampled.
@@ -225,7 +234,7 @@ impl<'l> LightSampler<'l> {
         let LightSampler { light, receiver, gradient, sampled } = self;
         let of_form = || light.form.pdf(*receiver, direction, distance, cosine, *gradient);
         match sampled {
-            SampledPart::Profile(mixture) => mixture.pdf(direction, of_form()),
+            SampledPart::Profile(mixture) => mixture.pdf(mixture.profile.pdf(-direction), of_form()),
             SampledPart::Polygon(polygon) => polygon.pdf(direction * distance, cosine),
             SampledPart::Overlap { overlap, center, normal, away } => {
                 let across = normal.cross(*away);
@@ -347,27 +356,6 @@ impl Light {
         let profile = self.profile.as_deref()?;
         let chance = EmissionProfile::chance(receiver.distance(self.center), self.radius);
         (chance > 0.0).then_some(Mixture { profile, chance })
-    }
-
-    /// Samples the mixture of the emission profile and the shape.
-    fn sample_profile(
-        &self,
-        mixture: Mixture<'_>,
-        receiver: DVec3,
-        [u, v]: [f64; 2],
-        gradient: DVec3,
-    ) -> Option<LightSample> {
-        let Mixture { profile, chance } = mixture;
-        let sample = if u < chance {
-            let direction = -profile.sample([u / chance, v])?;
-            let (normal, _) = self.form.plane()?;
-            let (distance, cosine) = self.form.intersect(receiver, direction)?;
-            let pdf = self.form.pdf(receiver, direction, distance, cosine, gradient);
-            LightSample { direction, distance, pdf, normal }
-        } else {
-            self.form.sample(receiver, [(u - chance) / (1.0 - chance), v], gradient)?
-        };
-        Some(LightSample { pdf: mixture.pdf(sample.direction, sample.pdf), ..sample })
     }
 
     /// Factor of a spotlight's radiance at a distance, which may be infinite.
@@ -568,8 +556,8 @@ struct Mixture<'l> {
 }
 
 impl Mixture<'_> {
-    /// Density of the mixture, given the density of sampling the shape, 1/sr.
-    fn pdf(self, direction: DVec3, by_area: f64) -> f64 {
-        self.chance * self.profile.pdf(-direction) + (1.0 - self.chance) * by_area
+    /// Density of the mixture, given those of sampling the profile and the shape, 1/sr.
+    fn pdf(self, by_direction: f64, by_area: f64) -> f64 {
+        self.chance * by_direction + (1.0 - self.chance) * by_area
     }
 }

@@ -80,27 +80,26 @@ impl DirectSampler<'_> {
         let (sample, weight) = if numbered.sampler.follows_profile() {
             self.selected_candidate(tracer, point, numbered, u)?
         } else {
-            self.candidate(tracer, point, numbered, u)?
+            let sample = self.light_sample(tracer, &numbered.sampler, u)?;
+            (sample, self.sample_weight(tracer, point, numbered, &sample)?)
         };
         let radiance = self.radiance(tracer, light, &sample);
         let strength = product(weight, radiance).iter().sum();
         (strength != 0.0).then_some(UnshadowedSample { light, between, sample, weight, radiance, strength })
     }
 
-    /// A sample of a light and the weight of its radiance; `None` if that is zero.
+    /// The weight of a light sample's radiance; `None` if it is zero.
     #[inline]
-    fn candidate<const BANDS: usize>(
+    fn sample_weight<const BANDS: usize>(
         &self,
         tracer: &mut PathIntegrator<'_, BANDS>,
         point: &Bsdf<'_, BANDS>,
         numbered: &NumberedLight<'_>,
-        u: [f64; 2],
-    ) -> Option<(LightSample, [f64; BANDS])> {
-        let sample = self.light_sample(tracer, &numbered.sampler, u)?;
+        sample: &LightSample,
+    ) -> Option<[f64; BANDS]> {
         let scratch = &mut tracer.workspace.scratch;
         let value = point.eval(sample.direction, sample.pdf, self.pdf_request(), scratch);
-        let weight = self.weight(numbered.sampler.light(), &sample, f64::from(numbered.samples), &value)?;
-        Some((sample, weight))
+        self.weight(numbered.sampler.light(), sample, f64::from(numbered.samples), &value)
     }
 
     /// One of several samples of a light with an emission profile, selected in proportion to what it
@@ -114,14 +113,18 @@ impl DirectSampler<'_> {
         numbered: &NumberedLight<'_>,
         [u, v]: [f64; 2],
     ) -> Option<(LightSample, [f64; BANDS])> {
+        let light = numbered.sampler.light();
         let (mut candidates, mut strengths, mut found) = ([None; CANDIDATES], [0.0; CANDIDATES], 0);
         for index in 0..CANDIDATES {
             let step = index as f64;
             let shifted = [u + step / CANDIDATES as f64, v + step * GOLDEN_RATIO].map(f64::fract);
-            let Some(candidate) = self.candidate(tracer, point, numbered, shifted) else { continue };
-            let (sample, weight) = candidate;
-            let expected = numbered.sampler.relative_radiance(sample.direction) + LEAST_RADIANCE;
-            (candidates[found], strengths[found]) = (Some(candidate), weight.iter().sum::<f64>() * expected);
+            let Some((sample, relative_radiance)) = numbered.sampler.sample_by_profile(shifted) else { continue };
+            if light.fraction_in_radius(self.point, sample.direction, sample.distance) <= 0.0 {
+                continue;
+            }
+            let Some(weight) = self.sample_weight(tracer, point, numbered, &sample) else { continue };
+            candidates[found] = Some((sample, weight));
+            strengths[found] = weight.iter().sum::<f64>() * (relative_radiance + LEAST_RADIANCE);
             found += 1;
         }
         let choice = tracer.sampler.take(DimensionSet::render(tracer.next_set))[0];
