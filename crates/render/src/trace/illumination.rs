@@ -34,6 +34,10 @@ const MAX_HIGHLIGHT_SAMPLES: f64 = 16.0;
 /// Maximum number of diffuse rays from a point of a preview that no record reaches.
 const MAX_RAYS_OF_UNREACHED: u32 = 16;
 
+/// The same where a highlight ray ends: in a room with a ball of rough gold, four have two thirds of
+/// the rms error of one in 1.3 times the time.
+const MAX_RAYS_BEHIND_HIGHLIGHT: u32 = 4;
+
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Direct light, and the rays for indirect light.
     pub(crate) fn light_and_scatter(
@@ -79,7 +83,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let mut branches = if self.splits {
             self.branches(path, point, requested)
         } else if follow_diffuse && self.lacks_record(path) {
-            Branches { diffuse: self.rays_of_unreached(), ..requested }
+            Branches { diffuse: self.rays_of_unreached(path), ..requested }
         } else {
             requested
         };
@@ -143,18 +147,20 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
     }
 
-    /// Whether a point of a preview is reached by no record of the irradiance cache, as between leaves:
-    /// few other rays average what a single ray would find from there.
+    /// Whether this is a point of a preview before the first diffuse bounce. Where no record of the
+    /// irradiance cache reaches it, as between leaves or along a highlight ray, few other rays average
+    /// what a single ray would find from there.
     fn lacks_record(&self, path: &PathState<BANDS>) -> bool {
         let options = &self.plan.options;
         let is_preview = options.light_division != LightDivision::Whole;
         let is_first = path.ambient_bounces == options.ambient_bounces;
-        is_preview && is_first && !path.is_scattered() && self.caches[0].is_some()
+        is_preview && is_first && self.caches[0].is_some()
     }
 
     /// Number of diffuse rays from such a point.
-    fn rays_of_unreached(&self) -> u32 {
-        self.plan.options.gathering.divisions.clamp(1, MAX_RAYS_OF_UNREACHED)
+    fn rays_of_unreached(&self, path: &PathState<BANDS>) -> u32 {
+        let most = if path.is_scattered() { MAX_RAYS_BEHIND_HIGHLIGHT } else { MAX_RAYS_OF_UNREACHED };
+        self.plan.options.gathering.divisions.clamp(1, most)
     }
 
     /// Adds highlight rays, which are pending at once.
