@@ -84,10 +84,13 @@ const FEW_POINTS: f64 = 16.0;
 const RAYS_OF_A_POINT: f64 = 8.0;
 
 /// Up to this many points with more than one bounce are sensors, whose values are used one by one.
-/// Each gets this many times the requested rays, which end at surfaces with the second cache. This
-/// pays from the given total number of rays.
+/// Each gets this many times the requested rays, which end at surfaces with the second cache, and
+/// fewer, down to the given share, where less than the given number is requested: then Radiance's
+/// sensors cost little, too. This pays from the given total number of rays.
 const MAX_SENSORS: usize = 128;
 const RAYS_OF_A_SENSOR: f64 = 12.0;
+const LEAST_SENSOR_SHARE: f64 = 1.0 / 3.0;
+const ACCURATE_SENSOR_RAYS: f64 = 2048.0;
 const MIN_SENSOR_RAYS: f64 = 16_384.0;
 
 /// From this number of rays on, records resolve what the rays do; with fewer they resolve finer
@@ -547,7 +550,8 @@ fn are_sensors(plan: &RenderPlan, points: usize) -> bool {
 
 /// Whether a second cache pays for this many points.
 fn pays_for_second_cache(plan: &RenderPlan, points: usize) -> bool {
-    let of_sensors = least_own_rays(plan, points) * points as f64;
+    let requested = plan.options.gathering.rays();
+    let of_sensors = rays_of_few(RAYS_OF_A_SENSOR, requested, points) * points as f64;
     points >= MIN_RAYS_FOR_SECOND_CACHE || are_sensors(plan, points) && of_sensors >= MIN_SENSOR_RAYS
 }
 
@@ -565,8 +569,10 @@ fn sample_rays(plan: &RenderPlan, points: usize) -> usize {
 
 /// Minimum number of own rays of a record, for this total number of points.
 fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
-    let factor = if are_sensors(plan, points) { RAYS_OF_A_SENSOR } else { RAYS_OF_A_POINT };
-    rays_of_few(factor, plan.options.gathering.rays(), points)
+    let requested = plan.options.gathering.rays();
+    let of_sensor = || (requested as f64 / ACCURATE_SENSOR_RAYS).clamp(LEAST_SENSOR_SHARE, 1.0) * RAYS_OF_A_SENSOR;
+    let factor = if are_sensors(plan, points) { of_sensor() } else { RAYS_OF_A_POINT };
+    rays_of_few(factor, requested, points)
 }
 
 /// This multiple of the requested rays (`-ad`, `-as`) for each of few points, which have hardly any
