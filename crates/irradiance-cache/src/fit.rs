@@ -116,6 +116,7 @@ impl<const BANDS: usize> Fit<BANDS> {
                 let is_hidden = || {
                     (record.may_be_hidden_from(other.position) || other.may_be_hidden_from(record.position))
                         && occluders.separate(record.position, record.normal, other.position)
+                        || record.is_on_another_level(other.position, other.normal, occluders)
                 };
                 (relative_error < 1.0 && !is_hidden()).then(|| Neighbour {
                     record: other,

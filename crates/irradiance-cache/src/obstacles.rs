@@ -4,6 +4,9 @@
 //! tell in which directions, and from which distance on, something may be in between; only there
 //! the caller is asked ([`Occluders`]). Ward's programs mark such directions, too, and trace a ray
 //! there (Radiance's `ambient.c`, corrals).
+//!
+//! Nor must a record on a panel be used on the wall behind it, whose normal is the same. A record
+//! that is higher than a point hides from it if something lies above the point.
 
 use crate::emitter::GatherHit;
 use crate::stored::{Stored, StoredBytes};
@@ -15,6 +18,10 @@ pub trait Occluders: Sync {
     /// Whether something opaque that stands on the surface separates `to` from the point `from`,
     /// whose unit normal is given.
     fn separate(&self, from: DVec3, normal: DVec3, to: DVec3) -> bool;
+
+    /// Whether something opaque lies above the point `from` of a surface, up to this height along its
+    /// unit normal.
+    fn cover(&self, from: DVec3, normal: DVec3, height: f64) -> bool;
 }
 
 /// No occluders: all points see each other.
@@ -23,6 +30,10 @@ pub struct Unobstructed;
 
 impl Occluders for Unobstructed {
     fn separate(&self, _from: DVec3, _normal: DVec3, _to: DVec3) -> bool {
+        false
+    }
+
+    fn cover(&self, _from: DVec3, _normal: DVec3, _height: f64) -> bool {
         false
     }
 }

@@ -228,9 +228,24 @@ impl<const BANDS: usize> Record<BANDS> {
         distance.max(turn).max(behind)
     }
 
-    /// Whether something stands between the record and a point of the surface with this normal.
+    /// Whether something stands between the record and a point of a surface with this normal.
     pub(crate) fn is_hidden_from(&self, position: DVec3, normal: DVec3, occluders: &dyn Occluders) -> bool {
         self.may_be_hidden_from(position) && occluders.separate(position, normal, self.position)
+            || self.is_on_another_level(position, normal, occluders)
+    }
+
+    /// Whether the record and a point lie at different heights, and something covers the lower one: the
+    /// surface of the other, as a panel before a wall. Points of one sphere or cylinder have the same
+    /// height along their mean normal.
+    pub(crate) fn is_on_another_level(&self, position: DVec3, normal: DVec3, occluders: &dyn Occluders) -> bool {
+        let offset = self.position - position;
+        let height = 0.5 * offset.dot(normal + self.normal);
+        let covered = MEASURED_HEIGHT * height.abs();
+        match height / offset.length() {
+            LEAST_SLOPE.. => occluders.cover(position, normal, covered),
+            ..=LEAST_DESCENT => occluders.cover(self.position, self.normal, covered),
+            _ => false,
+        }
     }
 
     /// Whether something may stand between the record and a point of the surface.
@@ -258,6 +273,15 @@ const ROUNDING: f64 = 1e-9;
 
 /// Maximum relative change of the irradiance within the scale.
 const MAX_RELATIVE_GRADIENT: f64 = 2.0;
+
+/// Slope between two points, relative to their mean normal, from which they may lie on different
+/// levels.
+const LEAST_SLOPE: f64 = 1e-3;
+const LEAST_DESCENT: f64 = -LEAST_SLOPE;
+
+/// The height up to which a point must not be covered, relative to that of the other: its own surface
+/// counts.
+const MEASURED_HEIGHT: f64 = 1.01;
 
 /// Error of a rotation relative to that of a translation by this fraction of the reach.
 const ROTATION_WEIGHT: f64 = 2.5;

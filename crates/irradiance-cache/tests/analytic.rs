@@ -354,6 +354,43 @@ impl Occluders for Wall {
     fn separate(&self, from: DVec3, _normal: DVec3, to: DVec3) -> bool {
         from.x * to.x < 0.0
     }
+
+    fn cover(&self, _from: DVec3, _normal: DVec3, _height: f64) -> bool {
+        false
+    }
+}
+
+/// A panel in the plane z = 0.01 above the half x > 0 of the plane z = 0.
+struct Panel;
+
+impl Occluders for Panel {
+    fn separate(&self, _from: DVec3, _normal: DVec3, _to: DVec3) -> bool {
+        false
+    }
+
+    fn cover(&self, from: DVec3, normal: DVec3, height: f64) -> bool {
+        from.x > 0.0 && from.z < 0.01 && from.z + height * normal.z > 0.01
+    }
+}
+
+#[test]
+fn records_on_a_panel_are_not_used_below_it_nor_those_below_it_on_the_panel() {
+    let on_panel = |x: f64| DVec3::new(x, 0.0, 0.01);
+    let below = |x: f64| DVec3::new(x, 0.0, 0.0);
+    for (known, asked, is_hidden) in [
+        (on_panel(0.1), below(0.11), true),
+        (below(0.1), on_panel(0.11), true),
+        (on_panel(0.1), on_panel(0.11), false),
+        (below(0.1), below(0.11), false),
+        // Beside the panel.
+        (on_panel(0.005), below(-0.005), false),
+    ] {
+        let mut cache = Cache::new(LIMITS);
+        cache.insert(record(known, DVec3::Z, 256, |_, _| (1.0, 1.0)), 0);
+        let at = |occluders: &dyn Occluders| cache.irradiance(asked, DVec3::Z, DVec3::Z, occluders);
+        assert!(at(&Unobstructed).is_some(), "the record at {known} reaches {asked}");
+        assert_eq!(at(&Panel).is_none(), is_hidden, "from {known} to {asked}");
+    }
 }
 
 #[test]

@@ -26,9 +26,18 @@ impl Occluders for OpaqueSurfaces<'_> {
         let distance = along.length();
         let Some(along) = along.try_normalize() else { return false };
         let elevation_cosine = (1.0 - ELEVATION_SINE * ELEVATION_SINE).sqrt();
-        let direction = along * elevation_cosine + normal * ELEVATION_SINE;
         // The ray ends above the other point.
-        let length = distance / elevation_cosine;
+        self.block(from, along * elevation_cosine + normal * ELEVATION_SINE, distance / elevation_cosine)
+    }
+
+    fn cover(&self, from: DVec3, normal: DVec3, height: f64) -> bool {
+        self.block(from, normal, height)
+    }
+}
+
+impl OpaqueSurfaces<'_> {
+    /// Whether one of them lies on a ray that starts on a surface, up to this distance.
+    fn block(&self, from: DVec3, direction: DVec3, length: f64) -> bool {
         let start = UNTESTED * length;
         let (mut ray, mut left) = (Ray { origin: from + direction * start, direction }, length - start);
         let mut passed = None;
