@@ -4,7 +4,7 @@ use crate::bilinear::{Bilinear, by_received_light};
 use crate::cubature::{DiskRule, IntegrandShape};
 use crate::disk_nodes::{DiskFrame, DiskNodes};
 use crate::disk_overlap::{DiskOverlap, Overlap};
-use crate::emission_profile::{EmissionProfile, ProfileSample};
+use crate::emission_profile::EmissionProfile;
 use crate::form::{LightForm, LightSample, coordinates, seen};
 use crate::lobe_weighting::{LobePeak, ReceiverCosine};
 use crate::spherical_rectangle::{SphericalRectangle, perpendicular};

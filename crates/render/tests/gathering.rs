@@ -202,3 +202,28 @@ fn caustics_are_as_fine_as_the_rays_that_see_them() {
     let error = (squares / whole).sqrt();
     assert!(error < 0.08, "{error}");
 }
+
+#[test]
+fn a_surface_behind_a_panel_gets_nothing_from_records_on_the_panel() {
+    let mut scene = corner();
+    let grey = scene.plastic([0.3; 3], 0.0, 0.0);
+    let corner = |x: f64, y: f64| DVec3::new(x, y, 0.005);
+    scene.polygon(grey, &[corner(0.1, 0.1), corner(1.9, 0.1), corner(1.9, 1.9), corner(0.1, 1.9)]);
+    let mut options = RenderOptions { quantity: Quantity::Irradiance, ..options(1, 0.2) };
+    // Records below the panel reach farther than it is high.
+    options.gathering.resolution = 8;
+    let mut renderer = renderer(&scene, options);
+    // In turns below the panel and above it.
+    let sensor = |index: u32| {
+        let at = 0.7 + 0.15 * f64::from(index / 2);
+        Ray::new(DVec3::new(at, at, if index.is_multiple_of(2) { 0.0 } else { 0.01 }), DVec3::Z)
+    };
+    let rays: Vec<_> = (0..10).map(sensor).collect();
+    renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
+    let values: Vec<f64> = renderer.trace_all(0, &rays).iter().flatten().map(|traced| traced.value[0]).collect();
+    assert_eq!(values.len(), rays.len());
+    for pair in values.chunks(2) {
+        // Below there is only what comes through the gap at the rim.
+        assert!(pair[0] < 5e-4 * pair[1], "{pair:?}");
+    }
+}
