@@ -77,7 +77,10 @@ impl EmissionProfile {
         for row in 0..CELLS {
             let of_cell = |column| {
                 let first = row * (CELLS + 1) + column;
-                [first, first + 1, first + CELLS + 1, first + CELLS + 2].map(|corner| weight(corners[corner])).iter().sum()
+                [first, first + 1, first + CELLS + 1, first + CELLS + 2]
+                    .map(|corner| weight(corners[corner]))
+                    .iter()
+                    .sum()
             };
             let weights: Vec<f64> = (0..CELLS).map(of_cell).collect();
             columns.extend(cumulative(&weights));

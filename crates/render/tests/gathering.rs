@@ -5,7 +5,7 @@ mod build;
 use build::{Builder, plan};
 use glam::DVec3;
 use radsight_ir::{Facing, Sphere};
-use radsight_render::{Gathering, Quantity, Ray, RaySpacing, RenderOptions, Renderer, Traced, Uncached};
+use radsight_render::{Gathering, LightDivision, Quantity, Ray, RaySpacing, RenderOptions, Renderer, Traced, Uncached};
 use std::f64::consts::PI;
 
 /// An integrating sphere: a small light in the centre of a diffuse bubble.
@@ -226,4 +226,35 @@ fn a_surface_behind_a_panel_gets_nothing_from_records_on_the_panel() {
         // Below there is only what comes through the gap at the rim.
         assert!(pair[0] < 5e-4 * pair[1], "{pair:?}");
     }
+}
+
+/// A highlight ray ends on a floor whose records are elsewhere, below a small bright patch.
+#[test]
+fn a_preview_averages_several_rays_where_a_highlight_ray_ends() {
+    let square = |half: f64, height: f64| {
+        [[half, half], [-half, half], [-half, -half], [half, -half]].map(|[x, y]| DVec3::new(x, y, height))
+    };
+    let mut scene = Builder::default();
+    let paint = scene.plastic([0.5; 3], 0.0, 0.0);
+    let patch = scene.glow([10.0; 3], 0.0);
+    let metal = scene.metal([0.9; 3], 0.9, 0.1);
+    scene.polygon(paint, &square(20.0, 0.0));
+    scene.polygon(patch, &[[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 2.0)));
+    scene.polygon(paint, &square(20.0, 8.0));
+    scene.polygon(metal, &square(0.2, 3.0));
+    let down_to = |point: DVec3| Ray::new(DVec3::new(0.0, 0.0, 6.0), point - DVec3::new(0.0, 0.0, 6.0));
+    let spread = |light_division: LightDivision| {
+        let options = RenderOptions { light_division, ..options(1, 0.01) };
+        let mut renderer = renderer(&scene, options);
+        assert_eq!(renderer.gather_irradiance(&[down_to(DVec3::new(15.0, 0.0, 0.0))], RaySpacing::UNKNOWN), 1);
+        let up: Vec<_> = (0..4096).map(|_| Ray::new(DVec3::new(0.0, 0.0, 1.0), DVec3::Z)).collect();
+        let traced = renderer.trace_all(0, &up);
+        let values: Vec<f64> = traced.iter().flatten().map(|traced| traced.value[0]).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64;
+        (mean, variance)
+    };
+    let ((one, of_one), (several, of_several)) = (spread(LightDivision::Whole), spread(LightDivision::BySize(1.0)));
+    assert!((several / one - 1.0).abs() < 4.0 * (2.0 * of_one / 4096.0).sqrt() / one, "{several} against {one}");
+    assert!(of_several < 0.4 * of_one, "{of_several} against {of_one}");
 }
