@@ -44,7 +44,11 @@ const COARSE_SPACING: usize = 4;
 
 /// Rays that find the surfaces in a silhouette pixel with a single ray, besides that, and the offset
 /// of their ray numbers. Twice as many do not bring more blocks of 8 × 8 pixels near to the truth.
+/// Small pictures, where they cost little beside the start of the program, have more: as many in all
+/// as a picture of so many pixels.
 const SILHOUETTE_PROBES: u32 = 2;
+const MAX_SILHOUETTE_PROBES: u32 = 6;
+const MANY_PIXELS: usize = 1 << 15;
 pub(crate) const PROBES: u64 = 1 << (46 + INDEX_LOG2);
 
 /// Pixels darker than this fraction of the typical value need no more accuracy.
@@ -427,13 +431,13 @@ impl Block<'_> {
         if !sees_own || !sees_other {
             return own;
         }
-        let mut sum = own;
-        for probe in 0..SILHOUETTE_PROBES {
-            let index = numbered([column, row + self.first_row], (1, 1), SILHOUETTE_PROBES, probe) | PROBES;
+        let (mut sum, probes) = (own, silhouette_probes(self.camera.columns() * self.camera.rows()));
+        for probe in 0..probes {
+            let index = numbered([column, row + self.first_row], (1, 1), probes, probe) | PROBES;
             let value = self.silhouette_probe((column, row), index, &sample.surface, averaged).unwrap_or(own);
             sum = std::array::from_fn(|band| sum[band] + value[band]);
         }
-        sum.map(|band| band / f64::from(SILHOUETTE_PROBES + 1))
+        sum.map(|band| band / f64::from(probes + 1))
     }
 
     /// Whether two values differ by no more than the allowed contrast.
@@ -470,4 +474,10 @@ impl Block<'_> {
         }
         self.around((column, row)).find(|(_, near)| near.surface.continues(&met)).map(|(index, _)| averaged[index])
     }
+}
+
+/// Number of probe rays of a silhouette pixel in a picture of so many pixels.
+fn silhouette_probes(pixels: usize) -> u32 {
+    let of_many = SILHOUETTE_PROBES as usize * MANY_PIXELS;
+    ((of_many / pixels.max(1)) as u32).clamp(SILHOUETTE_PROBES, MAX_SILHOUETTE_PROBES)
 }
