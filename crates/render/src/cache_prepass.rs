@@ -84,9 +84,9 @@ const FEW_POINTS: f64 = 16.0;
 const RAYS_OF_A_POINT: f64 = 8.0;
 
 /// Up to this many points with more than one bounce are sensors, whose values are used one by one.
-/// Each gets this many times the requested rays, which end at surfaces with the second cache, and
-/// fewer, down to the given share, where less than the given number is requested: then Radiance's
-/// sensors cost little, too. This pays from the given total number of rays.
+/// Each gets this many times the requested rays. From the given total number of rays on, a second
+/// cache pays, where these rays end. Then each gets fewer, down to the given share, if less than the
+/// given number is requested, since Radiance's sensors cost little there.
 const MAX_SENSORS: usize = 128;
 const RAYS_OF_A_SENSOR: f64 = 12.0;
 const LEAST_SENSOR_SHARE: f64 = 1.0 / 3.0;
@@ -550,9 +550,12 @@ fn are_sensors(plan: &RenderPlan, points: usize) -> bool {
 
 /// Whether a second cache pays for this many points.
 fn pays_for_second_cache(plan: &RenderPlan, points: usize) -> bool {
+    points >= MIN_RAYS_FOR_SECOND_CACHE || are_sensors(plan, points) && pays_for_sensors(plan, points)
+}
+
+fn pays_for_sensors(plan: &RenderPlan, points: usize) -> bool {
     let requested = plan.options.gathering.rays();
-    let of_sensors = rays_of_few(RAYS_OF_A_SENSOR, requested, points) * points as f64;
-    points >= MIN_RAYS_FOR_SECOND_CACHE || are_sensors(plan, points) && of_sensors >= MIN_SENSOR_RAYS
+    rays_of_few(RAYS_OF_A_SENSOR, requested, points) * points as f64 >= MIN_SENSOR_RAYS
 }
 
 /// Allowed relative standard error of the second cache, for this number of points.
@@ -570,8 +573,13 @@ fn sample_rays(plan: &RenderPlan, points: usize) -> usize {
 /// Minimum number of own rays of a record, for this total number of points.
 fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
     let requested = plan.options.gathering.rays();
-    let of_sensor = || (requested as f64 / ACCURATE_SENSOR_RAYS).clamp(LEAST_SENSOR_SHARE, 1.0) * RAYS_OF_A_SENSOR;
-    let factor = if are_sensors(plan, points) { of_sensor() } else { RAYS_OF_A_POINT };
+    let factor = if !are_sensors(plan, points) {
+        RAYS_OF_A_POINT
+    } else if pays_for_sensors(plan, points) {
+        (requested as f64 / ACCURATE_SENSOR_RAYS).clamp(LEAST_SENSOR_SHARE, 1.0) * RAYS_OF_A_SENSOR
+    } else {
+        RAYS_OF_A_SENSOR
+    };
     rays_of_few(factor, requested, points)
 }
 
