@@ -158,15 +158,21 @@ struct SampledCell {
 impl SampledCell {
     fn new(cumulative: &[f32], u: f64) -> SampledCell {
         let index = cumulative.partition_point(|sum| f64::from(*sum) <= u).min(cumulative.len() - 1);
-        let before = if index == 0 { 0.0 } else { f64::from(cumulative[index - 1]) };
-        let probability = f64::from(cumulative[index]) - before;
+        let [before, after] = limits(cumulative, index);
+        let probability = after - before;
         let within = if probability > 0.0 { ((u - before) / probability).clamp(0.0, 1.0) } else { 0.5 };
         SampledCell { index, within, probability }
     }
 }
 
 fn probability(cumulative: &[f32], index: usize) -> f64 {
-    f64::from(cumulative[index]) - if index == 0 { 0.0 } else { f64::from(cumulative[index - 1]) }
+    let [before, after] = limits(cumulative, index);
+    after - before
+}
+
+/// The cumulative probabilities at the start and at the end of a cell.
+fn limits(cumulative: &[f32], index: usize) -> [f64; 2] {
+    [if index == 0 { 0.0 } else { f64::from(cumulative[index - 1]) }, f64::from(cumulative[index])]
 }
 
 #[cfg(test)]

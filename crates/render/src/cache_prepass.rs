@@ -553,6 +553,7 @@ fn pays_for_second_cache(plan: &RenderPlan, points: usize) -> bool {
     points >= MIN_RAYS_FOR_SECOND_CACHE || are_sensors(plan, points) && pays_for_sensors(plan, points)
 }
 
+/// Whether a second cache pays for this many sensors.
 fn pays_for_sensors(plan: &RenderPlan, points: usize) -> bool {
     let requested = plan.options.gathering.rays();
     rays_of_few(RAYS_OF_A_SENSOR, requested, points) * points as f64 >= MIN_SENSOR_RAYS

@@ -2,7 +2,7 @@
 
 mod build;
 
-use build::{Builder, plan};
+use build::{Builder, plan, square};
 use glam::DVec3;
 use radsight_ir::{Facing, Sphere};
 use radsight_render::{Gathering, LightDivision, Quantity, Ray, RaySpacing, RenderOptions, Renderer, Traced, Uncached};
@@ -176,9 +176,6 @@ fn caustics_are_as_fine_as_the_rays_that_see_them() {
     let white = scene.plastic([0.7; 3], 0.0, 0.0);
     let glass = scene.dielectric([1.0; 3], 1.5);
     let panel = scene.glow([20.0; 3], 0.0);
-    let square = |half: f64, z: f64| {
-        [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]].map(DVec3::from_array)
-    };
     scene.polygon(white, &square(4.0, 0.0));
     let mut panel_corners = square(0.5, 3.0);
     panel_corners.reverse();
@@ -231,9 +228,6 @@ fn a_surface_behind_a_panel_gets_nothing_from_records_on_the_panel() {
 /// A highlight ray ends on a floor whose records are elsewhere, below a small bright patch.
 #[test]
 fn a_preview_averages_several_rays_where_a_highlight_ray_ends() {
-    let square = |half: f64, height: f64| {
-        [[half, half], [-half, half], [-half, -half], [half, -half]].map(|[x, y]| DVec3::new(x, y, height))
-    };
     let mut scene = Builder::default();
     let paint = scene.plastic([0.5; 3], 0.0, 0.0);
     let patch = scene.glow([10.0; 3], 0.0);

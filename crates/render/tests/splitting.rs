@@ -2,7 +2,7 @@
 
 mod build;
 
-use build::{Builder, plan, values};
+use build::{Builder, plan, square, values};
 use glam::DVec3;
 use radsight_ir::{Facing, Sphere};
 use radsight_render::{Gathering, PathLimit, Quantity, Ray, RenderOptions, Renderer, Uncached};
@@ -15,11 +15,6 @@ fn options(bounces: u32, divisions: u32, least_weight: f64) -> RenderOptions {
 
 fn irradiance(options: RenderOptions) -> RenderOptions {
     RenderOptions { quantity: Quantity::Irradiance, ..options }
-}
-
-/// A square of this half width centred on the z axis, facing up.
-fn square(half: f64, height: f64) -> [DVec3; 4] {
-    [[half, half], [-half, half], [-half, -half], [half, -half]].map(|[x, y]| DVec3::new(x, y, height))
 }
 
 /// A floor under a uniform sky.

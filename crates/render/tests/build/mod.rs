@@ -164,6 +164,11 @@ fn call(expressions: &[&str]) -> FunctionCall {
     FunctionCall { program: Arc::new(program), to_scene: Transform::IDENTITY, words: Vec::new(), numbers: Vec::new() }
 }
 
+/// A square of this half width centred on the z axis, facing up.
+pub(crate) fn square(half: f64, height: f64) -> [DVec3; 4] {
+    [[half, half], [-half, half], [-half, -half], [half, -half]].map(|[x, y]| DVec3::new(x, y, height))
+}
+
 /// The red band of rays 0…count with the same origin and direction.
 pub(crate) fn values(
     scene: &Builder,
