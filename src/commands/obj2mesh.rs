@@ -12,7 +12,7 @@ use crate::input::{read, read_file, read_standard_input, use_default_threads};
 use crate::output::write_file;
 use crate::trust::Trust;
 use glam::DVec3;
-use radsight_formats::{Corner, Facet, MESH_FORMAT, MeshParts, Object};
+use radsight_formats::{Corner, Facet, MESH_FORMAT, MOST_IN_A_CUBE, MeshParts, Object};
 use radsight_ir::{Cube, Scene, Shape, Surface};
 use radsight_loader::{FileKind, Loader};
 use radsight_octree::{BuildOptions, Built};
@@ -58,7 +58,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let cube = cube(&mesh);
     let Built { tree, left_out } = octree(&mesh, cube, &request.build)?;
     if left_out > 0 {
-        request.warn(&format!("{left_out} triangles are left out where too many overlap"));
+        request.warn(&format!("{left_out} triangles are missing from cubes that more than {MOST_IN_A_CUBE} touch"));
     }
     let mut header = Header::new("RADIANCE");
     header.push_command(words.all().into_iter().filter(|word| output == "-" || *word != output));

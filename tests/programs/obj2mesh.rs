@@ -153,6 +153,38 @@ fn large_meshes_are_read_by_the_real_program() {
     assert!(real.iter().filter(|length| **length < 9.0).count() > 1500);
 }
 
+/// At the apex of a cone of 2,000 triangles, a cube has more of them than a file can store.
+#[test]
+fn a_mesh_with_many_triangles_at_a_point_ends_and_is_read_by_the_real_program() {
+    let folder = Folder::new();
+    let mut cone = String::from("v .1 .2 1\n");
+    for at in 0..2000 {
+        let (sin, cos) = (f64::from(at) * std::f64::consts::TAU / 2000.0).sin_cos();
+        let _ = writeln!(cone, "v {cos} {sin} 0");
+    }
+    for at in 0..2000 {
+        let _ = writeln!(cone, "f 1 {} {}", at + 2, (at + 1) % 2000 + 2);
+    }
+    folder.file("cone.obj", cone);
+    let run = run_with(command(&["obj2mesh", "cone.obj"]).current_dir(folder.path("")), b"");
+    assert!(run.messages.contains("triangles are missing from cubes that more than 511 touch"), "{}", run.messages);
+    let mesh = run.done();
+    assert!(mesh.len() < 40_000_000, "{} bytes", mesh.len());
+    folder.file("cone.rtm", mesh);
+    folder.file("scene.rad", "void plastic p 0 0 5 1 1 1 0 0\np mesh m 1 cone.rtm 0 0\n");
+    let Some(radiance) = Radiance::find() else { return };
+    folder.file("scene.oct", run_with(command(&["oconv", "scene.rad"]).current_dir(folder.path("")), b"").done());
+    let words = ["rtrace", "-h", "-w", "-ab", "0", "-op", "scene.oct"];
+    let real = radiance.command(words[0], &words[1..]);
+    let [theirs, ours] = [real, command(&words)].map(|mut rtrace| {
+        let text = run_with(rtrace.current_dir(folder.path("")), rays().as_bytes()).text();
+        text.split_whitespace().map(|word| word.parse().expect("a number")).collect::<Vec<f64>>()
+    });
+    assert!(
+        theirs.len() == ours.len() && theirs.iter().zip(&ours).all(|(a, b)| (a - b).abs() <= 1e-5 * b.abs().max(1.0))
+    );
+}
+
 #[test]
 fn wrong_input_is_reported() {
     let folder = Folder::new();

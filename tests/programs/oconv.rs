@@ -183,3 +183,26 @@ fn at_least_one_surface_is_left_in_a_cube() {
     assert_eq!(tree("0"), expected);
     assert_eq!(tree("-3"), expected);
 }
+
+/// Real oconv does not end with seven such triangles: nothing separates them, so that it would
+/// divide the triangle into 200 million cubes.
+#[test]
+fn octrees_of_coincident_surfaces_end_and_real_radiance_reads_them() {
+    let folder = Folder::new();
+    for count in [7, 2600] {
+        let material = "void plastic p 0 0 5 1 1 1 0 0\n".to_owned();
+        let scene = (0..count).fold(material, |text, _| text + "p polygon t 0 0 9 0 0 0 1 0 0 0 1 .3\n");
+        folder.file("scene.rad", scene);
+        let run = run_with(command(&["oconv", "scene.rad"]).current_dir(folder.path("")), b"");
+        let is_too_many = count > 511;
+        let said = if is_too_many { "2089 surfaces are missing from cubes that more than 511 touch" } else { "" };
+        assert!(run.messages.contains(said) && run.messages.is_empty() != is_too_many, "{}", run.messages);
+        let octree = run.done();
+        assert!(octree.len() < 20_000_000, "{} bytes", octree.len());
+        folder.file("scene.oct", octree);
+        let Some(radiance) = Radiance::find() else { continue };
+        let words = ["-h", "-w", "-ab", "0", "-op", "scene.oct"];
+        let points = theirs(radiance.command("rtrace", &words), &folder, ".3 .3 2 0 0 -1\n.9 .05 2 0 0 -1\n");
+        assert_eq!(points, [0.3, 0.3, 0.09, 0.9, 0.05, 0.015]);
+    }
+}

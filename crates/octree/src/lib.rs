@@ -21,22 +21,16 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod builder;
 mod touch;
 
-use glam::DVec3;
-use radsight_formats::{MOST_IN_A_CUBE, Tree};
+use builder::{Builder, Member};
+use radsight_formats::Tree;
 use radsight_ir::{Cube, Scene, Shape};
-use rayon::prelude::*;
-use touch::{Form, Touch};
+use touch::Form;
 
 /// Radiance treats smaller lengths as zero, scene units.
 const TINY: f64 = 1e-6;
-
-/// Number of surfaces above which the halves of a cube are built in parallel.
-const MANY: usize = 2000;
-
-/// Depth at which subdivision ends, even if a cube has more surfaces than a file can store.
-const DEEPEST: u32 = 26;
 
 /// Resolution of the octree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +52,7 @@ impl Default for BuildOptions {
 pub struct Built {
     /// The octree, with surface numbers in its leaves.
     pub tree: Tree,
-    /// Number of surfaces left out of cubes that have more than a file can store.
+    /// Number of surfaces that are missing from a cube, since more touch it than a file can store.
     pub left_out: usize,
 }
 
@@ -74,80 +68,5 @@ pub fn build(scene: &Scene, numbers: &[u32], cube: Cube, options: &BuildOptions)
             Member { number: *number, bounds: form.bounds(), form }
         })
         .collect();
-    let builder = Builder {
-        // A cube of a single surface is never divided, as in Radiance: parts of it would have the
-        // same number of surfaces down to the resolution.
-        object_limit: options.object_limit.max(1),
-        smallest: cube.size / f64::from(options.resolution.max(1)) - TINY,
-    };
-    let all: Vec<&Member<'_>> = members.iter().collect();
-    let (tree, left_out) = builder.node(cube, &all, 0);
-    Built { tree, left_out }
-}
-
-/// A surface with its number and its bounding box.
-struct Member<'a> {
-    number: u32,
-    bounds: [DVec3; 2],
-    form: Form<'a>,
-}
-
-struct Builder {
-    object_limit: usize,
-    /// Smallest edge of a subdivided cube.
-    smallest: f64,
-}
-
-impl Builder {
-    /// Octree of a cube for the surfaces that may touch it, and the number of surfaces left out.
-    fn node(&self, cube: Cube, candidates: &[&Member<'_>], depth: u32) -> (Tree, usize) {
-        let (low, high) = (cube.origin - TINY, cube.origin + cube.size + TINY);
-        let mut members = Vec::with_capacity(candidates.len());
-        // A volume that fills the whole cube fills all its parts too, so subdivision does not help.
-        let mut crossing = 0;
-        for member in candidates {
-            if member.bounds[0].cmpgt(high).any() || member.bounds[1].cmplt(low).any() {
-                continue;
-            }
-            match member.form.touch(&cube) {
-                Touch::Outside => {}
-                Touch::Crosses => {
-                    crossing += 1;
-                    members.push(*member);
-                }
-                Touch::Fills => members.push(*member),
-            }
-        }
-        let half = 0.5 * cube.size;
-        let is_small = half < self.smallest && (members.len() <= MOST_IN_A_CUBE || depth >= DEEPEST);
-        if members.is_empty() {
-            (Tree::Empty, 0)
-        } else if crossing <= self.object_limit && members.len() <= MOST_IN_A_CUBE || is_small || depth >= DEEPEST {
-            let left_out = members.len().saturating_sub(MOST_IN_A_CUBE);
-            (Tree::Full(members.iter().take(MOST_IN_A_CUBE).map(|member| member.number).collect()), left_out)
-        } else {
-            self.split(cube, &members, depth)
-        }
-    }
-
-    fn split(&self, cube: Cube, members: &[&Member<'_>], depth: u32) -> (Tree, usize) {
-        let size = 0.5 * cube.size;
-        let part = |index: usize| {
-            let offset = [1, 2, 4].map(|bit| if index & bit == 0 { 0.0 } else { size });
-            let origin = cube.origin + DVec3::from_array(offset);
-            self.node(Cube { origin, size }, members, depth + 1)
-        };
-        let parts: Vec<(Tree, usize)> =
-            if members.len() > MANY { (0..8).into_par_iter().map(part).collect() } else { (0..8).map(part).collect() };
-        let left_out = parts.iter().map(|(_, left_out)| left_out).sum();
-        let mut trees = parts.into_iter().map(|(tree, _)| tree);
-        let trees: [Tree; 8] = std::array::from_fn(|_| trees.next().unwrap_or(Tree::Empty));
-        // Eight equal leaves are merged.
-        let is_leaf = !matches!(trees[0], Tree::Split(_));
-        if is_leaf && trees.iter().all(|tree| *tree == trees[0]) {
-            let [first, ..] = trees;
-            return (first, left_out);
-        }
-        (Tree::Split(Box::new(trees)), left_out)
-    }
+    Builder::new(&members, cube, options).build(cube)
 }

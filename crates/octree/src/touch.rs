@@ -94,6 +94,14 @@ impl<'a> Form<'a> {
         }
     }
 
+    /// Time that a test takes, relative to that of a triangle or a simple form.
+    pub(crate) fn cost(&self) -> usize {
+        match self {
+            Form::Polygon(vertices) => vertices.len().div_ceil(4),
+            _ => 1,
+        }
+    }
+
     pub(crate) fn touch(&self, cube: &Cube) -> Touch {
         let crosses = match self {
             Form::Polygon(vertices) => polygon_crosses(vertices, cube),
