@@ -377,3 +377,34 @@ fn leaves_that_no_record_reaches_are_not_black() {
     let [mean, expected] = [&preview, &correct].map(|pixels| pixels.iter().sum::<f64>() / pixels.len() as f64);
     assert!((mean / expected - 1.0).abs() < 0.01, "{mean} for {expected}");
 }
+
+/// A room with a small lamp closely below its ceiling: half of the lamp's light comes from a spot of
+/// the ceiling, which few gather rays meet.
+const SPOT: &str = "
+void plastic grey 0 0 5 .7 .7 .7 0 0
+void light bright 0 0 3 400 400 400
+bright sphere lamp 0 0 4 3 3 4.4 .1
+!genbox grey room 6 6 4.5 -i
+";
+
+/// Records that found the spot seem noisy. If they alone got further rays, the picture would be 4 %
+/// too dark, as those that missed it would keep their low values.
+#[test]
+fn rare_bright_light_is_neither_lost_nor_gained_by_more_rays_where_it_is_found() {
+    let view = "-vp 3 .1 2.25 -vd 0 1 0 -vu 0 0 1 -vh 90 -vv 90 -x 128 -y 128 -ff -ab 1";
+    // The lower half of the room.
+    let low = |options: &str| blocks(&red(SPOT, &format!("{view} {options}"))).split_off(8 * SIDE / 8);
+    let truth = low("-aa 0 -ps 1 -pj 1 -ad 1 --samples 400");
+    let seeds = 12;
+    let found: Vec<f64> = (0..seeds)
+        .map(|seed| {
+            let found = low(&format!("-aa .3 -ad 128 -as 0 -ar 256 -ps 1 --seed {seed}"));
+            found.iter().zip(&truth).map(|(found, truth)| found / truth).sum::<f64>() / truth.len() as f64
+        })
+        .collect();
+    let mean = found.iter().sum::<f64>() / f64::from(seeds);
+    let squares: f64 = found.iter().map(|found| (found - mean).powi(2)).sum();
+    let error = (squares / f64::from(seeds * (seeds - 1))).sqrt();
+    assert!((mean - 1.0).abs() < 3.0 * error, "{mean} ± {error}");
+    assert!(error < 0.01, "too noisy to tell: ± {error}");
+}

@@ -32,6 +32,10 @@ const NOISE_OF_A_RAY: f64 = 1.5;
 /// Neighbouring records share their rays.
 const RECORD_SHARE: f64 = 0.75;
 
+/// Number of Radiance's records relative to radsight's with the same `-aa`. Where the records of a
+/// preview are closer, together they get no more rays than Radiance's.
+const RADIANCE_RECORDS: f64 = 2.5;
+
 /// With more than so many rays a record, Radiance's time grows with the number, radsight's hardly.
 /// The time is spent on less noise, by this power of the number, and on records that the pre-pass
 /// finds to be missing in corners, up to this spacing of its rays, pixels: a preview with many rays
@@ -258,8 +262,10 @@ impl ErrorBudget {
                 let rays = gathering.rays() as f64;
                 let thoroughness = (rays / FEW_RAYS).max(1.0).powf(THOROUGHNESS);
                 gathering.noise = NOISE_OF_A_RAY / (thoroughness * rays.max(1.0).sqrt());
-                gathering.accuracy = gathering.accuracy.min(INTERPOLATION_NOISES * gathering.noise);
-                gathering.record_share = RECORD_SHARE * thoroughness.powi(2);
+                let requested = gathering.accuracy;
+                gathering.accuracy = requested.min(INTERPOLATION_NOISES * gathering.noise);
+                let closeness = if requested > 0.0 { gathering.accuracy / requested } else { 1.0 };
+                gathering.record_share = RECORD_SHARE * (RADIANCE_RECORDS * closeness * closeness).min(1.0);
                 gathering.most_residual = f64::INFINITY;
                 if gathering.accuracy == 0.0 {
                     split(gathering, interpolation.spacing);
@@ -313,9 +319,16 @@ mod tests {
     fn many_rays_reduce_noise_by_more_than_their_number() {
         let [few, many] = [64, 6400].map(|divisions| preview(4.0, 0.1, divisions).gathering);
         assert!(many.noise < 0.06 * few.noise, "{} and {}", few.noise, many.noise);
-        assert!(many.record_share > few.record_share);
         // Below, the noise is that of Radiance's records.
         assert_eq!(few.noise, NOISE_OF_A_RAY / 8.0);
+    }
+
+    #[test]
+    fn closer_records_get_no_more_rays_in_all() {
+        let [usual, far] = [0.2, 0.5].map(|accuracy| preview(4.0, accuracy, 1024).gathering);
+        assert_eq!(usual.accuracy, far.accuracy, "the noise decides");
+        assert!(usual.record_share < RECORD_SHARE && far.record_share < 0.2 * usual.record_share);
+        assert_eq!(preview(4.0, 0.1, 64).gathering.record_share, RECORD_SHARE);
     }
 
     #[test]

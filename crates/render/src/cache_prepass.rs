@@ -7,6 +7,7 @@ use crate::caching::gathering_limits;
 use crate::checksum::ray_set;
 use crate::guiding::GuidingRecords;
 use crate::hemisphere_sampling::HemisphereSamples;
+use crate::local_mean::local_means;
 use crate::ray_spacing::RaySpacing;
 use crate::trace::PathIntegrator;
 use radsight_accel::Ray;
@@ -431,10 +432,10 @@ impl<const BANDS: usize> Level<BANDS> {
         known: (Caches<'_, BANDS>, &mut GuidingRecords),
         first: usize,
     ) -> usize {
-        let typical = self.cache.typical();
         let missing: Vec<usize> = (first..)
+            .zip(self.rays_needed(plan, first))
             .zip(&self.allocations)
-            .map(|(index, allocation)| self.gathers_missing(plan, index, typical, *allocation))
+            .map(|((index, needed), allocation)| self.gathers_missing(index, allocation * needed))
             .collect();
         let needed = missing.iter().sum::<usize>() * self.hemisphere.len();
         // If there are not enough rays for all, all get the same fraction.
@@ -458,15 +459,29 @@ impl<const BANDS: usize> Level<BANDS> {
         weak.len()
     }
 
-    /// Number of additional gathers that a record needs if its neighbours gather as often: the rays
-    /// of a fit grow in proportion.
-    fn gathers_missing(&self, plan: &RenderPlan, index: usize, typical: f64, allocation: f64) -> usize {
-        let (record, fit) = self.cache.fitted(index);
-        let needed = plan.options.gathering.rays() as f64;
-        let allowed = self.noise * weighed_against(fit, typical);
-        let noisy = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
+    /// Number of rays that the fit of each record from `first` on needs. The records around it
+    /// decide, since its own noise depends on its irradiance: the mean of all rays would be too low.
+    fn rays_needed(&self, plan: &RenderPlan, first: usize) -> Vec<f64> {
+        let requested = plan.options.gathering.rays() as f64;
         let least = (SPARING_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(MIN_FIT_RAYS, 1.0);
-        let needed = allocation * noisy.clamp(least * needed, MAX_FURTHER * self.noise_reduction() * needed);
+        let most = MAX_FURTHER * self.noise_reduction();
+        let typical = self.cache.typical();
+        let needed = |index: usize| {
+            let (_, fit) = self.cache.fitted(index);
+            let allowed = self.noise * weighed_against(fit, typical);
+            let needed = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
+            needed.clamp(least * requested, most * requested)
+        };
+        let needed: Vec<f64> = (first..self.cache.len()).map(needed).collect();
+        let cache_points = &self.cache_points[first - self.merged..];
+        let points: Vec<_> = cache_points.iter().map(|cache_point| (cache_point.point, cache_point.normal)).collect();
+        local_means(&points, &needed)
+    }
+
+    /// Number of additional gathers of a record whose fit needs this number of rays, if its
+    /// neighbours gather as often: the rays of a fit grow in proportion.
+    fn gathers_missing(&self, index: usize, needed: f64) -> usize {
+        let (record, fit) = self.cache.fitted(index);
         let missing = record.rays() * (needed / fit.rays() - 1.0);
         let missing = missing.max(self.least_own_rays - record.rays());
         (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize

@@ -29,6 +29,7 @@ mod indirect;
 mod light_cubature;
 mod light_image;
 mod light_selection;
+mod local_mean;
 mod medium_boundary;
 mod mirrored_light;
 mod mis;
