@@ -1,6 +1,7 @@
 //! Builds the octree of a file, as Radiance's `oconv` does.
 //!
-//! A cube is subdivided until it has few surfaces or is small. Every surface that touches a cube is
+//! A cube is subdivided until it has few surfaces or is small, or the work for the whole octree
+//! exceeds a limit, as for surfaces that coincide. Every surface that touches a cube is
 //! listed in it: where a test cannot decide, it assumes so, so that no ray of real Radiance misses
 //! a surface. radsight itself traces rays with another acceleration structure; the octree is for
 //! files that other programs read.
