@@ -12,7 +12,7 @@ use crate::input::{read, read_file, read_standard_input, use_default_threads};
 use crate::output::write_file;
 use crate::trust::Trust;
 use glam::DVec3;
-use radsight_formats::{Corner, Facet, MESH_FORMAT, MOST_IN_A_CUBE, MeshParts, Object};
+use radsight_formats::{Corner, Facet, MESH_FORMAT, MeshParts, Object};
 use radsight_ir::{Cube, Scene, Shape, Surface};
 use radsight_loader::{FileKind, Loader};
 use radsight_octree::{BuildOptions, Built};
@@ -56,15 +56,15 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let objects = request.objects()?;
     let facets = facets(&mesh, &materials(&mesh, &objects).map_err(wrong)?);
     let cube = cube(&mesh);
-    let Built { tree, left_out } = octree(&mesh, cube, &request.build)?;
-    if left_out > 0 {
-        request.warn(&format!("{left_out} triangles are missing from cubes that more than {MOST_IN_A_CUBE} touch"));
+    let built = octree(&mesh, cube, &request.build)?;
+    if let Some(warning) = built.warning("triangles") {
+        request.warn(&warning);
     }
     let mut header = Header::new("RADIANCE");
     header.push_command(words.all().into_iter().filter(|word| output == "-" || *word != output));
     header.push_variable("FORMAT", MESH_FORMAT);
     let parts = MeshParts { header, origin: cube.origin.to_array(), size: cube.size, objects, facets };
-    let written = parts.write(&tree).map_err(|error| Failure::input(format!("obj2mesh: {error}")))?;
+    let written = parts.write(&built.tree).map_err(|error| Failure::input(format!("obj2mesh: {error}")))?;
     if request.tells {
         say(&format!(
             "{} triangles, {} materials, {} bytes\n",

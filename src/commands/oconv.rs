@@ -6,7 +6,7 @@ use crate::option_table::{options_of, parse_option, unknown_option};
 use crate::output::write_file;
 use crate::trust::Trust;
 use glam::DVec3;
-use radsight_formats::{MOST_IN_A_CUBE, OCTREE_FORMAT, Octree, OctreeContent};
+use radsight_formats::{OCTREE_FORMAT, Octree, OctreeContent};
 use radsight_ir::{Cube, Scene};
 use radsight_octree::BuildOptions;
 use radsight_parse::{Input, KeepPrimitives, Purpose, Read, ReadOptions, bounds, cube};
@@ -149,11 +149,8 @@ impl Arguments {
         let cube = self.cube(old, &read.scene)?;
         use_default_threads()?;
         let built = radsight_octree::build(&read.scene, &read.numbering.of_surfaces, cube, &self.build);
-        if built.left_out > 0 {
-            self.warn(&format!(
-                "{} surfaces are missing from cubes that more than {MOST_IN_A_CUBE} touch",
-                built.left_out
-            ));
+        if let Some(warning) = built.warning("surfaces") {
+            self.warn(&warning);
         }
         let octree = Octree {
             header: header(words, &read.history),

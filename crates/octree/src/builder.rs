@@ -32,6 +32,8 @@ struct Node {
     members: Box<[u32]>,
     /// Number of the members whose surface crosses the cube.
     crossing: usize,
+    /// Tests that the members take for one cube.
+    cost: usize,
     /// Whether all members of the cube around it touch this one too.
     keeps_all: bool,
 }
@@ -81,10 +83,9 @@ impl<'a> Builder<'a> {
         let all: Vec<u32> = (0..self.members.len() as u32).collect();
         let mut levels: Vec<Vec<Settled>> = Vec::new();
         let mut nodes = vec![self.node(cube, &all, &mut Vec::new())];
-        let mut spent = self.cost(&all);
+        let mut spent = 0;
         while !nodes.is_empty() {
-            let is_divided = self.choose(&nodes, levels.len(), spent);
-            let work = self.work(&nodes, &is_divided);
+            let (is_divided, work) = self.choose(&nodes, levels.len(), spent);
             spent += work;
             let chosen = nodes.iter().zip(&is_divided).filter(|(_, is_divided)| **is_divided);
             let chosen: Vec<&Node> = chosen.map(|(node, _)| node).collect();
@@ -93,9 +94,8 @@ impl<'a> Builder<'a> {
             } else {
                 chosen.iter().map(|node| self.parts(node)).collect()
             };
-            let settle = |(node, is_divided): (Node, bool)| match is_divided {
-                true => Settled::Split,
-                false => Settled::Leaf(node.members),
+            let settle = |(node, is_divided): (Node, bool)| {
+                if is_divided { Settled::Split } else { Settled::Leaf(node.members) }
             };
             levels.push(nodes.into_iter().zip(is_divided).map(settle).collect());
             nodes = parts.into_iter().flatten().collect();
@@ -103,19 +103,21 @@ impl<'a> Builder<'a> {
         self.join(levels)
     }
 
-    /// The nodes of a level that are divided.
-    fn choose(&self, nodes: &[Node], depth: usize, spent: usize) -> Vec<bool> {
+    /// Whether the nodes of a level are divided, and the tests that this takes.
+    fn choose(&self, nodes: &[Node], depth: usize, spent: usize) -> (Vec<bool>, usize) {
         let mut is_divided: Vec<bool> = nodes.iter().map(|node| self.needs_division(node, depth)).collect();
         let stays_whole: [fn(&Node) -> bool; 3] = [|node| node.has_room() && node.keeps_all, Node::has_room, |_| true];
+        let mut work = work_of(nodes, &is_divided);
         for (budgets, stays_whole) in (1..).zip(stays_whole) {
-            if spent + self.work(nodes, &is_divided) <= budgets * self.budget {
+            if spent + work <= budgets * self.budget {
                 break;
             }
             for (is_divided, node) in is_divided.iter_mut().zip(nodes) {
                 *is_divided &= !stays_whole(node);
             }
+            work = work_of(nodes, &is_divided);
         }
-        is_divided
+        (is_divided, work)
     }
 
     /// The part of the members of a larger cube that touches this one.
@@ -124,6 +126,7 @@ impl<'a> Builder<'a> {
         members.clear();
         // A volume that fills the whole cube fills all its parts too, so subdivision does not help.
         let mut crossing = 0;
+        let mut cost = 0;
         for index in candidates {
             let member = &self.members[*index as usize];
             if member.bounds[0].cmpgt(high).any() || member.bounds[1].cmplt(low).any() {
@@ -135,10 +138,11 @@ impl<'a> Builder<'a> {
             }
             if touch != Touch::Outside {
                 members.push(*index);
+                cost += member.form.cost();
             }
         }
         let keeps_all = members.len() == candidates.len();
-        Node { cube, members: members.as_slice().into(), crossing, keeps_all }
+        Node { cube, members: members.as_slice().into(), crossing, cost, keeps_all }
     }
 
     fn parts(&self, node: &Node) -> [Node; 8] {
@@ -156,17 +160,6 @@ impl<'a> Builder<'a> {
         let can_divide = depth < DEEPEST && half > TINY;
         let is_done = node.has_room() && (node.crossing <= self.object_limit || half < self.smallest);
         can_divide && !is_done
-    }
-
-    /// Tests that the subdivision of these nodes takes.
-    fn work(&self, nodes: &[Node], is_divided: &[bool]) -> usize {
-        let divided = nodes.iter().zip(is_divided).filter(|(_, is_divided)| **is_divided);
-        divided.map(|(node, _)| 8 * self.cost(&node.members)).sum()
-    }
-
-    /// Tests that these members take for one cube.
-    fn cost(&self, members: &[u32]) -> usize {
-        members.iter().map(|index| self.members[*index as usize].form.cost()).sum()
     }
 
     /// The tree of all levels. Eight equal leaves are merged.
@@ -193,6 +186,12 @@ impl<'a> Builder<'a> {
             left_out: is_left_out.iter().filter(|is_left_out| **is_left_out).count(),
         }
     }
+}
+
+/// Tests that the subdivision of some nodes takes.
+fn work_of(nodes: &[Node], is_divided: &[bool]) -> usize {
+    let divided = nodes.iter().zip(is_divided).filter(|(_, is_divided)| **is_divided);
+    divided.map(|(node, _)| 8 * node.cost).sum()
 }
 
 fn merge(parts: [Tree; 8]) -> Tree {

@@ -26,7 +26,7 @@ mod builder;
 mod touch;
 
 use builder::{Builder, Member};
-use radsight_formats::Tree;
+use radsight_formats::{MOST_IN_A_CUBE, Tree};
 use radsight_ir::{Cube, Scene, Shape};
 use touch::Form;
 
@@ -55,6 +55,16 @@ pub struct Built {
     pub tree: Tree,
     /// Number of surfaces that are missing from a cube, since more touch it than a file can store.
     pub left_out: usize,
+}
+
+impl Built {
+    /// The warning that surfaces are missing, if any are; `surfaces` is what they are called.
+    #[must_use]
+    pub fn warning(&self, surfaces: &str) -> Option<String> {
+        let left_out = self.left_out;
+        (left_out > 0)
+            .then(|| format!("{left_out} {surfaces} are missing from cubes that more than {MOST_IN_A_CUBE} touch"))
+    }
 }
 
 /// Builds the octree of all surfaces at a finite distance. `numbers` are the surfaces' numbers in

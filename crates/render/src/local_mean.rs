@@ -37,8 +37,7 @@ pub(crate) fn local_means(points: &[(DVec3, DVec3)], values: &[f64]) -> Vec<f64>
 
 /// The face of a cube that a unit normal points to.
 fn main_direction(normal: DVec3) -> usize {
-    let size = normal.abs();
-    let axis = (0..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest });
+    let axis = normal.abs().max_position();
     2 * axis + usize::from(normal[axis] < 0.0)
 }
 
