@@ -1,5 +1,7 @@
 //! Errors about senders and receivers.
 
+use radsight_triangulation::OutlineError;
+
 /// Why a flux matrix cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -50,6 +52,20 @@ pub enum FluxError {
         surface: String,
         /// What is wrong.
         what: &'static str,
+    },
+    /// A surface has no area.
+    #[error("surface \"{surface}\" has no area")]
+    NoArea {
+        /// Name of the surface.
+        surface: String,
+    },
+    /// A polygon cannot be triangulated.
+    #[error("surface \"{surface}\" {outline}")]
+    Outline {
+        /// Name of the surface.
+        surface: String,
+        /// What is wrong with it.
+        outline: OutlineError,
     },
     /// A distant source cannot send rays.
     #[error("source \"{surface}\" cannot send rays, expected polygons and rings")]

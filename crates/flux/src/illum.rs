@@ -84,7 +84,7 @@ impl IllumSurface {
         let wrong = |what| FluxError::Surface { surface: name.to_owned(), what };
         let [x, y, z, radius] = *numbers else { return Err(wrong("has a wrong number of arguments for its type")) };
         if radius.is_nan() || radius <= 0.0 {
-            return Err(wrong("has no area"));
+            return Err(FluxError::NoArea { surface: name.to_owned() });
         }
         let directions = (4.0 * PI * f64::from(detail.density)).floor();
         let rows = (directions * 2.0 / PI).sqrt();

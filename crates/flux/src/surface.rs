@@ -1,8 +1,8 @@
 //! Surfaces that send or receive, and points on them.
 
 use crate::FluxError;
-use earcut::Earcut;
 use glam::DVec3;
+use radsight_triangulation::{OutlineError, triangulate};
 use std::f64::consts::{PI, TAU};
 
 /// Type of a surface.
@@ -51,17 +51,19 @@ impl FluxSurface {
     pub fn new(name: &str, shape: Shape, numbers: &[f64]) -> Result<FluxSurface, FluxError> {
         let wrong = |what| FluxError::Surface { surface: name.to_owned(), what };
         let found = match (shape, numbers) {
-            (Shape::Ring, [x, y, z, u, v, w, a, b]) => ring(DVec3::new(*x, *y, *z), DVec3::new(*u, *v, *w), [*a, *b]),
-            (Shape::Source, [x, y, z, angle]) => source(DVec3::new(*x, *y, *z), *angle),
+            (Shape::Ring, [x, y, z, u, v, w, a, b]) => {
+                Ok(ring(DVec3::new(*x, *y, *z), DVec3::new(*u, *v, *w), [*a, *b]))
+            }
+            (Shape::Source, [x, y, z, angle]) => Ok(source(DVec3::new(*x, *y, *z), *angle)),
             (Shape::Polygon, numbers) if numbers.len() >= 9 && numbers.len() % 3 == 0 => {
                 polygon(&numbers.chunks_exact(3).map(DVec3::from_slice).collect::<Vec<_>>())
             }
             _ => return Err(wrong("has a wrong number of arguments for its type")),
         };
-        let (normal, area, points) = found.ok_or_else(|| wrong("has no area"))?;
-        if !(area.is_finite() && area > 0.0) {
-            return Err(wrong("has no area"));
-        }
+        let found = found.map_err(|outline| FluxError::Outline { surface: name.to_owned(), outline })?;
+        let (normal, area, points) = found
+            .filter(|(_, area, _)| area.is_finite() && *area > 0.0)
+            .ok_or_else(|| FluxError::NoArea { surface: name.to_owned() })?;
         Ok(FluxSurface { name: name.to_owned(), normal, area, points })
     }
 
@@ -91,7 +93,7 @@ impl FluxSurface {
     }
 }
 
-/// Normal, area and parametrisation.
+/// Normal, area and parametrisation; `None` without area.
 type Found = Option<(DVec3, f64, PointMap)>;
 
 fn ring(middle: DVec3, normal: DVec3, radii: [f64; 2]) -> Found {
@@ -107,26 +109,24 @@ fn source(direction: DVec3, degrees: f64) -> Found {
     Some((-direction.try_normalize()?, PI * sin * sin, PointMap::Distant))
 }
 
-fn polygon(vertices: &[DVec3]) -> Found {
+fn polygon(vertices: &[DVec3]) -> Result<Found, OutlineError> {
     let first = vertices[0];
     let doubled: DVec3 = vertices[1..].windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum();
-    let normal = doubled.try_normalize()?;
+    let Some(normal) = doubled.try_normalize() else { return Ok(None) };
     let (x, y) = normal.any_orthonormal_pair();
     let flat = vertices.iter().map(|vertex| [(*vertex - first).dot(x), (*vertex - first).dot(y)]);
-    let mut corners: Vec<u32> = Vec::new();
-    Earcut::new().earcut(flat, &[], &mut corners);
     let mut total = 0.0;
     let mut triangles: Vec<(f64, [DVec3; 3])> = Vec::new();
-    for triangle in corners.chunks_exact(3) {
-        let [p, q, r] = [0, 1, 2].map(|corner| vertices[triangle[corner] as usize]);
+    for corners in triangulate(&flat.collect::<Vec<_>>())? {
+        let [p, q, r] = corners.map(|corner| vertices[corner as usize]);
         total += 0.5 * (q - p).cross(r - p).length();
         triangles.push((total, [p, q, r]));
     }
     if triangles.is_empty() || total.is_nan() || total <= 0.0 {
-        return None;
+        return Ok(None);
     }
     triangles.iter_mut().for_each(|(end, _)| *end /= total);
-    Some((normal, 0.5 * doubled.length(), PointMap::Triangles(triangles)))
+    Ok(Some((normal, 0.5 * doubled.length(), PointMap::Triangles(triangles))))
 }
 
 #[cfg(test)]

@@ -171,6 +171,16 @@ impl Material {
         }
     }
 
+    /// Whether surfaces of it are lights: emitters that are sampled.
+    #[must_use]
+    pub fn is_light(&self) -> bool {
+        match self {
+            Material::Light { .. } | Material::Illum { .. } | Material::Spotlight { .. } => true,
+            Material::Glow { max_radius, .. } => *max_radius > 0.0,
+            _ => false,
+        }
+    }
+
     /// Radiance of an emitter before patterns, W/(sr·m²); `None` for other materials.
     #[must_use]
     pub fn radiance_mut(&mut self) -> Option<&mut Rgb> {

@@ -40,6 +40,12 @@ impl PolygonPlane {
         Some(PolygonPlane { normal, first, height, size })
     }
 
+    /// Vertices in coordinates of the plane.
+    pub(crate) fn flattened(&self, vertices: &[DVec3]) -> Vec<[f64; 2]> {
+        let (x, y) = self.normal.any_orthonormal_pair();
+        vertices.iter().map(|vertex| *vertex - self.first).map(|from| [from.dot(x), from.dot(y)]).collect()
+    }
+
     fn above(&self, vertex: DVec3) -> f64 {
         self.normal.dot(vertex - self.first) - self.height
     }

@@ -7,6 +7,7 @@ use crate::{
 };
 use glam::DVec3;
 use radsight_diag::Diagnostic;
+use radsight_triangulation::triangulate;
 use std::collections::HashSet;
 
 /// A valid scene, with warnings.
@@ -188,11 +189,23 @@ impl<'a> Findings<'a> {
         let Some(plane) = PolygonPlane::of(vertices) else {
             return self.warn(surface.span, format!("polygon \"{name}\" has no area"));
         };
+        if self.is_light(surface)
+            && let Err(error) = triangulate(&plane.flattened(vertices))
+        {
+            return self.error(surface.span, format!("light \"{name}\" of {count} vertices {error}"));
+        }
         let deviation = plane.deviation(vertices);
         self.is_planar &= deviation <= ROUNDING;
         if deviation > PLANARITY_TOLERANCE {
             self.warn(surface.span, format!("polygon \"{name}\" is not planar"));
         }
+    }
+
+    fn is_light(&self, surface: &Surface) -> bool {
+        self.scene.chain(surface.modifier).any(|(_, modifier)| match &modifier.kind {
+            ModifierKind::Material(material) => material.is_light(),
+            _ => false,
+        })
     }
 }
 
@@ -325,6 +338,22 @@ mod tests {
     fn a_polygon_without_area_is_a_warning() {
         let valid = polygon(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]).validate().unwrap();
         assert_eq!(valid.warnings[0].message, "polygon \"wall\" has no area");
+    }
+
+    #[test]
+    fn a_large_light_that_intersects_itself_is_an_error() {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mut scene = polygon(&corners.repeat(400));
+        assert!(scene.clone().validate().is_ok());
+        let name = scene.names.add("lamp");
+        let kind = ModifierKind::Material(Material::Light { radiance: Rgb::WHITE });
+        let lamp = scene.modifiers.add(Modifier { name, span: None, modifier: None, kind });
+        scene.surfaces.items_mut()[0].modifier = Some(lamp);
+        let errors = scene.validate().unwrap_err();
+        assert!(
+            errors[0].message.contains("light \"wall\" of 1200 vertices has an outline that intersects itself"),
+            "{errors:?}"
+        );
     }
 
     #[test]

@@ -2,7 +2,6 @@
 
 use crate::lobe_weighting::{DiskWarp, exponential, exponential_pdf};
 use crate::visible_side::VisibleSide;
-use earcut::Earcut;
 use glam::DVec3;
 use radsight_accel::polygon_normal;
 use radsight_ir::{Facing, Scene, Shape};
@@ -506,7 +505,7 @@ fn polygon_form(vertices: &[DVec3]) -> Option<LightForm> {
             return Some(LightForm::Parallelogram { corner: *a, x, y, normal, area: x.cross(y).length() });
         }
     }
-    let triangles = triangulate(vertices, normal);
+    let triangles = triangulate(vertices, normal)?;
     let mut area = 0.0;
     let mut cumulative = Vec::with_capacity(triangles.len());
     for [a, b, c] in &triangles {
@@ -520,13 +519,13 @@ fn polygon_form(vertices: &[DVec3]) -> Option<LightForm> {
     Some(LightForm::Triangles { triangles, cumulative, normal, area })
 }
 
-fn triangulate(vertices: &[DVec3], normal: DVec3) -> Vec<[DVec3; 3]> {
+/// `None` for an outline that cannot be triangulated, which the validation of scenes reports.
+fn triangulate(vertices: &[DVec3], normal: DVec3) -> Option<Vec<[DVec3; 3]>> {
     let (x, y) = normal.any_orthonormal_pair();
     let flat = vertices.iter().map(|vertex| {
         let from_first = *vertex - vertices[0];
         [from_first.dot(x), from_first.dot(y)]
     });
-    let mut indices: Vec<u32> = Vec::new();
-    Earcut::new().earcut(flat, &[], &mut indices);
-    indices.chunks_exact(3).map(|t| [0, 1, 2].map(|corner| vertices[t[corner] as usize])).collect()
+    let triangles = radsight_triangulation::triangulate(&flat.collect::<Vec<_>>()).ok()?;
+    Some(triangles.iter().map(|corners| corners.map(|corner| vertices[corner as usize])).collect())
 }

@@ -4,7 +4,7 @@ use crate::ear_clipping::{clip_ears, doubled_area};
 use crate::facets::{cross, dot, subtract};
 use crate::obj2rad::wavefront::{Corner, Statements, Vertices};
 use crate::obj2rad::{CornerNormals, classify_normals};
-use earcut::Earcut;
+use radsight_triangulation::{OutlineError, triangulate};
 use std::collections::HashMap;
 
 /// Squared lengths below the square of this count as zero, in scene units.
@@ -63,7 +63,6 @@ struct Reader {
     material: String,
     group: String,
     numbers: HashMap<String, usize>,
-    earcut: Earcut<f64>,
 }
 
 impl Reader {
@@ -90,7 +89,8 @@ impl Reader {
             [] | [_] | [_, _] => return Err(format!("a face of {} corners", corners.len())),
             [a, b, c] => self.triangle([a, b, c]),
             _ => {
-                for corners in self.cut(&corners) {
+                let triangles = self.cut(&corners);
+                for corners in triangles.map_err(|error| format!("a face of {} corners {error}", corners.len()))? {
                     self.triangle(corners);
                 }
             }
@@ -100,30 +100,17 @@ impl Reader {
 
     /// Triangulates a face in a projection along an axis: as in Radiance that of the last corner, or that of the whole
     /// face if the outline intersects itself there.
-    fn cut(&mut self, corners: &[Corner]) -> Vec<[Corner; 3]> {
+    fn cut(&self, corners: &[Corner]) -> Result<Vec<[Corner; 3]>, OutlineError> {
         let points: Vec<[f64; 3]> = corners.iter().map(|corner| self.vertices.point(corner)).collect();
         let normals = points.windows(3).map(|p| cross(subtract(p[1], p[0]), subtract(p[2], p[1])));
         let Some(last) = normals.into_iter().rfind(|normal| dot(*normal, *normal) > TINY.powi(4)) else {
-            return Vec::new();
+            return Ok(Vec::new());
         };
         let outlines = [last, area_normal(&points)].map(|normal| projected(&points, normal));
         let clipped =
             if corners.len() <= MOST_CLIPPED { outlines.iter().find_map(|flat| clip_ears(flat)) } else { None };
-        let triangles = clipped.unwrap_or_else(|| self.cut_anyhow(&outlines[1]));
-        triangles.into_iter().map(|triangle| triangle.map(|index| corners[index])).collect()
-    }
-
-    /// Triangulates also outlines that intersect themselves, and large ones faster.
-    fn cut_anyhow(&mut self, flat: &[[f64; 2]]) -> Vec<[usize; 3]> {
-        let mut indices: Vec<u32> = Vec::new();
-        self.earcut.earcut(flat.iter().copied(), &[], &mut indices);
-        let area = doubled_area(flat);
-        let (triangles, _) = indices.as_chunks::<3>();
-        let oriented = |triangle: &[u32; 3]| {
-            let [a, b, c] = triangle.map(|index| index as usize);
-            if doubled_area(&[a, b, c].map(|index| flat[index])) * area < 0.0 { [c, b, a] } else { [a, b, c] }
-        };
-        triangles.iter().map(oriented).collect()
+        let triangles = clipped.map_or_else(|| oriented_triangles(&outlines[1]), Ok)?;
+        Ok(triangles.into_iter().map(|triangle| triangle.map(|index| corners[index])).collect())
     }
 
     fn triangle(&mut self, corners: [Corner; 3]) {
@@ -163,6 +150,16 @@ impl Reader {
         self.numbers.insert(name.clone(), self.mesh.materials.len() - 1);
         Some(self.mesh.materials.len() - 1)
     }
+}
+
+/// Triangulates also outlines that intersect themselves, unless they are large, with the orientation of the outline.
+fn oriented_triangles(flat: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, OutlineError> {
+    let area = doubled_area(flat);
+    let oriented = |triangle: [u32; 3]| {
+        let [a, b, c] = triangle.map(|index| index as usize);
+        if doubled_area(&[a, b, c].map(|index| flat[index])) * area < 0.0 { [c, b, a] } else { [a, b, c] }
+    };
+    Ok(triangulate(flat)?.into_iter().map(oriented).collect())
 }
 
 /// Twice the vector area of a face.

@@ -179,7 +179,7 @@ impl Work<'_> {
         };
         match surface {
             Ok(surface) => self.light(&modifier, &written, &surface.with_seed(self.options.render.seed)),
-            Err(error @ FluxError::Surface { what: "has no area", .. }) => {
+            Err(error @ FluxError::NoArea { .. }) => {
                 self.warn(&format!("{error}; it does not become a light source"));
                 self.output.primitive(&modifier, &written);
                 Ok(())
