@@ -158,6 +158,30 @@ fn endless_nesting_is_reported() {
 }
 
 #[test]
+fn tangled_outlines_are_reported() {
+    // Laps around a triangle that grow: none of their points is repeated.
+    let corner = |lap: f64, [x, y]: [f64; 2]| format!("{} {} 1\n", x + lap * (x - 0.3), y + lap * (y - 0.3));
+    let laps = |count: u32| -> String {
+        let lap = |i| [[0., 0.], [1., 0.], [0., 1.]].map(|point| corner(f64::from(i) * 1e-6, point));
+        (0..count).flat_map(lap).collect()
+    };
+    let polygon = |count: u32| format!("polygon a 0 0 {}\n{}", 9 * count, laps(count));
+    let face = |count: u32| {
+        let corners: String = (1..=3 * count).map(|i| format!(" {i}")).collect();
+        format!("{}f{corners}\n", laps(count).lines().map(|line| format!("v {line}\n")).collect::<String>())
+    };
+    let light = |count| format!("void light l 0 0 3 1 1 1\nl {}", polygon(count));
+    let sender = |count| format!("#@rfluxmtx h=u\nvoid glow l 0 0 4 1 1 1 0\nl {}", polygon(count));
+    let crossing = "has an outline that intersects itself";
+    let large = "has an outline of more than 20000 corners";
+    for (count, said) in [(1_000, crossing), (7_000, large)] {
+        try_out(&attempt("a.rad", light(count), &["rpict", "-x", "4", "a.rad"], 1, said));
+        try_out(&attempt("a.obj", face(count), &["obj2mesh", "a.obj"], 1, said));
+        try_out(&attempt("a.rad", sender(count), &["rfluxmtx", "a.rad", "a.rad", "scene.rad"], 1, said));
+    }
+}
+
+#[test]
 fn counts_that_exceed_a_file_are_reported() {
     let header = |lines: &str| format!("#?RADIANCE\n{lines}\n");
     let picture = header("FORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000");
