@@ -222,6 +222,31 @@ mod tests {
         assert_eq!(triangulate(&[]), Ok(Vec::new()));
     }
 
+    /// Outlines through the points of coarse grids repeat points and edges, and overlap.
+    #[test]
+    fn degenerate_outlines_end() {
+        for case in 0..200_u32 {
+            let cells = 1 + case % 40;
+            let mut state = case;
+            let mut next = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from((state >> 16) % (cells + 1))
+            };
+            let outline: Vec<_> = (0..1_001 + 3 * case).map(|_| [next(), next()]).collect();
+            let enclosed = 0.5 * doubled_area(&outline).abs();
+            if let Ok(triangles) = triangulate(&outline) {
+                assert!((area(&outline, &triangles) - enclosed).abs() <= 1e-5 * enclosed, "case {case}");
+            }
+        }
+        for wrong in [f64::NAN, f64::INFINITY, f64::MAX, 1e-320] {
+            let mut outline = comb(1_000);
+            outline[500][1] = wrong;
+            let _ended = triangulate(&outline);
+            outline.iter_mut().for_each(|point| *point = point.map(|coordinate| coordinate * wrong));
+            let _ended = triangulate(&outline);
+        }
+    }
+
     #[test]
     fn larger_outlines_are_refused() {
         assert_eq!(triangulate(&comb(5_000)), Err(OutlineError::TooManyCorners));
