@@ -116,7 +116,11 @@ pub fn matrix(bytes: &[u8]) {
     let _ = bsdf_matrix(bytes, Wanted::Transmission);
     let Ok(matrix) = Matrix::read(bytes) else { return };
     let turned = matrix.transposed();
-    let _ = (matrix.transformed(&Transform::Letters("XYZ".to_owned()), &[2.0]), matrix.times(&turned));
+    let _ = matrix.transformed(&Transform::Letters("XYZ".to_owned()), &[2.0]);
+    // The programs refuse larger products than their limit of memory.
+    if matrix.rows() <= 1000 {
+        let _ = matrix.times(&turned);
+    }
     assert_eq!(turned.transposed().values().len(), matrix.values().len());
     if let Ok(written) = matrix.write(&matrix.header, Stored::Float) {
         assert_eq!(Matrix::read(&written).expect("what was written can be read").size(), matrix.size());

@@ -182,6 +182,14 @@ fn tangled_outlines_are_reported() {
 }
 
 #[test]
+fn products_larger_than_the_limit_of_memory_are_refused() {
+    let rows = 33_000;
+    let column = format!("#?RADIANCE\nNROWS={rows}\nNCOLS=1\nNCOMP=1\nFORMAT=ascii\n\n{}", "1\n".repeat(rows));
+    let words = &["rmtxop", "a.mtx", ".", "-t", "a.mtx"];
+    try_out(&attempt("a.mtx", column, words, 3, "would exceed the limit of 300 MB"));
+}
+
+#[test]
 fn counts_that_exceed_a_file_are_reported() {
     let header = |lines: &str| format!("#?RADIANCE\n{lines}\n");
     let picture = header("FORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000");

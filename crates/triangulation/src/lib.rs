@@ -1,4 +1,4 @@
-//! Triangulation of planar outlines, in a time that no outline can stretch.
+//! Triangulation of planar outlines in a limited time.
 //!
 //! Ear clipping also repairs an outline that intersects itself, but its time for such an outline grows with the third
 //! power of the number of corners. It is therefore used for up to 1,000 corners. Above, a constrained Delaunay
