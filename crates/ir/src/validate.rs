@@ -7,7 +7,7 @@ use crate::{
 };
 use glam::DVec3;
 use radsight_diag::Diagnostic;
-use radsight_triangulation::triangulate;
+use radsight_triangulation::{MOST_EAR_CLIPPED, triangulate};
 use std::collections::HashSet;
 
 /// A valid scene, with warnings.
@@ -189,7 +189,8 @@ impl<'a> Findings<'a> {
         let Some(plane) = PolygonPlane::of(vertices) else {
             return self.warn(surface.span, format!("polygon \"{name}\" has no area"));
         };
-        if self.is_light(surface)
+        if vertices.len() > MOST_EAR_CLIPPED
+            && self.is_light(surface)
             && let Err(error) = triangulate(&plane.flattened(vertices))
         {
             return self.error(surface.span, format!("light \"{name}\" of {count} vertices {error}"));

@@ -15,8 +15,8 @@ use earcut::Earcut;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::{HashMap, HashSet};
 
-/// Largest number of corners for ear clipping.
-const MOST_EAR_CLIPPED: usize = 1000;
+/// Largest number of corners for ear clipping, with which every outline has a triangulation.
+pub const MOST_EAR_CLIPPED: usize = 1000;
 
 /// Largest number of corners of an outline. A Delaunay triangulation of as many points close to a few lines takes
 /// several seconds, and its time grows with the square of the number.
@@ -69,9 +69,9 @@ fn delaunay(outline: &[[f64; 2]]) -> Result<Vec<[u32; 3]>, OutlineError> {
     let triangulation = Delaunay::try_bulk_load_cdt(points, edges, |_| is_crossed = true);
     let triangulation = triangulation.map_err(|_| OutlineError::SelfIntersecting)?;
     let inside = faces_inside(&triangulation);
-    let mut triangles = Vec::with_capacity(inside.len());
+    let mut triangles = Vec::new();
     let mut area = 0.0;
-    for face in triangulation.inner_faces().filter(|face| inside.contains(&face.fix().index())) {
+    for face in triangulation.inner_faces().filter(|face| inside[face.fix().index()] == Some(true)) {
         triangles.push(face.vertices().map(|vertex| first_corners[vertex.fix().index()]));
         area += face.area();
     }
@@ -118,24 +118,19 @@ fn distinct(outline: &[[f64; 2]]) -> (Vec<Point2<f64>>, Vec<u32>, Vec<[usize; 2]
     (points, first_corners, edges)
 }
 
-/// Indices of the faces that an odd number of edges separates from the outside.
-fn faces_inside(triangulation: &Delaunay) -> HashSet<usize> {
+/// For each face whether an odd number of edges separates it from the outside; `None` for the outside itself.
+fn faces_inside(triangulation: &Delaunay) -> Vec<Option<bool>> {
     let outside = triangulation.outer_face();
-    let mut inside = HashSet::new();
-    let mut seen = vec![false; triangulation.num_all_faces()];
+    let mut inside = vec![None; triangulation.num_all_faces()];
     let hull = triangulation.directed_edges().filter(|edge| edge.face() == outside);
     let mut waiting: Vec<_> = hull.map(|edge| (edge, false)).collect();
     while let Some((edge, is_inside)) = waiting.pop() {
         // The edge belongs to the face that was left; its reverse to the next one.
         let (next, is_inside) = (edge.rev(), is_inside != edge.is_constraint_edge());
         let face = next.face();
-        if face == outside || std::mem::replace(&mut seen[face.fix().index()], true) {
-            continue;
+        if face != outside && inside[face.fix().index()].replace(is_inside).is_none() {
+            waiting.extend([(next.next(), is_inside), (next.prev(), is_inside)]);
         }
-        if is_inside {
-            inside.insert(face.fix().index());
-        }
-        waiting.extend([(next.next(), is_inside), (next.prev(), is_inside)]);
     }
     inside
 }

@@ -106,9 +106,7 @@ fn surfaces(options: &Options, path: &str, surfaces_of: Flux) -> Result<Vec<(Str
                 let [modifier, name] = names(&primitive);
                 match FluxSurface::new(&name, shape, primitive.reals) {
                     Ok(surface) => found.push((std::mem::take(&mut pending), modifier, surface)),
-                    Err(FluxError::NoArea { .. }) => {
-                        options.warn(&format!("surface \"{name}\" has no area"));
-                    }
+                    Err(error @ FluxError::NoArea { .. }) => options.warn(&error.to_string()),
                     Err(error) => return Err(wrong(path, &error)),
                 }
             }
