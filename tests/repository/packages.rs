@@ -49,6 +49,17 @@ fn published_crates_include_only_their_own_files() {
 }
 
 #[test]
+fn published_crates_have_the_licences_of_the_root() {
+    for folder in published() {
+        for name in ["LICENSE-APACHE", "LICENSE-MIT"] {
+            let text = fs::read_to_string(folder.join(name)).unwrap_or_default();
+            let of_root = fs::read_to_string(name).expect("the root has its licences");
+            assert_eq!(text, of_root, "{} lacks {name} or has another one", folder.display());
+        }
+    }
+}
+
+#[test]
 fn a_path_that_leaves_the_crate_is_found() {
     let text = "#[doc = include_str!(\"../../../README.md\")]\nconst A: &str = include_str!(\"../library/a.cal\");";
     let found: Vec<bool> = included(text).into_iter().map(|path| leaves(1, path)).collect();
