@@ -23,14 +23,19 @@ dim source sky 0 0 4 0 0 1 180
 
 const VIEW: &str = "-vp 0 -7 5 -vd 0 1.4 -1 -vh 45 -vv 45 -x 128 -y 128 -ff -h-";
 
-/// The pixels of a picture of floats, in the red band, top row first.
+/// The pixels of a picture of floats of [`SIDE`] columns and rows, in the red band, top row first.
 fn red(scene: &str, options: &str) -> Vec<f64> {
+    red_of(SIDE, scene, options)
+}
+
+/// The same for a picture of so many columns and rows.
+fn red_of(side: usize, scene: &str, options: &str) -> Vec<f64> {
     let folder = Folder::new();
     folder.file("scene.rad", scene);
     let options = options.split_whitespace().filter(|word| *word != "-h-");
     let words: Vec<&str> = ["rpict"].into_iter().chain(options).chain(["scene.rad"]).collect();
     let bytes = run_with(command(&words).current_dir(folder.path("")), b"").done();
-    let floats: Vec<f32> = bytes[bytes.len() - SIDE * SIDE * 12..]
+    let floats: Vec<f32> = bytes[bytes.len() - side * side * 12..]
         .as_chunks::<4>()
         .0
         .iter()
@@ -200,6 +205,29 @@ fn silhouettes_are_averaged_over_pixels() {
     assert!((share / expected - 1.0).abs() < 0.003, "{share} instead of {expected}");
     let partial = pixels.iter().filter(|value| **value > 0.01 && **value < 0.99).count();
     assert!(partial > 200, "{partial} pixels on the rim are partly covered");
+}
+
+/// A wall of light with oblique stripes that are narrower than a pixel, bright in a share of its area.
+#[test]
+fn small_pictures_average_patterns_in_pixels_without_bias() {
+    let side = 40;
+    for (share, tolerance, noise) in [(0.5, 0.01, 0.4), (0.05, 0.05, 0.9)] {
+        let scene = format!(
+            "void brightfunc stripes 2 \"if({share}-A1*Px-A2*Pz+floor(A1*Px+A2*Pz),1,0)\" . 0 2 21.3 5.7\n\
+             stripes glow white 0 0 4 1 1 1 0\nwhite polygon wall 0 0 12 -2 5 -2 2 5 -2 2 5 2 -2 5 2\n"
+        );
+        let view = format!("-vtl -vp 0 0 0 -vd 0 1 0 -vh 2 -vv 2 -ff -pj 1 -ps 1 -x {side} -y {side}");
+        let picture = |options: &str| red_of(side, &scene, &format!("{view} {options}"));
+        let exact = picture("--samples 4096");
+        let seeds: Vec<Vec<f64>> = (0..40).map(|seed| picture(&format!("--seed {seed}"))).collect();
+        let count = (seeds.len() * side * side) as f64;
+        let mean = seeds.iter().flatten().sum::<f64>() / count;
+        assert!((mean / share - 1.0).abs() < tolerance, "{mean} instead of {share}");
+        let squares =
+            seeds.iter().flat_map(|seed| seed.iter().zip(&exact)).map(|(value, exact)| (value - exact).powi(2));
+        let (rms, of_ray) = ((squares.sum::<f64>() / count).sqrt(), (share * (1.0 - share)).sqrt());
+        assert!(rms < noise * of_ray, "{share}: pixels have an error of {rms}, single rays of {of_ray}");
+    }
 }
 
 /// Balls of half a pixel, and a ball out of focus: most rays of their pixels pass beside them.

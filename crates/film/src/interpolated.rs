@@ -47,7 +47,7 @@ const COARSE_SPACING: usize = 4;
 /// Small pictures, where they cost little beside the start of the program, have more: as many in all
 /// as a picture of so many pixels.
 const SILHOUETTE_PROBES: u32 = 2;
-const MAX_SILHOUETTE_PROBES: u32 = 6;
+const MAX_SILHOUETTE_PROBES: u32 = 16;
 const MANY_PIXELS: usize = 1 << 15;
 pub(crate) const PROBES: u64 = 1 << (46 + INDEX_LOG2);
 
@@ -64,6 +64,9 @@ const DOUBLINGS: usize = 2;
 /// Rays of different streams have independent numbers. A grid's stream is its spacing; those of the
 /// first grids with a larger spacing end here.
 const STREAMS: usize = 32;
+
+/// The stream of the further rays of the finest pixels.
+pub(crate) const SPARE_STREAM: usize = STREAMS - 1 - DOUBLINGS;
 
 /// Number of pixels at the corners of the four parts of a cell that are not corners of the cell.
 const PIXELS_OF_PARTS: usize = 5;
@@ -93,15 +96,28 @@ pub(crate) struct Block<'b> {
     /// Direct light of the sampled pixels of the grids that may be divided; empty if it is not
     /// recorded.
     records: Vec<Option<Arc<DirectRecord>>>,
+    /// The pixels of the finest grid.
+    pub(crate) finest: Vec<Wanted>,
+    /// Rays cast for all pixels, and for those of the finest grid alone.
+    pub(crate) casts: u64,
+    pub(crate) casts_of_finest: u64,
 }
 
 /// A pixel to be sampled.
 #[derive(Clone, Copy, Debug)]
-struct Wanted {
-    pixel: Pixel,
+pub(crate) struct Wanted {
+    pub(crate) pixel: Pixel,
     noise: Noise,
     /// A cell around it whose corners are sampled; `None` on the coarsest grid.
     cell: Option<Cell>,
+}
+
+/// The value of a sampled pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelMean {
+    pub(crate) mean: [f64; 3],
+    /// Number of rays and probes.
+    pub(crate) rays: u32,
 }
 
 /// The pixels of a block of rows.
@@ -128,6 +144,9 @@ pub(crate) fn block(
         samples: Samples::new(count * camera.columns()),
         spacing: vec![0; count * camera.columns()],
         records: Vec::new(),
+        finest: Vec::new(),
+        casts: 0,
+        casts_of_finest: 0,
     };
     if spacing > 1 && renderer.records_direct_light() {
         block.records = vec![None; count * camera.columns()];
@@ -210,7 +229,7 @@ impl Block<'_> {
         for (wanted, stream) in &first {
             self.trace(wanted, (spacing, *stream));
         }
-        self.darkness = DARK_FRACTION * self.interpolation.contrast * self.typical();
+        self.darkness = self.interpolation.contrast * self.typical_darkness();
         if spacing >= COARSE_SPACING {
             let is_noisy = self.noisy_samples([&columns, &rows]);
             for (wanted, stream) in &first {
@@ -280,12 +299,13 @@ impl Block<'_> {
         wanted
     }
 
-    /// The median of the samples so far that are not black.
-    fn typical(&self) -> f64 {
+    /// What counts as dark, relative to the median of the samples so far that are not black.
+    pub(crate) fn typical_darkness(&self) -> f64 {
         let mut values: Vec<f64> =
             self.samples.iter().map(|sample| mean(&sample.value)).filter(|value| *value > 0.0).collect();
         let center = values.len() / 2;
-        if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(center, f64::total_cmp).1 }
+        let typical = if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(center, f64::total_cmp).1 };
+        DARK_FRACTION * typical
     }
 
     /// Whether the light on the surfaces at the corners of a cell is noisy.
@@ -301,15 +321,22 @@ impl Block<'_> {
 
     /// Traces the rays of pixels of a grid; `stream` numbers them.
     fn trace(&mut self, pixels: &[Wanted], (spacing, stream): (usize, usize)) {
+        if spacing == 1 {
+            self.finest.extend_from_slice(pixels);
+        }
         // In parts, whose memory is used again: the first use of a page costs as much as a ray.
         for pixels in pixels.chunks(TRACED_TOGETHER) {
             let (renderer, block) = (self.renderer, &*self);
-            let samples: Vec<(Sample, Option<Arc<DirectRecord>>)> = pixels
-                .par_iter()
-                .with_min_len(16)
-                .map_init(|| renderer.worker(), |worker, wanted| block.sample_of(worker, wanted, (spacing, stream)))
-                .collect();
-            for (Wanted { pixel, .. }, (sample, record)) in pixels.iter().zip(samples) {
+            let traced = |worker: &mut RayWorker<'_>, wanted: &Wanted| {
+                let before = worker.rays_cast();
+                let (sample, record) = block.sample_of(worker, wanted, (spacing, stream));
+                (sample, record, worker.rays_cast() - before)
+            };
+            let samples: Vec<(Sample, Option<Arc<DirectRecord>>, u64)> =
+                pixels.par_iter().with_min_len(16).map_init(|| renderer.worker(), traced).collect();
+            for (Wanted { pixel, .. }, (sample, record, casts)) in pixels.iter().zip(samples) {
+                self.casts += casts;
+                self.casts_of_finest += if spacing == 1 { casts } else { 0 };
                 let at = self.at(*pixel);
                 self.samples.set(at, sample);
                 self.spacing[at] = spacing as u8;
@@ -359,7 +386,7 @@ impl Block<'_> {
 
     /// Direct light at the corners of the cell around a pixel, whose rays have numbers independent of
     /// those of the pixel; `None` if it is not recorded.
-    fn records_around(&self, wanted: &Wanted) -> Option<Vec<NearRecord>> {
+    pub(crate) fn records_around(&self, wanted: &Wanted) -> Option<Vec<NearRecord>> {
         if self.records.is_empty() {
             return None;
         }
@@ -382,11 +409,12 @@ impl Block<'_> {
     /// All pixels: sampled ones, filtered within their noise, and interpolated ones.
     fn interpolated(&self, smooth: &[Cell]) -> Vec<[f32; 3]> {
         let averaged = self.all_averaged();
-        let value = |index: usize| self.antialiased(&averaged, index).map(|band| band as f32);
-        let values: Vec<[f32; 3]> = (0..self.samples.count()).into_par_iter().with_min_len(256).map(value).collect();
+        let samples = (0..self.samples.count()).into_par_iter().with_min_len(256);
+        let mut values: Vec<PixelMean> = samples.map(|index| self.antialiased(&averaged, index)).collect();
+        self.add_spare_rays(&mut values);
         let mut pixels = vec![[0.0; 3]; self.samples.pixels()];
         for (index, value) in values.into_iter().enumerate() {
-            pixels[self.samples.numbered(index).0] = value;
+            pixels[self.samples.numbered(index).0] = value.mean.map(|band| band as f32);
         }
         for cell in smooth {
             let corners = cell.corners().map(|corner| self.value_of(&averaged, self.at(corner)));
@@ -412,12 +440,13 @@ impl Block<'_> {
     }
 
     /// A silhouette pixel: probe rays find the fraction of it that each adjacent surface covers.
-    fn antialiased(&self, averaged: &[[f64; 3]], index: usize) -> [f64; 3] {
+    fn antialiased(&self, averaged: &[[f64; 3]], index: usize) -> PixelMean {
         let own = averaged[index];
         let (at, sample) = self.samples.numbered(index);
+        let alone = PixelMean { mean: own, rays: sample.rays };
         // Several rays of a pixel are spread over its surfaces already.
         if sample.rays != 1 {
-            return own;
+            return alone;
         }
         let (column, row) = (at % self.camera.columns(), at / self.camera.columns());
         // The pixel's own ray must not decide: if only pixels that met a small body were divided
@@ -429,7 +458,7 @@ impl Block<'_> {
             sees_other |= !continues && !self.is_alike(&own, &averaged[near_index]);
         }
         if !sees_own || !sees_other {
-            return own;
+            return alone;
         }
         let (mut sum, probes) = (own, silhouette_probes(self.camera.columns() * self.camera.rows()));
         for probe in 0..probes {
@@ -437,7 +466,7 @@ impl Block<'_> {
             let value = self.silhouette_probe((column, row), index, &sample.surface, averaged).unwrap_or(own);
             sum = std::array::from_fn(|band| sum[band] + value[band]);
         }
-        sum.map(|band| band / f64::from(probes + 1))
+        PixelMean { mean: sum.map(|band| band / f64::from(probes + 1)), rays: probes + 1 }
     }
 
     /// Whether two values differ by no more than the allowed contrast.
@@ -447,7 +476,7 @@ impl Block<'_> {
     }
 
     /// The samples of a pixel and of those adjacent to it, with their indices.
-    fn around(&self, (column, row): (usize, usize)) -> impl Iterator<Item = (usize, &Sample)> {
+    pub(crate) fn around(&self, (column, row): (usize, usize)) -> impl Iterator<Item = (usize, &Sample)> {
         let [left, top] = [column, row].map(|at| at.saturating_sub(1));
         let [right, bottom] = [(column + 1).min(self.camera.columns() - 1), (row + 1).min(self.rows - 1)];
         (top..bottom + 1).flat_map(move |row| {

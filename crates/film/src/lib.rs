@@ -25,6 +25,7 @@ mod residual;
 mod section;
 mod single;
 mod smoothness;
+mod spare_rays;
 mod view_camera;
 
 pub use adaptive::{Film, SamplingBudget, TimeLeft};

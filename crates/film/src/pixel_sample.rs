@@ -188,7 +188,7 @@ const OUTSIDE: Surface = Surface { key: 1, ..Surface::NONE };
 /// The result of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayValue {
-    value: [f64; 3],
+    pub(crate) value: [f64; 3],
     surface: Surface,
     /// Whether a highlight was sampled.
     is_glossy: bool,

@@ -56,6 +56,12 @@ impl<const BANDS: usize> Cache<BANDS> {
         self.records.is_empty()
     }
 
+    /// Number of rays that were gathered for all records.
+    #[must_use]
+    pub fn rays(&self) -> f64 {
+        self.records.iter().map(|record| record.rays).sum()
+    }
+
     /// The limits for the use of records.
     #[must_use]
     pub fn limits(&self) -> &Limits {

@@ -271,6 +271,11 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         (squares / cache.len().max(1) as f64).sqrt()
     }
 
+    /// Number of rays that were gathered for the records that rays of pixels look up.
+    pub(crate) fn rays(&self) -> f64 {
+        self.seen.cache.rays()
+    }
+
     /// The caches of the first and of the second bounce.
     pub(crate) fn caches(&self) -> Caches<'_, BANDS> {
         [Some(&self.seen.cache), Some(&self.beyond.cache)]

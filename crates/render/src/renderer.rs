@@ -158,6 +158,20 @@ impl Renderer {
         in_bands!(&self.shared, CachedIrradiance(gathered) => gathered.as_ref().map(GatheredIrradiance::noise))
     }
 
+    /// Estimate of the number of rays that were cast for the cached irradiance: those gathered, and
+    /// from what they hit to lights. 0 if none is cached.
+    #[must_use]
+    pub fn casts_of_cache(&self) -> f64 {
+        let lights = match self.plan.light_draws[1] {
+            0 => self.plan.lights.len() as f64,
+            draws => f64::from(draws),
+        };
+        let rays = in_bands!(&self.shared, CachedIrradiance(gathered) => {
+            gathered.as_ref().map_or(0.0, GatheredIrradiance::rays)
+        });
+        rays * (1.0 + lights)
+    }
+
     /// Whether all lights are disks, which [`RayWorker::integrate_lights`] integrates
     /// where they are far enough.
     #[must_use]
@@ -276,6 +290,12 @@ impl RayWorker<'_> {
     /// Computes a part of the radiance of later rays.
     pub fn count(&mut self, counted: CountedLight) {
         in_bands!(&mut self.0, Bands(tracer) => tracer.counted = counted)
+    }
+
+    /// Number of rays that this worker has cast: camera rays, their branches, and tests of shadows.
+    #[must_use]
+    pub fn rays_cast(&self) -> u64 {
+        in_bands!(&self.0, Bands(tracer) => tracer.casts)
     }
 
     /// Traces ray number `index` of its stream.

@@ -70,6 +70,7 @@ impl DirectSampler<'_> {
         if sample.distance <= tracer.plan.geometry.tolerance() {
             return [0.0; BANDS];
         }
+        tracer.casts += 1;
         let straight = !light.is_redirected()
             && tracer.tree.is_none()
             && (!tracer.plan.shadow_rays_interact || self.is_clear(tracer, between));

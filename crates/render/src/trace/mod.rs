@@ -30,7 +30,7 @@ use crate::specular_chain::SpecularChain;
 use crate::subtraction::{AntimatterEvent, Subtraction, SubtractionId};
 use crate::unshadowed_sample::UnshadowedSample;
 use glam::DVec3;
-use radsight_accel::{Intersection, Ray};
+use radsight_accel::{Intersection, PrimitiveId, Ray};
 use radsight_bsdf::Bsdf;
 use radsight_cal::Scratch;
 use radsight_compile::{FirstHit, Kind, Medium, Quantity, RenderPlan, Shader, Uncached};
@@ -103,6 +103,8 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) next_set: u32,
     pub(crate) workspace: Workspace,
     waiting: Vec<PathState<BANDS>>,
+    /// Number of rays that were cast in all: first hits and tests of shadows.
+    pub(crate) casts: u64,
     /// Number of specular branches of the current ray that no sampled ray precedes.
     view_rays: u32,
     /// Media of the current ray; the first fills the scene.
@@ -151,6 +153,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             next_set: 0,
             workspace: Workspace::default(),
             waiting: Vec::with_capacity(MAX_BRANCHES),
+            casts: 0,
             view_rays: 0,
             media: vec![plan.global_medium()],
             cuts: vec![Subtraction::default()],
@@ -267,12 +270,18 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             self.push(*path);
             self.follow_waiting();
         } else {
-            let first = self.plan.first_hit(&path.ray, path.from);
+            let first = self.cast(&path.ray, path.from);
             self.finish_from(path, first);
         }
     }
 
-    /// The same for a ray whose first surface is known, without contributions.
+    /// The first surface on a ray.
+    fn cast(&mut self, ray: &Ray, from: Option<PrimitiveId>) -> Option<Intersection> {
+        self.casts += 1;
+        self.plan.first_hit(ray, from)
+    }
+
+    /// The same as [`PathIntegrator::finish`] for a ray whose first surface is known, without contributions.
     pub(crate) fn finish_from(&mut self, path: &mut PathState<BANDS>, first: Option<Intersection>) {
         debug_assert!(self.contributions.is_none());
         // Without the copies of a pending ray.
@@ -369,7 +378,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     }
 
     fn follow(&mut self, path: &mut PathState<BANDS>) {
-        let first = self.plan.first_hit(&path.ray, path.from);
+        let first = self.cast(&path.ray, path.from);
         self.follow_from(path, first);
     }
 
@@ -387,7 +396,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
                 return self.shade(path, hit, shader);
             }
             *path = self.without_interaction(path, hit);
-            first = self.plan.first_hit(&path.ray, path.from);
+            first = self.cast(&path.ray, path.from);
         }
     }
 
