@@ -268,7 +268,7 @@ pub(crate) fn turned(form: &LightForm) -> LightForm {
     match &mut form {
         LightForm::Disk { normal, .. }
         | LightForm::Parallelogram { normal, .. }
-        | LightForm::Triangles { normal, .. } => *normal = -*normal,
+        | LightForm::Polygon { normal, .. } => *normal = -*normal,
         _ => {}
     }
     form
@@ -319,15 +319,8 @@ mod tests {
             inner_squared: 0.04,
             outer_squared: 0.5,
         };
-        let gable = LightForm::Triangles {
-            triangles: vec![
-                [DVec3::new(1.0, -1.0, 0.1), DVec3::new(1.0, 1.0, 0.1), DVec3::new(1.0, 0.0, 1.0)],
-                [DVec3::new(1.0, -1.0, 0.1), DVec3::new(1.0, 0.0, 1.0), DVec3::new(1.0, -1.0, 0.8)],
-            ],
-            cumulative: vec![0.9 / 1.25, 1.0],
-            normal: -DVec3::X,
-            area: 1.25,
-        };
+        let gable = [[1.0, -1.0, 0.1], [1.0, -1.0, 0.8], [1.0, 0.0, 1.0], [1.0, 1.0, 0.1]];
+        let gable = LightForm::polygon(&gable.map(DVec3::from_array)).expect("it has an area");
         let away = turned(&gable);
         let portal = |form| Portal { radiance: 2.0, ..Portal::new(form).expect("the form is flat") };
         Portals([pane, behind, skylight, gable, away].map(portal).to_vec())

@@ -2,7 +2,7 @@
 
 use crate::FluxError;
 use glam::DVec3;
-use radsight_triangulation::{OutlineError, triangulate};
+use radsight_triangulation::{OutlineError, TriangulatedPolygon};
 use std::f64::consts::{PI, TAU};
 
 /// Type of a surface.
@@ -31,8 +31,7 @@ pub struct FluxSurface {
 /// Parametrisation of a surface's points.
 #[derive(Clone, Debug)]
 enum PointMap {
-    /// Triangles, each with the fraction of the area up to its end.
-    Triangles(Vec<(f64, [DVec3; 3])>),
+    Polygon(TriangulatedPolygon),
     Ring {
         middle: DVec3,
         axes: [DVec3; 2],
@@ -76,13 +75,7 @@ impl FluxSurface {
     /// Maps a point of the unit square to a point of the surface, uniform by area.
     pub(crate) fn point(&self, [a, b]: [f64; 2]) -> DVec3 {
         match &self.points {
-            PointMap::Triangles(triangles) => {
-                let at = triangles.partition_point(|(end, _)| *end <= a).min(triangles.len() - 1);
-                let start = if at == 0 { 0.0 } else { triangles[at - 1].0 };
-                let (end, [p, q, r]) = triangles[at];
-                let within = ((a - start) / (end - start)).clamp(0.0, 1.0).sqrt();
-                p + (q - p) * (within * (1.0 - b)) + (r - p) * (within * b)
-            }
+            PointMap::Polygon(polygon) => polygon.point([a, b]),
             PointMap::Ring { middle, axes: [u, v], squared: [inner, outer] } => {
                 let radius = (inner + a * (outer - inner)).sqrt();
                 let (sin, cos) = (TAU * b).sin_cos();
@@ -113,20 +106,8 @@ fn polygon(vertices: &[DVec3]) -> Result<Found, OutlineError> {
     let first = vertices[0];
     let doubled: DVec3 = vertices[1..].windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum();
     let Some(normal) = doubled.try_normalize() else { return Ok(None) };
-    let (x, y) = normal.any_orthonormal_pair();
-    let flat = vertices.iter().map(|vertex| [(*vertex - first).dot(x), (*vertex - first).dot(y)]);
-    let mut total = 0.0;
-    let mut triangles: Vec<(f64, [DVec3; 3])> = Vec::new();
-    for corners in triangulate(&flat.collect::<Vec<_>>())? {
-        let [p, q, r] = corners.map(|corner| vertices[corner as usize]);
-        total += 0.5 * (q - p).cross(r - p).length();
-        triangles.push((total, [p, q, r]));
-    }
-    if triangles.is_empty() || total.is_nan() || total <= 0.0 {
-        return Ok(None);
-    }
-    triangles.iter_mut().for_each(|(end, _)| *end /= total);
-    Ok(Some((normal, 0.5 * doubled.length(), PointMap::Triangles(triangles))))
+    let polygon = TriangulatedPolygon::new(vertices, normal)?;
+    Ok(polygon.map(|polygon| (normal, 0.5 * doubled.length(), PointMap::Polygon(polygon))))
 }
 
 #[cfg(test)]

@@ -42,8 +42,7 @@ impl PolygonPlane {
 
     /// Vertices in coordinates of the plane.
     pub(crate) fn flattened(&self, vertices: &[DVec3]) -> Vec<[f64; 2]> {
-        let (x, y) = self.normal.any_orthonormal_pair();
-        vertices.iter().map(|vertex| *vertex - self.first).map(|from| [from.dot(x), from.dot(y)]).collect()
+        radsight_triangulation::flattened(vertices, self.normal)
     }
 
     fn above(&self, vertex: DVec3) -> f64 {

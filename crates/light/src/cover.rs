@@ -17,7 +17,7 @@ impl LightForm {
             LightForm::Parallelogram { corner, x, y, .. } => {
                 Some(rectangle(*corner + (*x + *y) * 0.5, *x * 0.5, *y * 0.5))
             }
-            LightForm::Triangles { triangles, normal, .. } => cover_of_triangles(triangles, *normal),
+            LightForm::Polygon { polygon, normal } => cover_of_triangles(polygon.triangles(), *normal),
             LightForm::Sphere { center, radius, facing: Facing::Outward } => {
                 let axis = *center - receiver;
                 let half = width_of_tangents(*radius, axis.length())?;

@@ -6,6 +6,7 @@ use glam::DVec3;
 use radsight_accel::polygon_normal;
 use radsight_ir::{Facing, Scene, Shape};
 use radsight_sampling::unit_disk;
+use radsight_triangulation::TriangulatedPolygon;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 /// The emitting shape, as it is sampled.
@@ -41,15 +42,11 @@ pub enum LightForm {
         area: f64,
     },
     /// Any other polygon.
-    Triangles {
-        /// The corners of each, scene units.
-        triangles: Vec<[DVec3; 3]>,
-        /// Fraction of the area up to the end of each triangle; the last is 1.
-        cumulative: Vec<f64>,
+    Polygon {
+        /// Its triangles, scene units.
+        polygon: TriangulatedPolygon,
         /// Unit, on the emitting side.
         normal: DVec3,
-        /// Total area, square scene units.
-        area: f64,
     },
     /// A sphere, or a bubble that shines inward.
     Sphere {
@@ -117,7 +114,7 @@ impl LightForm {
     /// Shape of an emitting surface; none for a shape that cannot be sampled.
     pub fn new(scene: &Scene, shape: Shape) -> Option<LightForm> {
         match shape {
-            Shape::Polygon { start, count } => polygon_form(scene.polygon_vertices(start, count)),
+            Shape::Polygon { start, count } => LightForm::polygon(scene.polygon_vertices(start, count)),
             Shape::Sphere(handle) => {
                 let sphere = scene.spheres[handle];
                 Some(LightForm::Sphere { center: sphere.center, radius: sphere.radius, facing: sphere.facing })
@@ -151,11 +148,27 @@ impl LightForm {
         }
     }
 
+    /// A polygon; `None` if it has no area.
+    #[must_use]
+    pub fn polygon(vertices: &[DVec3]) -> Option<LightForm> {
+        let normal = polygon_normal(vertices)?;
+        if let [a, b, c, d] = vertices {
+            let (x, y) = (*b - *a, *d - *a);
+            if (*a + x + y).distance(*c) <= 1e-9 * (x.length() + y.length()) {
+                return Some(LightForm::Parallelogram { corner: *a, x, y, normal, area: x.cross(y).length() });
+            }
+        }
+        // The validation of scenes reports outlines that cannot be triangulated.
+        let polygon = TriangulatedPolygon::new(vertices, normal).ok()??;
+        Some(LightForm::Polygon { polygon, normal })
+    }
+
     /// Emitting area in square scene units; for a sphere the visible disk.
     pub fn area(&self) -> f64 {
         match self {
             LightForm::Disk { inner_squared, outer_squared, .. } => PI * (outer_squared - inner_squared),
-            LightForm::Parallelogram { area, .. } | LightForm::Triangles { area, .. } => *area,
+            LightForm::Parallelogram { area, .. } => *area,
+            LightForm::Polygon { polygon, .. } => polygon.area(),
             LightForm::Sphere { radius, .. } => 4.0 * PI * radius * radius,
             LightForm::Cone { length, radii, .. } => PI * (radii[0] + radii[1]) * length.hypot(radii[1] - radii[0]),
             LightForm::Distant { .. } | LightForm::DistantImage { .. } => f64::INFINITY,
@@ -167,7 +180,7 @@ impl LightForm {
         match self {
             LightForm::Disk { center, normal, .. } => Some((*normal, *center)),
             LightForm::Parallelogram { corner, normal, .. } => Some((*normal, *corner)),
-            LightForm::Triangles { triangles, normal, .. } => Some((*normal, triangles[0][0])),
+            LightForm::Polygon { polygon, normal } => Some((*normal, polygon.triangles()[0][0])),
             _ => None,
         }
     }
@@ -180,7 +193,8 @@ impl LightForm {
             LightForm::Parallelogram { corner, x, y, .. } => {
                 (*corner + (*x + *y) * 0.5, 0.5 * (*x + *y).length().max((*x - *y).length()))
             }
-            LightForm::Triangles { triangles, .. } => {
+            LightForm::Polygon { polygon, .. } => {
+                let triangles = polygon.triangles();
                 let corners = triangles.iter().flatten();
                 let count = 3.0 * triangles.len() as f64;
                 let center = corners.clone().sum::<DVec3>() / count;
@@ -204,7 +218,7 @@ impl LightForm {
                 point_on_ring(*center, *x, *y, *inner_squared, *outer_squared, u, v)?
             }
             LightForm::Parallelogram { corner, x, y, .. } => *corner + *x * u + *y * v,
-            LightForm::Triangles { triangles, cumulative, .. } => point_on_triangles(triangles, cumulative, u, v),
+            LightForm::Polygon { polygon, .. } => polygon.point([u, v]),
             _ => return None,
         };
         self.plane().map(|(normal, _)| (normal, point))
@@ -227,7 +241,7 @@ impl LightForm {
             LightForm::Parallelogram { corner, x, y, .. } => {
                 coordinates(*x, *y, point - *corner).iter().all(|share| (0.0..=1.0).contains(share))
             }
-            LightForm::Triangles { triangles, .. } => triangles.iter().any(|triangle| is_in(triangle, point)),
+            LightForm::Polygon { polygon, .. } => polygon.triangles().iter().any(|triangle| is_in(triangle, point)),
             _ => false,
         };
         is_inside.then_some((distance, cosine))
@@ -253,9 +267,7 @@ impl LightForm {
                 let (b, pdf_b) = exponential(gradient.dot(*y), v);
                 (*corner + *x * a + *y * b, *normal, pdf_a * pdf_b / area)
             }
-            LightForm::Triangles { triangles, cumulative, normal, area } => {
-                (point_on_triangles(triangles, cumulative, u, v), *normal, area.recip())
-            }
+            LightForm::Polygon { polygon, normal } => (polygon.point([u, v]), *normal, polygon.area().recip()),
             LightForm::Sphere { center, radius, facing } => {
                 return sample_sphere(*center, *radius, *facing, receiver, [u, v], gradient);
             }
@@ -486,46 +498,4 @@ fn relative_height(radii: [f64; 2], u: f64) -> f64 {
     let radius = squared.max(0.0).sqrt();
     // s = (r − r₀)/(r₁ − r₀) = u·(r₀ + r₁)/(r + r₀), which also holds for a cylinder.
     if radius + low > 0.0 { u * (low + high) / (radius + low) } else { 0.0 }
-}
-
-fn point_on_triangles(triangles: &[[DVec3; 3]], cumulative: &[f64], u: f64, v: f64) -> DVec3 {
-    let index = cumulative.partition_point(|share| *share <= u).min(triangles.len() - 1);
-    let before = if index == 0 { 0.0 } else { cumulative[index - 1] };
-    let u = ((u - before) / (cumulative[index] - before)).clamp(0.0, 1.0);
-    let [a, b, c] = triangles[index];
-    let root = u.sqrt();
-    a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v)
-}
-
-fn polygon_form(vertices: &[DVec3]) -> Option<LightForm> {
-    let normal = polygon_normal(vertices)?;
-    if let [a, b, c, d] = vertices {
-        let (x, y) = (*b - *a, *d - *a);
-        if (*a + x + y).distance(*c) <= 1e-9 * (x.length() + y.length()) {
-            return Some(LightForm::Parallelogram { corner: *a, x, y, normal, area: x.cross(y).length() });
-        }
-    }
-    let triangles = triangulate(vertices, normal)?;
-    let mut area = 0.0;
-    let mut cumulative = Vec::with_capacity(triangles.len());
-    for [a, b, c] in &triangles {
-        area += 0.5 * (*b - *a).cross(*c - *a).length();
-        cumulative.push(area);
-    }
-    if area.is_nan() || area <= 0.0 {
-        return None;
-    }
-    cumulative.iter_mut().for_each(|sum| *sum /= area);
-    Some(LightForm::Triangles { triangles, cumulative, normal, area })
-}
-
-/// `None` for an outline that cannot be triangulated, which the validation of scenes reports.
-fn triangulate(vertices: &[DVec3], normal: DVec3) -> Option<Vec<[DVec3; 3]>> {
-    let (x, y) = normal.any_orthonormal_pair();
-    let flat = vertices.iter().map(|vertex| {
-        let from_first = *vertex - vertices[0];
-        [from_first.dot(x), from_first.dot(y)]
-    });
-    let triangles = radsight_triangulation::triangulate(&flat.collect::<Vec<_>>()).ok()?;
-    Some(triangles.iter().map(|corners| corners.map(|corner| vertices[corner as usize])).collect())
 }

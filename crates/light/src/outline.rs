@@ -27,7 +27,7 @@ impl LightForm {
             LightForm::Parallelogram { corner, x, y, .. } => {
                 vec![*corner, *corner + *x, *corner + *x + *y, *corner + *y]
             }
-            LightForm::Triangles { triangles, .. } => triangles.iter().flatten().copied().collect(),
+            LightForm::Polygon { polygon, .. } => polygon.triangles().iter().flatten().copied().collect(),
             LightForm::Sphere { center, radius, facing: Facing::Outward } => tangents(*center, *radius, from),
             LightForm::Sphere { .. } | LightForm::DistantImage { .. } => Vec::new(),
             LightForm::Cone { base, axis, length, radii, .. } => {

@@ -73,14 +73,9 @@ pub fn virtual_form(form: &LightForm, virtual_source: &VirtualSource) -> LightFo
             normal: unit(normal),
             area: *area,
         },
-        LightForm::Triangles { triangles, cumulative, normal, area } => LightForm::Triangles {
-            triangles: triangles
-                .iter()
-                .map(|triangle| triangle.map(|corner| virtual_source.image_of_point(corner)))
-                .collect(),
-            cumulative: cumulative.clone(),
+        LightForm::Polygon { polygon, normal } => LightForm::Polygon {
+            polygon: polygon.image(|corner| virtual_source.image_of_point(corner)),
             normal: unit(normal),
-            area: *area,
         },
         LightForm::Sphere { center, radius, facing } => {
             LightForm::Sphere { center: point(center), radius: *radius, facing: *facing }

@@ -3,6 +3,8 @@
 //! The order decides which diagonal cuts a face, and so its shape if its corners lie in no plane, and how textures and
 //! normals run over it.
 
+use radsight_triangulation::doubled_area;
+
 /// Doubled area of an ear, relative to that of the outline, below which its tip lies on a straight line.
 const STRAIGHT: f64 = 1e-10;
 
@@ -42,12 +44,6 @@ pub(crate) fn clip_ears(outline: &[[f64; 2]]) -> Option<Vec<[usize; 3]>> {
         current = tip;
     }
     Some(triangles)
-}
-
-/// Twice the area of an outline, positive if it is counter-clockwise.
-pub(crate) fn doubled_area(outline: &[[f64; 2]]) -> f64 {
-    let Some(&origin) = outline.first() else { return 0.0 };
-    outline.windows(2).map(|pair| cross(origin, pair[0], pair[1])).sum()
 }
 
 /// Whether a point lies in a counter-clockwise ear or on its border, but not at one of its corners.

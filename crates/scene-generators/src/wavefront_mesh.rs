@@ -1,10 +1,10 @@
 //! Wavefront text as triangles, for `obj2mesh`.
 
-use crate::ear_clipping::{clip_ears, doubled_area};
+use crate::ear_clipping::clip_ears;
 use crate::facets::{cross, dot, subtract};
 use crate::obj2rad::wavefront::{Corner, Statements, Vertices};
 use crate::obj2rad::{CornerNormals, classify_normals};
-use radsight_triangulation::{OutlineError, triangulate};
+use radsight_triangulation::{OutlineError, doubled_area, triangulate};
 use std::collections::HashMap;
 
 /// Squared lengths below the square of this count as zero, in scene units.

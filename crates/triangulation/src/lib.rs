@@ -11,6 +11,10 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod polygon;
+
+pub use polygon::{TriangulatedPolygon, flattened};
+
 use earcut::Earcut;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::{HashMap, HashSet};
@@ -136,8 +140,11 @@ fn faces_inside(triangulation: &Delaunay) -> Vec<Option<bool>> {
 }
 
 /// Twice the area of an outline, positive if it is counter-clockwise.
-fn doubled_area(outline: &[[f64; 2]]) -> f64 {
-    outline.windows(2).map(|pair| pair[0][0] * pair[1][1] - pair[1][0] * pair[0][1]).sum()
+#[must_use]
+pub fn doubled_area(outline: &[[f64; 2]]) -> f64 {
+    let Some(&[x, y]) = outline.first() else { return 0.0 };
+    let cross = |pair: &[[f64; 2]]| (pair[0][0] - x) * (pair[1][1] - y) - (pair[0][1] - y) * (pair[1][0] - x);
+    outline.windows(2).map(cross).sum()
 }
 
 #[cfg(test)]
