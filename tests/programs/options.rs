@@ -263,7 +263,8 @@ fn check(checker: &str, words: &[&str], file: &str) -> Option<Run> {
     let is_there = Command::new("sh").args(["-c", &format!("command -v {checker}")]).output();
     is_there
         .is_ok_and(|found| found.status.success())
-        .then(|| run_with(Command::new(checker).args(words).arg(file), b""))
+        // In the locale C the pages have characters that the terminal of `man` lacks.
+        .then(|| run_with(Command::new(checker).env("LC_ALL", "C.UTF-8").args(words).arg(file), b""))
 }
 
 #[test]
