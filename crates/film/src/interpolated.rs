@@ -365,14 +365,9 @@ impl Block<'_> {
         loop {
             for number in tally.rays..wanted {
                 let index = numbered([column, row], (spacing, stream), COARSE_RAYS.1, number);
-                let sampler = RaySampler::new(self.renderer.plan().seed(), index);
-                let ray = self.lights.ray_beside(self.camera, column, row, &sampler);
                 // Pixels of the finest grid are never corners of cells that are divided.
                 let mut of_ray = (number == 0 && spacing > 1).then(DirectRecord::default);
-                tally.add(ray.map_or(RayValue::OUTSIDE, |ray| match &near {
-                    None => RayValue::trace(worker, index, &ray),
-                    Some(near) => RayValue::trace_near(worker, index, &ray, (near, &mut of_ray)),
-                }));
+                tally.add(self.value_of_ray(worker, ([column, row], index), (near.as_deref(), &mut of_ray)));
                 record = record.or(of_ray.filter(|_| near.is_some()));
             }
             let sample = tally.sample();
@@ -382,6 +377,22 @@ impl Block<'_> {
             }
             wanted = (2 * wanted).min(most);
         }
+    }
+
+    /// Traces a ray with this number through a pixel of the picture, near others if their direct light is
+    /// recorded; its own is added to `record`.
+    pub(crate) fn value_of_ray(
+        &self,
+        worker: &mut RayWorker<'_>,
+        ([column, row], index): ([usize; 2], u64),
+        (near, record): (Option<&[NearRecord]>, &mut Option<DirectRecord>),
+    ) -> RayValue {
+        let sampler = RaySampler::new(self.renderer.plan().seed(), index);
+        let ray = self.lights.ray_beside(self.camera, column, row, &sampler);
+        ray.map_or(RayValue::OUTSIDE, |ray| match near {
+            None => RayValue::trace(worker, index, &ray),
+            Some(near) => RayValue::trace_near(worker, index, &ray, (near, record)),
+        })
     }
 
     /// Direct light at the corners of the cell around a pixel, whose rays have numbers independent of

@@ -9,9 +9,8 @@
 
 use crate::grid::{Pixel, numbered};
 use crate::interpolated::{Block, PixelMean, SPARE_STREAM, Wanted};
-use crate::pixel_sample::{RayValue, mean};
+use crate::pixel_sample::mean;
 use radsight_render::RayWorker;
-use radsight_sampling::RaySampler;
 use rayon::prelude::*;
 
 /// Number of rays that a small picture casts in all, if it has enough pixels with contrast; they take about a hundredth
@@ -80,17 +79,12 @@ impl Block<'_> {
 
     /// The sum of so many further rays through a pixel.
     fn sum_of_rays(&self, worker: &mut RayWorker<'_>, wanted: &Wanted, rays: u32) -> [f64; 3] {
-        let (column, row) = (wanted.pixel.0, wanted.pixel.1 + self.first_row);
+        let pixel = [wanted.pixel.0, wanted.pixel.1 + self.first_row];
         let near = self.records_around(wanted);
         let mut sum = [0.0; 3];
         for number in 0..rays {
-            let index = numbered([column, row], (1, SPARE_STREAM), MOST, number);
-            let sampler = RaySampler::new(self.renderer.plan().seed(), index);
-            let ray = self.lights.ray_beside(self.camera, column, row, &sampler);
-            let of_ray = ray.map_or(RayValue::OUTSIDE, |ray| match &near {
-                None => RayValue::trace(worker, index, &ray),
-                Some(near) => RayValue::trace_near(worker, index, &ray, (near, &mut None)),
-            });
+            let index = numbered(pixel, (1, SPARE_STREAM), MOST, number);
+            let of_ray = self.value_of_ray(worker, (pixel, index), (near.as_deref(), &mut None));
             sum = [0, 1, 2].map(|band| sum[band] + of_ray.value[band]);
         }
         sum
