@@ -22,3 +22,4 @@ mod retro;
 mod rpict;
 mod rtrace;
 mod scattering;
+mod textured_normals;

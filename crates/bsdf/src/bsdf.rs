@@ -1,5 +1,6 @@
 //! The BSDF at a shading point: its components, evaluated and sampled.
 
+use crate::diffuse_lobe::DiffuseLobe;
 use crate::frame::Frame;
 use crate::function_lobe::FunctionLobe;
 use crate::glossy::GlossyKind;
@@ -13,7 +14,6 @@ use radsight_cal::Scratch;
 use radsight_ir::Rgb;
 use radsight_light::{LightSampleCount, LobePeak, ReceiverCosine, Reception};
 use radsight_retro::{Paper1991, observation_angle};
-use radsight_sampling::cosine_hemisphere;
 use radsight_texture::{bands, not_negative, spread, strongest};
 use std::f64::consts::FRAC_1_PI;
 
@@ -96,6 +96,8 @@ pub struct Bsdf<'a, const BANDS: usize> {
     pub mirror: [f64; BANDS],
     /// Transmission; none for an opaque surface.
     pub transmission: Option<Transmission<BANDS>>,
+    /// Whether indirect light comes as to the surface without its texture.
+    pub indirect_ignores_texture: bool,
 }
 
 impl<const BANDS: usize> Highlight<'_, BANDS> {
@@ -146,6 +148,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
             below_threshold: BelowThreshold::NOTHING,
             mirror: [0.0; BANDS],
             transmission: None,
+            indirect_ignores_texture: false,
         }
     }
 
@@ -185,6 +188,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
             below_threshold: BelowThreshold::NOTHING,
             mirror: if smooth && kind.specularity > 0.0 { specular } else { [0.0; BANDS] },
             transmission: None,
+            indirect_ignores_texture: false,
         }
     }
 
@@ -337,10 +341,12 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// Whether the diffuse component scatters direct and indirect light alike. Radiance subtracts a
-    /// coat's reflection from direct light only, and adds scattering functions and highlights below
-    /// the threshold to indirect light only.
+    /// coat's reflection from direct light only, adds scattering functions and highlights below the
+    /// threshold to indirect light only, and has a cosine about a turned normal for direct light
+    /// only ([`DiffuseLobe`]).
     pub fn diffuse_finds_lights(&self) -> bool {
         self.coat == FresnelCoat::None
+            && (self.diffuse_normal == self.normal || self.is_retroreflector())
             && !self.below_threshold.has_any()
             && !matches!(&self.highlight, Highlight::Function(lobe) if lobe.has_ambient())
     }
@@ -510,30 +516,34 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         self.sides_agree(direction).then_some(BsdfSample { direction, weight, pdf: sample.density, pdf_ratio: 1.0 })
     }
 
-    /// Samples the diffuse component. The sample has no density if the component scatters indirect
-    /// light only.
+    /// Samples the diffuse component. The sample has no density if the component scatters direct
+    /// and indirect light differently.
     pub fn sample_diffuse(&self, u: f64, v: f64) -> Option<BsdfSample<BANDS>> {
-        let [ambient, ambient_transmission] = self.ambient();
         let Some(transmission) = &self.transmission else {
-            return self.sample_cosine(self.diffuse_normal, &self.reflectance_of_surroundings(), [u, v]);
+            return self.diffuse_sample(&self.diffuse_lobe(), &self.reflectance_of_surroundings(), [u, v]);
         };
         let chance = transmission.diffuse_chance;
         if u >= chance {
             let u = (u - chance) / (1.0 - chance);
-            let sample = self.sample_cosine(self.diffuse_normal, &sum(self.diffuse, ambient), [u, v])?;
+            let sample = self.diffuse_sample(&self.diffuse_lobe(), &self.reflectance_of_surroundings(), [u, v])?;
             return Some(sample.split(1.0 - chance));
         }
-        let sample = self.sample_cosine(
-            -transmission.normal,
-            &sum(transmission.diffuse, ambient_transmission),
-            [u / chance, v],
-        )?;
-        Some(sample.split(chance))
+        let lobe = self.lobe_about(-self.normal, -transmission.normal);
+        let reflectance = sum(transmission.diffuse, self.ambient()[1]);
+        Some(self.diffuse_sample(&lobe, &reflectance, [u / chance, v])?.split(chance))
     }
 
-    /// Whether the diffuse component on this normal can sample the direction.
-    pub fn is_sampled_towards(&self, direction: DVec3, normal: DVec3) -> bool {
-        (self.normal.dot(direction) > 0.0) == (self.normal.dot(normal) > 0.0) && self.sides_agree(direction)
+    /// The kernel of indirect light on the viewer's side.
+    pub fn diffuse_lobe(&self) -> DiffuseLobe {
+        self.lobe_about(self.normal, self.diffuse_normal)
+    }
+
+    fn lobe_about(&self, surface: DVec3, facet: DVec3) -> DiffuseLobe {
+        match self.is_retroreflector() {
+            true => DiffuseLobe::above(surface, facet),
+            false if self.indirect_ignores_texture => DiffuseLobe::of_facet(surface, surface),
+            false => DiffuseLobe::of_facet(surface, facet),
+        }
     }
 
     /// Diffuse albedo for indirect light from the viewer's side.
@@ -541,14 +551,20 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         sum(self.diffuse, self.ambient()[0])
     }
 
-    fn sample_cosine(&self, normal: DVec3, reflectance: &[f64; BANDS], [u, v]: [f64; 2]) -> Option<BsdfSample<BANDS>> {
-        let local = DVec3::from_array(cosine_hemisphere(u, v));
-        let direction = Frame::new(normal).to_scene(local);
-        if local.z <= 0.0 || !self.is_sampled_towards(direction, normal) {
-            return None;
-        }
-        let pdf = if self.diffuse_finds_lights() { local.z * FRAC_1_PI } else { 0.0 };
-        Some(BsdfSample { direction, weight: *reflectance, pdf: Density::Continuous(pdf), pdf_ratio: 1.0 })
+    fn diffuse_sample(
+        &self,
+        lobe: &DiffuseLobe,
+        reflectance: &[f64; BANDS],
+        [u, v]: [f64; 2],
+    ) -> Option<BsdfSample<BANDS>> {
+        let sample = lobe.sample(u, v)?;
+        let pdf = if self.diffuse_finds_lights() { sample.pdf } else { 0.0 };
+        Some(BsdfSample {
+            direction: sample.direction,
+            weight: reflectance.map(|band| band * sample.weight),
+            pdf: Density::Continuous(pdf),
+            pdf_ratio: 1.0,
+        })
     }
 
     /// The mirror direction. A texture that would turn it below the surface is ignored.

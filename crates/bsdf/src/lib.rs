@@ -13,6 +13,7 @@
 mod ashikhmin;
 mod bsdf;
 mod context;
+mod diffuse_lobe;
 mod frame;
 mod function_lobe;
 mod functions;
@@ -33,6 +34,7 @@ mod ward_function;
 pub use ashikhmin::AshikhminKind;
 pub use bsdf::{Bsdf, FresnelCoat, Highlight, HighlightShape, colored, model_bands, of_model, pane, sum, through_pane};
 pub use context::{BsdfContext, SpecularBounce, SurfaceScattering};
+pub use diffuse_lobe::{DiffuseLobe, DiffuseSample};
 pub use frame::Frame;
 pub use function_lobe::{FunctionLobe, LobeFunction, MaterialView, Surroundings};
 pub use functions::{BrtdKind, ScatteringKind};

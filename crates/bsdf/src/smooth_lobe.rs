@@ -97,6 +97,7 @@ mod tests {
             below_threshold: BelowThreshold::NOTHING,
             mirror: [0.0; 2],
             transmission: None,
+            indirect_ignores_texture: false,
         }
     }
 

@@ -155,7 +155,7 @@ impl<'r> Film<'r> {
             SamplingBudget::Samples(samples) => self.trace_all(range.clone(), samples.clamp(1, MAX_SAMPLES)),
             SamplingBudget::Error(target) => return self.finish_to_error(&range, target),
         }
-        self.state.pixels[range].iter().map(|pixel| pixel.mean().map(|band| band as f32)).collect()
+        self.state.pixels[range].iter().map(|pixel| pixel.mean().map(|band| band.max(0.0) as f32)).collect()
     }
 
     /// Finishes pixels to a requested error.

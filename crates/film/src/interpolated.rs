@@ -425,7 +425,7 @@ impl Block<'_> {
         self.add_spare_rays(&mut values);
         let mut pixels = vec![[0.0; 3]; self.samples.pixels()];
         for (index, value) in values.into_iter().enumerate() {
-            pixels[self.samples.numbered(index).0] = value.mean.map(|band| band as f32);
+            pixels[self.samples.numbered(index).0] = value.mean.map(|band| band.max(0.0) as f32);
         }
         for cell in smooth {
             let corners = cell.corners().map(|corner| self.value_of(&averaged, self.at(corner)));
@@ -437,7 +437,8 @@ impl Block<'_> {
                     }
                     let shares = cell.shares((column, row));
                     pixels[at] = std::array::from_fn(|band| {
-                        shares.iter().zip(&corners).map(|(share, corner)| share * corner[band]).sum::<f64>() as f32
+                        shares.iter().zip(&corners).map(|(share, corner)| share * corner[band]).sum::<f64>().max(0.0)
+                            as f32
                     });
                 }
             }

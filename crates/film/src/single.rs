@@ -62,7 +62,8 @@ pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, budget: Sampl
             }
         }
     }
-    traced.value = sum.map(|sum| sum / f64::from(samples));
+    // Rays from facets that face away from the light may count negatively.
+    traced.value = sum.map(|sum| sum.max(0.0) / f64::from(samples));
     if let Some(spectrum) = &mut spectrum {
         spectrum.scale(f64::from(samples).recip());
     }

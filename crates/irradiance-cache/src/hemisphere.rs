@@ -71,6 +71,14 @@ impl Hemisphere {
         }
     }
 
+    /// Mean tangent of the angle to the normal over the projected solid angle of each ring.
+    pub(crate) fn mean_tangents(&self) -> Vec<f64> {
+        // ∫ tan θ d(sin² θ).
+        let up_to = |sine: f64| sine.asin() - sine * (1.0 - sine * sine).sqrt();
+        let edges: Vec<f64> = (0..=self.rings).map(|ring| up_to(self.edge_sine(ring))).collect();
+        edges.windows(2).map(|edges| self.rings as f64 * (edges[1] - edges[0])).collect()
+    }
+
     /// Sine of the angle between the normal and the inner edge of a ring.
     pub(crate) fn edge_sine(&self, ring: usize) -> f64 {
         (ring as f64 / self.rings as f64).sqrt()
@@ -118,6 +126,13 @@ mod tests {
             });
             assert!((sum - 1.0).abs() < 1e-12 && largest.0 == cell);
         }
+    }
+
+    #[test]
+    fn the_mean_tangent_is_half_pi() {
+        let tangents = Hemisphere::with_divisions(64).mean_tangents();
+        assert!((tangents.iter().sum::<f64>() / tangents.len() as f64 - 0.5 * PI).abs() < 1e-12);
+        assert!(tangents.is_sorted(), "{tangents:?}");
     }
 
     #[test]

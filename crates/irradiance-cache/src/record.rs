@@ -2,7 +2,7 @@
 
 use crate::bands::mean;
 use crate::emitter::{Emitters, GatherHit};
-use crate::gradient::Gradients;
+use crate::gradient::{Gradients, rotation};
 use crate::hemisphere::{GatheredRadiance, Hemisphere};
 use crate::obstacles::{Obstacles, Occluders};
 use crate::stored::store_fields;
@@ -98,10 +98,7 @@ impl<const BANDS: usize> Record<BANDS> {
             position,
             normal,
             irradiance,
-            gradients: Gradients {
-                rotation: local.rotation.map(to_world),
-                translation: local.translation.map(to_world),
-            },
+            gradients: Gradients { translation: local.translation.map(to_world), ..local },
             emitters: Emitters::UNKNOWN,
             obstacles: Obstacles::NONE,
             scale: 1.0 / nearness.max(f64::MIN_POSITIVE),
@@ -134,13 +131,14 @@ impl<const BANDS: usize> Record<BANDS> {
         Record { ungathered, ..self }
     }
 
-    /// The same record with the hits of all rays, in the order of their directions; `offset` of 0…1
-    /// selects the hits that are kept.
+    /// The same record with the hits of all rays, in the order of their directions, from which the
+    /// irradiance for other normals follows; `offset` of 0…1 selects the hits that are kept.
     #[must_use]
     pub fn with_hits(self, hits: &[GatherHit<BANDS>], offset: f64) -> Self {
         let emitters = Emitters::new(self.position, hits, offset);
         let obstacles = Obstacles::new(Record::<BANDS>::frame(self.normal), hits);
-        Record { emitters, obstacles, ..self }
+        let gradients = Gradients { rotation: rotation(self.normal, hits), ..self.gradients };
+        Record { emitters, obstacles, gradients, ..self }
     }
 
     /// Number of rays.

@@ -157,7 +157,7 @@ impl CameraRays<'_> {
         }
         let samples = state.pixels.iter().map(|pixel| pixel.samples).collect();
         Some(Finished {
-            pixels: state.pixels.iter().map(|pixel| pixel.mean().map(|band| band as f32)).collect(),
+            pixels: state.pixels.iter().map(|pixel| pixel.mean().map(|band| band.max(0.0) as f32)).collect(),
             maps: Maps { relative_errors: Some(left.relative_errors()), samples: Some(samples) },
             estimate: left.estimate(),
         })

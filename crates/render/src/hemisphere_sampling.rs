@@ -39,15 +39,14 @@ pub(crate) fn visible_portals<'p, const BANDS: usize>(
         return None;
     }
     match guide {
-        Some(guide) => guide.seen_from(at, bsdf.diffuse_normal),
-        None => plan.portals.seen_from(at, bsdf.diffuse_normal),
+        Some(guide) => guide.seen_from(at, bsdf.normal),
+        None => plan.portals.seen_from(at, bsdf.normal),
     }
 }
 
 /// Samples the diffuse component, or a direction towards a portal.
 pub(crate) fn sample_outward<const BANDS: usize>(
     bsdf: &Bsdf<'_, BANDS>,
-
     visible_portals: &VisiblePortals<'_>,
     u: [f64; 4],
 ) -> Option<BsdfSample<BANDS>> {
@@ -56,13 +55,10 @@ pub(crate) fn sample_outward<const BANDS: usize>(
     } else {
         bsdf.sample_diffuse(u[2], u[3])?.direction
     };
-    let by_cosine = bsdf.diffuse_normal.dot(direction) * FRAC_1_PI;
-    if by_cosine <= 0.0 || !bsdf.is_sampled_towards(direction, bsdf.diffuse_normal) {
-        return None;
-    }
-    let pdf = visible_portals.mixed_pdf(direction, by_cosine);
-    let pdf_ratio = pdf / by_cosine;
-    let weight = bsdf.reflectance_of_surroundings().map(|band| band / pdf_ratio);
+    let sample = bsdf.diffuse_lobe().at(direction)?;
+    let pdf = visible_portals.mixed_pdf(direction, sample.pdf);
+    let pdf_ratio = pdf / sample.pdf;
+    let weight = bsdf.reflectance_of_surroundings().map(|band| band * sample.weight / pdf_ratio);
     let pdf = Density::Continuous(if bsdf.diffuse_finds_lights() { pdf } else { 0.0 });
     Some(BsdfSample { direction, weight, pdf, pdf_ratio })
 }

@@ -34,6 +34,9 @@ const MAX_HIGHLIGHT_SAMPLES: f64 = 16.0;
 /// Maximum number of diffuse rays from a point of a preview that no record reaches.
 const MAX_RAYS_OF_UNREACHED: u32 = 16;
 
+/// Minimum number of rays whose sum is an irradiance: the sum of fewer may be negative by chance.
+const MIN_RAYS_OF_IRRADIANCE: u32 = 16;
+
 /// The same where a highlight ray ends: in a room with a ball of rough gold, four have two thirds of
 /// the rms error of one in 1.3 times the time.
 const MAX_RAYS_BEHIND_HIGHLIGHT: u32 = 4;
@@ -51,6 +54,14 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if path.seeks_caustics() || self.counted == CountedLight::Images {
             return;
         }
+        let untextured;
+        let point = if self.contributions.is_some() {
+            // A patch of a sky must not contribute less than nothing.
+            untextured = Bsdf { indirect_ignores_texture: true, ..*point };
+            &untextured
+        } else {
+            point
+        };
         let receiver = primitive.and_then(|primitive| self.plan.receiver(primitive));
         let lights_suffice = receiver.is_some_and(|receiver| receiver.lights_suffice);
         let alone = receiver.is_some_and(|receiver| receiver.sees_only_lights);
@@ -269,6 +280,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let share = f64::from(rays);
         let part = PathState { split: path.split * share, ..*path };
         let next_set = self.next_set;
+        let before = self.radiance;
         let (outward, chance) = direct.visible_portals.map_or((0, 0.0), |visible_portals| {
             ((visible_portals.chance * share).round() as u32, visible_portals.chance)
         });
@@ -283,6 +295,20 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 }
             }
             self.end_split(&suspended, next_set);
+        }
+        if rays >= MIN_RAYS_OF_IRRADIANCE {
+            self.no_negative_irradiance(path, before);
+        }
+    }
+
+    /// Irradiance is at least 0, though its gradient by rotation would make it negative on facets
+    /// that face away from the light ([`DiffuseLobe`](radsight_bsdf::DiffuseLobe)). `before` is the
+    /// ray's radiance without it.
+    fn no_negative_irradiance(&mut self, path: &PathState<BANDS>, before: [f64; BANDS]) {
+        for ((sum, before), throughput) in self.radiance.iter_mut().zip(before).zip(path.throughput) {
+            if (*sum - before) * throughput < 0.0 {
+                *sum = before;
+            }
         }
     }
 

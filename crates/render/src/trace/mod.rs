@@ -365,7 +365,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     }
 
     fn push_on(&mut self, mut path: PathState<BANDS>, bounce: BounceType) {
-        if self.waiting.len() < MAX_BRANCHES && path.throughput.iter().any(|band| *band > 0.0) {
+        if self.waiting.len() < MAX_BRANCHES && path.throughput.iter().any(|band| *band != 0.0) {
             path.node = self.new_node(&path, bounce);
             self.waiting.push(path);
         }

@@ -48,7 +48,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         reflections: u32,
         lobe: Option<Lobe>,
     ) -> Option<[f64; BANDS]> {
-        let strongest = pdf_ratio * throughput.iter().copied().fold(0.0, f64::max);
+        let strongest = pdf_ratio * throughput.iter().fold(0.0, |most: f64, band| most.max(band.abs()));
         let unsplit = path.split * strongest;
         let depth = path.depth + 1;
         if strongest <= 0.0 || depth > MAX_DEPTH {

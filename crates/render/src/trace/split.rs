@@ -117,7 +117,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The weight of this ray relative to the first, at most 1.
     fn weight(&self, path: &PathState<BANDS>) -> f64 {
         let unit = if self.plan.options.quantity == Quantity::Radiance { 1.0 } else { FRAC_1_PI };
-        (unit * path.pdf_ratio() * mean(&path.throughput)).min(1.0)
+        (unit * path.pdf_ratio() * mean(&path.throughput).abs()).min(1.0)
     }
 
     /// The number of rays into which a ray splits; `requested` is the number without splitting.
