@@ -137,6 +137,9 @@ pub struct Gathering {
     /// Maximum mean number of rays of a cache record, relative to `divisions` and `super_samples`;
     /// remaining noise stays. Default infinite.
     pub record_share: f64,
+    /// Whether few points trace no more rays than Radiance does in about the same time: noise above
+    /// `noise` stays. Default false.
+    pub bounded: bool,
     /// Minimum weight of a cache point in sample allocation, relative to the mean. Samples are
     /// allocated by the number of pixels that a cache point serves; points that serve no pixel get
     /// this weight. A larger value distributes noise more uniformly, a smaller one lowers the
@@ -156,6 +159,7 @@ impl Default for Gathering {
             caustic_error: f64::INFINITY,
             most_residual: Gathering::MAX_INTERPOLATION_ERROR,
             record_share: f64::INFINITY,
+            bounded: false,
             allocation_floor: 0.5,
         }
     }

@@ -111,6 +111,7 @@ impl Renderer {
     pub fn irradiance_cache_of(&mut self, rays: &[Ray], progress: &dyn Progress) -> Result<Option<Vec<u8>>, Error> {
         let mut options = self.options.clone();
         options.gathering.uncached = Uncached::Split;
+        options.gathering.bounded = true;
         let all = || rays.iter().copied().map(Some).collect();
         if self.gather(&options, all, RaySpacing::UNKNOWN, progress)?.is_none() {
             return Ok(None);

@@ -420,6 +420,7 @@ impl Renderer {
     ) -> Result<Option<Vec<T>>, Error> {
         let mut options = self.options.clone();
         options.gathering.uncached = Uncached::Split;
+        options.gathering.bounded = true;
         let all = || rays.iter().copied().map(Some).collect();
         if self.gather(&options, all, RaySpacing::UNKNOWN, progress)?.is_none() {
             return Ok(None);

@@ -11,7 +11,7 @@ use crate::local_mean::local_means;
 use crate::ray_spacing::RaySpacing;
 use crate::trace::PathIntegrator;
 use radsight_accel::Ray;
-use radsight_compile::{Quantity, RenderPlan};
+use radsight_compile::{Quantity, RenderOptions, RenderPlan};
 use radsight_irradiance_cache::{Cache, Fit, Hemisphere, Limits, Record, Stored, StoredBytes};
 use rayon::prelude::*;
 
@@ -64,7 +64,7 @@ const FURTHER_ROUNDS: usize = 3;
 /// Minimum number of sample rays of a cache point that find the points of the second cache, and
 /// total of those of sensors.
 const SAMPLES_PER_POINT: usize = 16;
-const SENSOR_SAMPLES: usize = 4096;
+const SENSOR_SAMPLES: usize = 1024;
 
 /// With fewer rays than this there is no second cache: their own paths cost less.
 const MIN_RAYS_FOR_SECOND_CACHE: usize = 256;
@@ -80,19 +80,32 @@ const SECOND_CACHE_SHARE: usize = 4;
 
 /// Up to this many points are few. Each gets this many times the requested rays, as paths of one
 /// ray per bounce, since it has few neighbours. Radiance takes about as long, since every point hit
-/// sends as many rays again. More points share as many rays.
+/// sends as many rays again if there are more bounces. More points share as many rays, or somewhat
+/// more up to the second number: Radiance's time grows with this power of their number.
 const FEW_POINTS: f64 = 16.0;
+const MAX_FEW_POINTS: usize = 128;
+const GROWTH_BY_POINTS: f64 = 0.3;
 const RAYS_OF_A_POINT: f64 = 8.0;
+const RAYS_OF_A_POINT_OF_ONE_BOUNCE: f64 = 2.0;
 
-/// Up to this many points with more than one bounce are sensors, whose values are used one by one.
-/// Each gets this many times the requested rays. From the given total number of rays on, a second
-/// cache pays, where these rays end. Then each gets fewer, down to the given share, if less than the
-/// given number is requested, since Radiance's sensors cost little there.
-const MAX_SENSORS: usize = 128;
+/// Few points with more than one bounce are sensors, whose values are used one by one. Each gets
+/// this many times the requested rays. From the given total number of rays on, a second cache pays,
+/// where these rays end. Then each gets fewer, down to the given share, if less than the given
+/// number is requested, since Radiance's sensors cost little there.
 const RAYS_OF_A_SENSOR: f64 = 12.0;
 const LEAST_SENSOR_SHARE: f64 = 1.0 / 3.0;
 const ACCURATE_SENSOR_RAYS: f64 = 2048.0;
 const MIN_SENSOR_RAYS: f64 = 16_384.0;
+
+/// With a smaller resolution (`-ar`) than this, Radiance has so few records of further bounces that
+/// the first one decides about its time: few points get rays in proportion, down to this fraction.
+const FINE_RESOLUTION: f64 = 64.0;
+const MIN_COARSE_SHARE: f64 = 0.35;
+
+/// Maximum number of rays for few points, relative to their minimum: in the first cache and in the
+/// second.
+const MOST_RAYS_OF_FEW: f64 = 1.2;
+const MOST_RAYS_BEYOND_FEW: f64 = 0.7;
 
 /// From this number of rays on, records resolve what the rays do; with fewer they resolve finer
 /// details, down to this fraction.
@@ -139,7 +152,8 @@ fn gather_for<const BANDS: usize>(
     served.push(requested);
     if plan.options.ambient_bounces > 1 && pays_for_second_cache(plan, rays.len()) {
         let gathers = SecondaryGathers::new(plan, &seen.cache, (rays, spread), sample_rays(plan, rays.len()));
-        beyond.budget = beyond.rays + seen.allowance(rays) / SECOND_CACHE_SHARE;
+        let most = rays_of_few_points(plan, rays.len(), MOST_RAYS_BEYOND_FEW);
+        beyond.budget = beyond.rays + most.min(seen.allowance(rays) / SECOND_CACHE_SHARE);
         beyond.noise = second_cache_noise(plan, rays.len());
         beyond.gather(
             (plan, stops),
@@ -148,7 +162,7 @@ fn gather_for<const BANDS: usize>(
         );
     }
     let before = seen.cache.len();
-    seen.budget = seen.rays + seen.allowance(rays);
+    seen.budget = seen.rays + rays_of_few_points(plan, rays.len(), MOST_RAYS_OF_FEW).min(seen.allowance(rays));
     let caches = [None, Some(&beyond.cache)];
     let fine = spread.scaled(fineness(rays.len(), plan.options.gathering.accuracy));
     let points = PrepassPoints::new(plan, rays.len(), |order| of_camera_rays(plan, (rays, fine), order));
@@ -565,7 +579,7 @@ fn sample_allocation(served: &[f64], allocation_floor: f64) -> Vec<f64> {
 /// Whether this many points are sensors with light of more than one bounce.
 fn are_sensors(plan: &RenderPlan, points: usize) -> bool {
     let options = &plan.options;
-    options.quantity != Quantity::Radiance && options.ambient_bounces > 1 && points <= MAX_SENSORS
+    options.quantity != Quantity::Radiance && options.ambient_bounces > 1 && points <= MAX_FEW_POINTS
 }
 
 /// Whether a second cache pays for this many points.
@@ -593,21 +607,40 @@ fn sample_rays(plan: &RenderPlan, points: usize) -> usize {
 
 /// Minimum number of own rays of a record, for this total number of points.
 fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
-    let requested = plan.options.gathering.rays();
-    let factor = if !are_sensors(plan, points) {
+    let options = &plan.options;
+    let requested = options.gathering.rays();
+    let factor = if options.ambient_bounces == 1 && options.gathering.bounded {
+        RAYS_OF_A_POINT_OF_ONE_BOUNCE
+    } else if !are_sensors(plan, points) {
         RAYS_OF_A_POINT
     } else if pays_for_sensors(plan, points) {
         (requested as f64 / ACCURATE_SENSOR_RAYS).clamp(LEAST_SENSOR_SHARE, 1.0) * RAYS_OF_A_SENSOR
     } else {
         RAYS_OF_A_SENSOR
     };
-    rays_of_few(factor, requested, points)
+    coarse_share(options) * rays_of_few(factor, requested, points)
+}
+
+/// Maximum number of rays of all points, relative to the minimum; no limit unless they are few and
+/// bounded.
+fn rays_of_few_points(plan: &RenderPlan, points: usize, share: f64) -> usize {
+    let is_bounded = plan.options.gathering.bounded && points <= MAX_FEW_POINTS;
+    if is_bounded { (share * least_own_rays(plan, points) * points as f64) as usize } else { usize::MAX }
+}
+
+/// The fraction of rays that few points get for the resolution of the cache.
+fn coarse_share(options: &RenderOptions) -> f64 {
+    let resolution = f64::from(options.gathering.resolution);
+    let is_coarse = options.gathering.bounded && options.ambient_bounces > 1 && resolution > 0.0;
+    if is_coarse { (resolution / FINE_RESOLUTION).clamp(MIN_COARSE_SHARE, 1.0) } else { 1.0 }
 }
 
 /// This multiple of the requested rays (`-ad`, `-as`) for each of few points, which have hardly any
 /// neighbours; more points share as many.
 fn rays_of_few(factor: f64, requested: usize, points: usize) -> f64 {
-    factor * requested as f64 * (FEW_POINTS / points.max(1) as f64).min(1.0)
+    let times = (points as f64 / FEW_POINTS).max(1.0);
+    let growth = if points <= MAX_FEW_POINTS { times.powf(GROWTH_BY_POINTS) } else { 1.0 };
+    factor * requested as f64 * growth / times
 }
 
 #[cfg(test)]
@@ -620,8 +653,10 @@ mod tests {
             assert!(rays_of_few(RAYS_OF_A_POINT, 2304, points) > 2304.0, "{points} points");
         }
         assert!(rays_of_few(RAYS_OF_A_POINT, 1000, 100_000) < 2.0);
-        // The total number of rays never exceeds that of a few points.
-        assert!((1..1000).all(|points| points as f64 * rays_of_few(8.0, 100, points) <= 16.0 * 8.0 * 100.0 + 1e-6));
+        // Many points share the rays of few.
+        let total = |points: usize| points as f64 * rays_of_few(8.0, 100, points);
+        assert!((1..1000).all(|points| total(points) < 2.0 * total(16)));
+        assert!((200..1000).all(|points| total(points) <= total(16) + 1e-6));
     }
 
     #[test]

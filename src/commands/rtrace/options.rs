@@ -192,6 +192,7 @@ impl Options {
         }
         options.check()?;
         options.request_ray_trees();
+        options.render.gathering.bounded = options.asked_budget.is_none();
         Ok(options)
     }
 

@@ -55,6 +55,7 @@ impl RenderJob {
         (options.seed, options.ambient_bounces) = (self.seed, self.ambient_bounces);
         if let JobTarget::Trace { quantity, .. } = &self.target {
             options.gathering.uncached = Uncached::Split;
+            options.gathering.bounded = true;
             options.quantity = (*quantity).into();
         }
         if self.ambient_bounces > 0 {
