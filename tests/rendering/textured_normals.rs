@@ -21,6 +21,8 @@ const WINDOW: &str = "void glow shine 0 0 4 3 2 1 0\nshine source sky 0 0 4 0 0 
                       2 .4 1.2  2 .4 .4  2 -.4 .4\n\
                       dark polygon ceiling 0 0 12 -50 -50 3  -50 50 3  2 50 3  2 -50 3\n\
                       dark polygon back 0 0 12 -3 -50 -50  -3 -50 50  -3 50 50  -3 50 -50\n\
+                      dark polygon left 0 0 12 -3 -50 -50  -3 -50 3  2 -50 3  2 -50 -50\n\
+                      dark polygon right 0 0 12 -3 50 -50  2 50 -50  2 50 3  -3 50 3\n\
                       void glass pane 0 0 3 .9 .9 .9\npane polygon glazing 0 0 12 2 -.4 .4 2 -.4 1.2 2 .4 1.2 2 .4 .4\n";
 
 /// Every way to compute indirect light, and the number of repeated rays.
@@ -88,9 +90,9 @@ fn rays_towards_a_window_follow_it_as_well() {
     let plain = of([0.0; 2], cached, 1);
     for texture in TEXTURES {
         let exact = of(texture, cached, 1);
-        for (way, repeats) in [("-aa 0 -ad 4096", 4), ("-aa 0 --samples 8192", 1), ("-aa .1 -ad 256 -as 0", 1)] {
+        for (way, repeats) in [("-aa 0 -ad 4096", 4), ("-aa 0 --samples 8192", 1), ("-aa .1 -ad 2048 -as 0", 1)] {
             let found = of(texture, way, repeats);
-            assert!((found - exact).abs() < 0.05 * plain, "{texture:?}, {way}: {found}, {cached}: {exact}");
+            assert!((found - exact).abs() < 0.08 * plain, "{texture:?}, {way}: {found}, {cached}: {exact}");
         }
     }
 }
@@ -156,7 +158,7 @@ fn real_radiance_agrees() {
             let theirs = run_with(theirs.current_dir(folder.path("")), input.as_bytes()).text();
             let theirs: f64 = theirs.split_whitespace().next().expect("red").parse().expect("a number");
             // Radiance takes the gradient from few cells next to the horizon.
-            let agrees = (found - theirs).abs() < 0.1 * plain;
+            let agrees = (found - theirs).abs() < 0.15 * plain;
             assert!(agrees || found < 0.05 * plain, "{texture:?}: {found}, real {theirs}, plain {plain}");
         }
     }

@@ -6,6 +6,7 @@
 //! The change of irradiance is the difference of their radiances times the speed of the edge
 //! between them.
 
+use crate::bands::mean;
 use crate::emitter::GatherHit;
 use crate::hemisphere::{GatheredRadiance, Hemisphere};
 use crate::stored::store_fields;
@@ -27,19 +28,25 @@ store_fields!(Gradients: rotation, translation);
 /// means over rings of about this many times as many cells as there are rays.
 const CELLS_PER_RAY: usize = 64;
 
+/// Maximum gradient by a single ray, relative to the irradiance from all: a rare bright ray near the
+/// horizon is noise.
+const MAX_GRADIENT_OF_A_RAY: f64 = 3.0;
+
 /// The change of the irradiance per radian, in scene coordinates: a ray at the angle θ to the unit
 /// normal changes its share by tan θ per radian towards it.
 pub(crate) fn rotation<const BANDS: usize>(normal: DVec3, hits: &[GatherHit<BANDS>]) -> [DVec3; BANDS] {
     let tangents = Hemisphere::with_divisions(CELLS_PER_RAY * hits.len()).mean_tangents();
+    let most = MAX_GRADIENT_OF_A_RAY * hits.iter().map(|hit| mean(&hit.irradiance)).sum::<f64>();
     let mut rotation = [DVec3::ZERO; BANDS];
     for hit in hits {
         let axis = normal.cross(hit.direction);
         let squared_sine = axis.length_squared();
-        if squared_sine == 0.0 {
+        let share = mean(&hit.irradiance);
+        if squared_sine == 0.0 || share <= 0.0 {
             continue;
         }
         let ring = ((squared_sine * tangents.len() as f64) as usize).min(tangents.len() - 1);
-        let turn = axis * (tangents[ring] / squared_sine.sqrt());
+        let turn = axis * (tangents[ring].min(most / share) / squared_sine.sqrt());
         for (sum, irradiance) in rotation.iter_mut().zip(hit.irradiance) {
             *sum += turn * irradiance;
         }
