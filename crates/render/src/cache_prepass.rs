@@ -83,15 +83,16 @@ const SECOND_CACHE_SHARE: usize = 4;
 /// sends as many rays again if there are more bounces. More points share as many rays, or somewhat
 /// more up to the second number: Radiance's time grows with this power of their number.
 const FEW_POINTS: f64 = 16.0;
-const MAX_FEW_POINTS: usize = 128;
-const GROWTH_BY_POINTS: f64 = 0.3;
+const MAX_FEW_POINTS: usize = 1024;
+const GROWTH_BY_POINTS: f64 = 0.4;
 const RAYS_OF_A_POINT: f64 = 8.0;
 const RAYS_OF_A_POINT_OF_ONE_BOUNCE: f64 = 2.0;
 
-/// Few points with more than one bounce are sensors, whose values are used one by one. Each gets
-/// this many times the requested rays. From the given total number of rays on, a second cache pays,
-/// where these rays end. Then each gets fewer, down to the given share, if less than the given
-/// number is requested, since Radiance's sensors cost little there.
+/// Up to this many points with more than one bounce are sensors, whose values are used one by one.
+/// Each gets this many times the requested rays. From the given total number of rays on, a second
+/// cache pays, where these rays end. Then each gets fewer, down to the given share, if less than the
+/// given number is requested, since Radiance's sensors cost little there.
+const MAX_SENSORS: usize = 128;
 const RAYS_OF_A_SENSOR: f64 = 12.0;
 const LEAST_SENSOR_SHARE: f64 = 1.0 / 3.0;
 const ACCURATE_SENSOR_RAYS: f64 = 2048.0;
@@ -579,7 +580,7 @@ fn sample_allocation(served: &[f64], allocation_floor: f64) -> Vec<f64> {
 /// Whether this many points are sensors with light of more than one bounce.
 fn are_sensors(plan: &RenderPlan, points: usize) -> bool {
     let options = &plan.options;
-    options.quantity != Quantity::Radiance && options.ambient_bounces > 1 && points <= MAX_FEW_POINTS
+    options.quantity != Quantity::Radiance && options.ambient_bounces > 1 && points <= MAX_SENSORS
 }
 
 /// Whether a second cache pays for this many points.
@@ -655,8 +656,8 @@ mod tests {
         assert!(rays_of_few(RAYS_OF_A_POINT, 1000, 100_000) < 2.0);
         // Many points share the rays of few.
         let total = |points: usize| points as f64 * rays_of_few(8.0, 100, points);
-        assert!((1..1000).all(|points| total(points) < 2.0 * total(16)));
-        assert!((200..1000).all(|points| total(points) <= total(16) + 1e-6));
+        assert!((17..=1024).all(|points| total(points) < total(16) * (points as f64 / 16.0).sqrt()));
+        assert!((1025..5000).all(|points| total(points) <= total(16) + 1e-6));
     }
 
     #[test]
