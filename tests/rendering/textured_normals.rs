@@ -42,11 +42,24 @@ fn scene(folder: &Folder, [along, aside]: [f64; 2], material: &str, surroundings
 /// Mean of the first band of repeated rays.
 fn red(folder: &Folder, words: &str, input: &str, repeats: usize) -> f64 {
     let words: Vec<&str> = words.split_whitespace().collect();
-    let text = run_with(command(&words).current_dir(folder.path("")), input.repeat(repeats).as_bytes()).text();
-    let reds: Vec<f64> =
-        text.lines().map(|line| line.split_whitespace().next().expect("red").parse().unwrap()).collect();
+    let mut ours = command(&words);
+    let reds = reds(&run_with(ours.current_dir(folder.path("")), input.repeat(repeats).as_bytes()).text());
     assert_eq!(reds.len(), repeats);
     reds.iter().sum::<f64>() / repeats as f64
+}
+
+/// The first band of one ray, by a program of real Radiance.
+fn real_red(radiance: &Radiance, folder: &Folder, program: &str, options: &str, input: &str) -> f64 {
+    let octree = radiance.octree(folder, &["scene.rad"]);
+    let words: Vec<&str> = options.split_whitespace().chain([octree.as_str()]).collect();
+    let mut theirs = radiance.command(program, &words);
+    let reds = reds(&run_with(theirs.current_dir(folder.path("")), input.as_bytes()).text());
+    assert_eq!(reds.len(), 1);
+    reds[0]
+}
+
+fn reds(text: &str) -> Vec<f64> {
+    text.lines().map(|line| line.split_whitespace().next().expect("red").parse().expect("a number")).collect()
 }
 
 /// The part of the turned normal along x.
@@ -102,17 +115,14 @@ fn rays_towards_a_window_follow_it_as_well() {
 fn contributions_are_those_of_the_surface() {
     let folder = Folder::new();
     let radiance = Radiance::find();
+    let input = "0 0 1 0 0 -1\n";
+    let options = "-h -V+ -ab 1 -ad 16384 -lw 1e-9 -m shine";
     for texture in TEXTURES {
         let scene = scene(&folder, texture, "plastic m 0 0 5 .5 .4 .3 0 0", SKY);
-        let words = format!("rcontrib -h -V+ -ab 1 -ad 16384 -lw 1e-9 -m shine {scene}");
-        let found = red(&folder, &words, "0 0 1 0 0 -1\n", 1);
+        let found = red(&folder, &format!("rcontrib {options} {scene}"), input, 1);
         assert!((found / 0.3 - 1.0).abs() < 0.01, "{texture:?}: {found}");
         let Some(radiance) = &radiance else { continue };
-        let octree = radiance.octree(&folder, &["scene.rad"]);
-        let words = ["-h", "-V+", "-ab", "1", "-ad", "16384", "-lw", "1e-9", "-m", "shine", &octree];
-        let theirs =
-            run_with(radiance.command("rcontrib", &words).current_dir(folder.path("")), b"0 0 1 0 0 -1\n").text();
-        let theirs: f64 = theirs.split_whitespace().next().expect("red").parse().expect("a number");
+        let theirs = real_red(radiance, &folder, "rcontrib", options, input);
         assert!((found / theirs - 1.0).abs() < 0.02, "{texture:?}: {found}, real {theirs}");
     }
 }
@@ -152,11 +162,7 @@ fn real_radiance_agrees() {
         let plain = of([0.0; 2]);
         for texture in TEXTURES {
             let found = of(texture);
-            let octree = radiance.octree(&folder, &["scene.rad"]);
-            let words: Vec<&str> = options.split_whitespace().chain([octree.as_str()]).collect();
-            let mut theirs = radiance.command("rtrace", &words);
-            let theirs = run_with(theirs.current_dir(folder.path("")), input.as_bytes()).text();
-            let theirs: f64 = theirs.split_whitespace().next().expect("red").parse().expect("a number");
+            let theirs = real_red(&radiance, &folder, "rtrace", options, input);
             // Radiance takes the gradient from few cells next to the horizon.
             let agrees = (found - theirs).abs() < 0.15 * plain;
             assert!(agrees || found < 0.05 * plain, "{texture:?}: {found}, real {theirs}, plain {plain}");

@@ -23,22 +23,17 @@ fn record_of_seed(
 ) -> Record<1> {
     let hemisphere = Hemisphere::with_divisions(divisions);
     let [x, y, z] = Record::<1>::frame(normal);
-    let hits: Vec<GatherHit<1>> = (0..hemisphere.len())
+    let share = PI / hemisphere.len() as f64;
+    let (seen, hits): (Vec<GatheredRadiance<1>>, Vec<GatherHit<1>>) = (0..hemisphere.len())
         .map(|cell| {
             let u = RaySampler::new(seed, cell as u64).take(DimensionSet::CAMERA);
             let local = hemisphere.direction(cell, [u[0], u[1]]);
             let direction = x * local.x + y * local.y + z * local.z;
             let (radiance, distance) = world(at, direction);
-            GatherHit { direction, distance, normal: None, irradiance: [PI * radiance / hemisphere.len() as f64] }
+            let hit = GatherHit { direction, distance, normal: None, irradiance: [share * radiance] };
+            (GatheredRadiance { radiance: [radiance], distance }, hit)
         })
-        .collect();
-    let seen: Vec<GatheredRadiance<1>> = hits
-        .iter()
-        .map(|hit| GatheredRadiance {
-            radiance: [hit.irradiance[0] * hemisphere.len() as f64 / PI],
-            distance: hit.distance,
-        })
-        .collect();
+        .unzip();
     Record::new(at, normal, &hemisphere, &seen, &LIMITS).with_hits(&hits, 0.5)
 }
 
