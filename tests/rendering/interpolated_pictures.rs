@@ -29,7 +29,7 @@ fn red(scene: &str, options: &str) -> Vec<f64> {
 }
 
 /// The same for a picture of so many columns and rows.
-fn red_of(side: usize, scene: &str, options: &str) -> Vec<f64> {
+pub(crate) fn red_of(side: usize, scene: &str, options: &str) -> Vec<f64> {
     let folder = Folder::new();
     folder.file("scene.rad", scene);
     let options = options.split_whitespace().filter(|word| *word != "-h-");

@@ -10,6 +10,7 @@ mod ambient_file;
 mod bsdf;
 mod coincident;
 mod furnace;
+mod glints;
 mod interpolated_pictures;
 mod light;
 mod luminaires;

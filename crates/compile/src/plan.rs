@@ -315,6 +315,19 @@ impl RenderPlan {
         &self.shaders[id.0 as usize]
     }
 
+    /// Roughness (rms slope) of the mirror reflection or highlight of a compiled material; `None` if it has none that is
+    /// known.
+    #[must_use]
+    pub fn mirror_roughness(&self, material: u32) -> Option<f64> {
+        self.shaders.get(material as usize)?.mirror_roughness()
+    }
+
+    /// Whether any material has a mirror reflection or highlight of a known roughness.
+    #[must_use]
+    pub fn reflects_like_a_mirror(&self) -> bool {
+        self.shaders.iter().any(|shader| shader.mirror_roughness().is_some())
+    }
+
     /// Shader by which a surface makes virtual sources: for an illum that of its alternate
     /// material.
     #[inline]

@@ -212,6 +212,15 @@ impl Shader {
         color.is_grey() && !self.has_color_steps()
     }
 
+    /// Roughness (rms slope) of its mirror reflection or highlight; `None` if it has none that is known.
+    pub fn mirror_roughness(&self) -> Option<f64> {
+        match &self.kind {
+            Kind::Glossy(glossy) if glossy.specularity > 0.0 => Some(glossy.roughness),
+            Kind::Dielectric(_) | Kind::Mirror { .. } => Some(0.0),
+            _ => None,
+        }
+    }
+
     /// Whether rays pass through its back if back faces are invisible.
     pub fn can_hide_its_back(&self) -> bool {
         match &self.kind {

@@ -7,6 +7,7 @@
 //! independent paths (`residual.rs`).
 
 use crate::drawn_lights::DrawnLights;
+use crate::glints::GlintLights;
 use crate::interpolated::{self, Interpolation};
 use crate::light_strata::LightStrata;
 use crate::noise::{Estimate, Finished, Pixel, PixelNoise, RemainingNoise};
@@ -55,6 +56,7 @@ pub struct Film<'r> {
     budget: SamplingBudget,
     strata: LightStrata,
     drawn_lights: DrawnLights,
+    glint_lights: GlintLights,
     state: SamplingState<[f64; 3]>,
     noise: PixelNoise,
     finished: Finished,
@@ -87,11 +89,13 @@ impl<'r> Film<'r> {
         let part = (0..camera.columns(), 0..camera.rows());
         let plan = renderer.plan();
         let (mut strata, mut drawn_lights) = (LightStrata::default(), DrawnLights::default());
+        let mut glint_lights = GlintLights::default();
         match budget {
             SamplingBudget::Samples(samples) => strata = LightStrata::for_samples(samples, plan, &camera, part),
             SamplingBudget::Error(_) => strata = LightStrata::find(plan, &camera, part),
             SamplingBudget::Interpolated(interpolation) => {
                 drawn_lights = DrawnLights::find(renderer, &camera, interpolation.widest_drawn_light(&camera));
+                glint_lights = GlintLights::find(plan, &camera);
             }
         }
         let mut frame = Film {
@@ -100,6 +104,7 @@ impl<'r> Film<'r> {
             budget,
             strata,
             drawn_lights,
+            glint_lights,
             state: SamplingState::new(if let SamplingBudget::Samples(_) = budget { pixels } else { 0 }),
             noise: PixelNoise::new(&[], camera.columns()),
             finished,
@@ -150,7 +155,8 @@ impl<'r> Film<'r> {
         let range = block.start * columns..block.end * columns;
         match self.budget {
             SamplingBudget::Interpolated(interpolation) => {
-                return interpolated::block(self.renderer, (&self.camera, &self.drawn_lights), interpolation, &block);
+                let lights = (&self.drawn_lights, &self.glint_lights);
+                return interpolated::block(self.renderer, &self.camera, lights, interpolation, &block);
             }
             SamplingBudget::Samples(samples) => self.trace_all(range.clone(), samples.clamp(1, MAX_SAMPLES)),
             SamplingBudget::Error(target) => return self.finish_to_error(&range, target),

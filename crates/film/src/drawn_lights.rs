@@ -116,7 +116,7 @@ impl DrawnLights {
         if pieces.iter().map(Vec::len).sum::<usize>() > most {
             return DrawnLights::default();
         }
-        let camera = &whole_pixels(camera);
+        let camera = &camera.whole_pixels();
         let search = Search { renderer, camera, images: &images };
         let seen: Vec<Vec<(usize, Piece)>> = pieces.into_par_iter().filter(|pieces| search.sees_any(pieces)).collect();
         let mut by_pixel: HashMap<usize, Vec<Piece>> = HashMap::new();
@@ -150,19 +150,24 @@ impl DrawnLights {
         let Some(drawn) = self.of(camera, column, row) else { return camera.ray(column, row, sampler) };
         let [x, y, ..] = sampler.take(DimensionSet::CAMERA);
         let Some(at) = drawn.rest.point([x, y]) else { return camera.ray(column, row, sampler) };
-        whole_pixels(camera).still_ray(column, row, at)
+        camera.whole_pixels().still_ray(column, row, at)
     }
 
     /// The ray through the middle of a pixel, or of what lights leave of it.
     pub(crate) fn central_ray_beside(&self, camera: &ViewCamera, column: usize, row: usize) -> Option<CameraRay> {
         let at = self.of(camera, column, row).and_then(|drawn| drawn.rest.point([0.5, 0.5]));
         let Some(at) = at else { return camera.central_ray(column, row) };
-        whole_pixels(camera).still_ray(column, row, at)
+        camera.whole_pixels().still_ray(column, row, at)
     }
 
     /// Whether lights cover all of a pixel.
     pub(crate) fn cover(&self, camera: &ViewCamera, column: usize, row: usize) -> bool {
         self.of(camera, column, row).is_some_and(|drawn| matches!(drawn.rest, Rest::Nothing))
+    }
+
+    /// Whether any are drawn in a pixel.
+    pub(crate) fn are_in(&self, camera: &ViewCamera, column: usize, row: usize) -> bool {
+        self.of(camera, column, row).is_some()
     }
 
     fn of(&self, camera: &ViewCamera, column: usize, row: usize) -> Option<&DrawnPixel> {
@@ -181,13 +186,6 @@ impl DrawnLights {
             }
         }
     }
-}
-
-/// The same camera with rays over whole pixels, as lights are drawn.
-fn whole_pixels(camera: &ViewCamera) -> ViewCamera {
-    let mut camera = *camera;
-    camera.jitter = 1.0;
-    camera
 }
 
 /// The pixels that an image covers, or partly covers if it is wide. Pixels in its hole are left out.

@@ -11,6 +11,7 @@
 //! edge-aware reconstruction (Bala, Walter and Greenberg 2003; Rousselle, Manzi and Zwicker 2013).
 
 use crate::drawn_lights::DrawnLights;
+use crate::glints::GlintLights;
 use crate::grid::{Cell, INDEX_LOG2, Pixel, first_pixels, numbered};
 use crate::pixel_sample::{RayValue, SEVERAL, Sample, Samples, Surface, Tally, mean};
 use crate::view_camera::{CameraRay, ViewCamera};
@@ -83,6 +84,7 @@ pub(crate) struct Block<'b> {
     pub(crate) renderer: &'b Renderer,
     pub(crate) camera: &'b ViewCamera,
     pub(crate) lights: &'b DrawnLights,
+    pub(crate) glint_lights: &'b GlintLights,
     pub(crate) interpolation: Interpolation,
     /// Differences below this are invisible.
     pub(crate) darkness: f64,
@@ -123,7 +125,8 @@ pub(crate) struct PixelMean {
 /// The pixels of a block of rows.
 pub(crate) fn block(
     renderer: &Renderer,
-    (camera, lights): (&ViewCamera, &DrawnLights),
+    camera: &ViewCamera,
+    (lights, glint_lights): (&DrawnLights, &GlintLights),
     interpolation: Interpolation,
     rows: &Range<usize>,
 ) -> Vec<[f32; 3]> {
@@ -136,6 +139,7 @@ pub(crate) fn block(
         renderer,
         camera,
         lights,
+        glint_lights,
         interpolation,
         darkness: 0.0,
         first_row,
@@ -395,10 +399,15 @@ impl Block<'_> {
         })
     }
 
+    /// Whether direct light is recorded.
+    pub(crate) fn has_records(&self) -> bool {
+        !self.records.is_empty()
+    }
+
     /// Direct light at the corners of the cell around a pixel, whose rays have numbers independent of
     /// those of the pixel; `None` if it is not recorded.
     pub(crate) fn records_around(&self, wanted: &Wanted) -> Option<Vec<NearRecord>> {
-        if self.records.is_empty() {
+        if !self.has_records() {
             return None;
         }
         let Some(cell) = &wanted.cell else { return Some(Vec::new()) };
@@ -422,6 +431,7 @@ impl Block<'_> {
         let averaged = self.all_averaged();
         let samples = (0..self.samples.count()).into_par_iter().with_min_len(256);
         let mut values: Vec<PixelMean> = samples.map(|index| self.antialiased(&averaged, index)).collect();
+        self.resolve_glints(&mut values);
         self.add_spare_rays(&mut values);
         let mut pixels = vec![[0.0; 3]; self.samples.pixels()];
         for (index, value) in values.into_iter().enumerate() {

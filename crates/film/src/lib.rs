@@ -13,6 +13,7 @@
 
 mod adaptive;
 mod drawn_lights;
+mod glints;
 mod grid;
 mod interpolated;
 mod light_strata;

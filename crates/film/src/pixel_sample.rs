@@ -1,7 +1,7 @@
 //! Samples of the pixels of an interpolated picture, and the surfaces that they see.
 
 use crate::view_camera::{CameraRay, traced, traced_by};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use radsight_render::{DirectRecord, FirstHit, NearRecord, RayWorker, Traced};
 
 /// Minimum cosine between the normals of corners of an interpolated cell.
@@ -139,23 +139,51 @@ pub(crate) struct Surface {
     point: DVec3,
     normal: DVec3,
     distance: f64,
+    /// Unit direction of a mirror reflection, textures included.
+    reflected: Vec3,
 }
 
 impl Surface {
-    const NONE: Surface =
-        Surface { key: SEVERAL, material: u32::MAX, point: DVec3::ZERO, normal: DVec3::ZERO, distance: f64::INFINITY };
+    const NONE: Surface = Surface {
+        key: SEVERAL,
+        material: u32::MAX,
+        point: DVec3::ZERO,
+        normal: DVec3::ZERO,
+        distance: f64::INFINITY,
+        reflected: Vec3::ZERO,
+    };
 
     /// The surface that a ray in this direction hit first; `key` identifies all surfaces on its
     /// path.
     pub(crate) fn new(key: u64, hit: Option<FirstHit>, direction: DVec3) -> Surface {
         let key = key.max(1);
         match hit {
-            Some(FirstHit { distance, point, normal, material, .. }) if distance.is_finite() => {
+            Some(FirstHit { distance, point, normal, perturbed_normal, material, .. }) if distance.is_finite() => {
                 let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-                Surface { key, material, point, normal, distance }
+                let reflected = (direction - 2.0 * direction.dot(perturbed_normal) * perturbed_normal).as_vec3();
+                Surface { key, material, point, normal, distance, reflected }
             }
             _ => Surface { key, ..Surface::NONE },
         }
+    }
+
+    /// Whether it is a surface at a finite distance.
+    pub(crate) fn is_hit(&self) -> bool {
+        self.distance.is_finite()
+    }
+
+    /// Index of the compiled material; `None` for no surface.
+    pub(crate) fn material(&self) -> Option<u32> {
+        self.is_hit().then_some(self.material)
+    }
+
+    pub(crate) fn point(&self) -> DVec3 {
+        self.point
+    }
+
+    /// The unit direction of a mirror reflection, textures included.
+    pub(crate) fn reflected(&self) -> DVec3 {
+        self.reflected.as_dvec3()
     }
 
     /// Whether pixels between two can be interpolated.
@@ -165,12 +193,14 @@ impl Surface {
 
     /// Whether the first surface is the same, or continues smoothly in another one.
     pub(crate) fn continues(&self, other: &Surface) -> bool {
-        if self.material != other.material || self.distance.is_finite() != other.distance.is_finite() {
+        if self.material != other.material || self.is_hit() != other.is_hit() {
             return false;
         }
-        if !self.distance.is_finite() {
-            return true;
-        }
+        !self.is_hit() || self.is_smooth_beside(other)
+    }
+
+    /// Whether two surfaces, whatever their materials, have about the same plane.
+    pub(crate) fn is_smooth_beside(&self, other: &Surface) -> bool {
         if self.normal.dot(other.normal) < MIN_COSINE {
             return false;
         }
@@ -189,7 +219,7 @@ const OUTSIDE: Surface = Surface { key: 1, ..Surface::NONE };
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayValue {
     pub(crate) value: [f64; 3],
-    surface: Surface,
+    pub(crate) surface: Surface,
     /// Whether a highlight was sampled.
     is_glossy: bool,
 }

@@ -39,6 +39,9 @@ impl Block<'_> {
         if !agree && !self.is_linear(cell) {
             return false;
         }
+        if self.may_show_glint(&corners) {
+            return false;
+        }
         self.probes(cell).all(|pixel| self.probe(pixel, &first.surface))
     }
 

@@ -31,9 +31,14 @@ impl Block<'_> {
     /// The number of further rays through pixels.
     fn spare_rays(&self) -> f64 {
         let [casts, of_finest] = [self.casts, self.casts_of_finest].map(|casts| casts as f64);
-        let fraction = self.rows as f64 / self.camera.rows() as f64;
+        let fraction = self.fraction();
         let spare = fraction * f64::max(OF_SMALL_PICTURE - casts / fraction, OF_CACHE * self.renderer.casts_of_cache());
         spare * self.finest.len() as f64 / of_finest.max(1.0)
+    }
+
+    /// The fraction of the picture's rows that are in the block.
+    pub(crate) fn fraction(&self) -> f64 {
+        self.rows as f64 / self.camera.rows() as f64
     }
 
     /// Adds further rays to the means of the finest pixels.
@@ -43,7 +48,11 @@ impl Block<'_> {
             return;
         }
         let dark = self.typical_darkness();
-        let contrast = |wanted: &Wanted| self.contrast_around(wanted.pixel, (means, dark));
+        let contrast = |wanted: &Wanted| match self.samples.index(self.at(wanted.pixel)) {
+            // Glints have more rays already, in proportion to their size.
+            Some(index) if means[index].rays >= MOST => 0.0,
+            _ => self.contrast_around(wanted.pixel, (means, dark)),
+        };
         let contrasts: Vec<f64> = self.finest.par_iter().with_min_len(256).map(contrast).collect();
         let rays = shared_out(&contrasts, spare);
         let chosen: Vec<(&Wanted, u32)> = self.finest.iter().zip(rays).filter(|(_, rays)| *rays > 0).collect();

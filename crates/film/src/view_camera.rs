@@ -73,6 +73,11 @@ impl ViewCamera {
         self.aperture > 0.0 || self.motion.is_some()
     }
 
+    /// The same camera with rays over whole pixels.
+    pub(crate) fn whole_pixels(&self) -> ViewCamera {
+        ViewCamera { jitter: 1.0, ..*self }
+    }
+
     /// The ray through the centre of a pixel and the centre of the aperture; `None` outside the
     /// view. Row 0 is the top.
     #[must_use]

@@ -80,8 +80,9 @@ const SECOND_CACHE_SHARE: usize = 4;
 
 /// Up to this many points are few. Each gets this many times the requested rays, as paths of one
 /// ray per bounce, since it has few neighbours. Radiance takes about as long, since every point hit
-/// sends as many rays again if there are more bounces. More points share as many rays, or somewhat
-/// more up to the second number: Radiance's time grows with this power of their number.
+/// sends as many rays again if there are more bounces. More points share as many rays. Where the
+/// rays are bounded they share somewhat more, up to the second number: Radiance's time grows with
+/// this power of their number.
 const FEW_POINTS: f64 = 16.0;
 const MAX_FEW_POINTS: usize = 1024;
 const GROWTH_BY_POINTS: f64 = 0.4;
@@ -590,8 +591,7 @@ fn pays_for_second_cache(plan: &RenderPlan, points: usize) -> bool {
 
 /// Whether a second cache pays for this many sensors.
 fn pays_for_sensors(plan: &RenderPlan, points: usize) -> bool {
-    let requested = plan.options.gathering.rays();
-    rays_of_few(RAYS_OF_A_SENSOR, requested, points) * points as f64 >= MIN_SENSOR_RAYS
+    rays_of_few(&plan.options, RAYS_OF_A_SENSOR, points) * points as f64 >= MIN_SENSOR_RAYS
 }
 
 /// Allowed relative standard error of the second cache, for this number of points.
@@ -609,17 +609,16 @@ fn sample_rays(plan: &RenderPlan, points: usize) -> usize {
 /// Minimum number of own rays of a record, for this total number of points.
 fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
     let options = &plan.options;
-    let requested = options.gathering.rays();
     let factor = if options.ambient_bounces == 1 && options.gathering.bounded {
         RAYS_OF_A_POINT_OF_ONE_BOUNCE
     } else if !are_sensors(plan, points) {
         RAYS_OF_A_POINT
     } else if pays_for_sensors(plan, points) {
-        (requested as f64 / ACCURATE_SENSOR_RAYS).clamp(LEAST_SENSOR_SHARE, 1.0) * RAYS_OF_A_SENSOR
+        (options.gathering.rays() as f64 / ACCURATE_SENSOR_RAYS).clamp(LEAST_SENSOR_SHARE, 1.0) * RAYS_OF_A_SENSOR
     } else {
         RAYS_OF_A_SENSOR
     };
-    coarse_share(options) * rays_of_few(factor, requested, points)
+    coarse_share(options) * rays_of_few(options, factor, points)
 }
 
 /// Maximum number of rays of all points, relative to the minimum; no limit unless they are few and
@@ -637,27 +636,41 @@ fn coarse_share(options: &RenderOptions) -> f64 {
 }
 
 /// This multiple of the requested rays (`-ad`, `-as`) for each of few points, which have hardly any
-/// neighbours; more points share as many.
-fn rays_of_few(factor: f64, requested: usize, points: usize) -> f64 {
+/// neighbours; more points share as many, or somewhat more if they are bounded.
+fn rays_of_few(options: &RenderOptions, factor: f64, points: usize) -> f64 {
     let times = (points as f64 / FEW_POINTS).max(1.0);
-    let growth = if points <= MAX_FEW_POINTS { times.powf(GROWTH_BY_POINTS) } else { 1.0 };
-    factor * requested as f64 * growth / times
+    let grows = options.gathering.bounded && points <= MAX_FEW_POINTS;
+    let growth = if grows { times.powf(GROWTH_BY_POINTS) } else { 1.0 };
+    factor * options.gathering.rays() as f64 * growth / times
 }
 
 #[cfg(test)]
 mod tests {
     use super::{RAYS_OF_A_POINT, rays_of_few, sample_allocation};
+    use radsight_compile::{Gathering, RenderOptions};
+
+    fn options(divisions: u32, bounded: bool) -> RenderOptions {
+        let gathering = Gathering { divisions, super_samples: 0, bounded, ..Gathering::default() };
+        RenderOptions { gathering, ..RenderOptions::default() }
+    }
 
     #[test]
     fn few_points_trace_more_rays_than_are_asked_for_and_pixels_do_not_have_to() {
         for points in [1, 9, 16] {
-            assert!(rays_of_few(RAYS_OF_A_POINT, 2304, points) > 2304.0, "{points} points");
+            assert!(rays_of_few(&options(2304, false), RAYS_OF_A_POINT, points) > 2304.0, "{points} points");
         }
-        assert!(rays_of_few(RAYS_OF_A_POINT, 1000, 100_000) < 2.0);
-        // Many points share the rays of few.
-        let total = |points: usize| points as f64 * rays_of_few(8.0, 100, points);
-        assert!((17..=1024).all(|points| total(points) < total(16) * (points as f64 / 16.0).sqrt()));
-        assert!((1025..5000).all(|points| total(points) <= total(16) + 1e-6));
+        assert!(rays_of_few(&options(1000, false), RAYS_OF_A_POINT, 100_000) < 2.0);
+    }
+
+    #[test]
+    fn many_points_share_the_rays_of_few_and_bounded_ones_somewhat_more() {
+        let total = |bounded: bool, points: usize| points as f64 * rays_of_few(&options(100, bounded), 8.0, points);
+        let few = total(false, 16);
+        assert_eq!(few, total(true, 16));
+        assert!((17..5000).all(|points| (total(false, points) - few).abs() < 1e-6));
+        assert!((1025..5000).all(|points| (total(true, points) - few).abs() < 1e-6));
+        let growth = |points: usize| total(true, points) / few;
+        assert!((17..=1024).all(|points| growth(points) > 1.0 && growth(points) < (points as f64 / 16.0).sqrt()));
     }
 
     #[test]

@@ -73,9 +73,12 @@ const SAMPLES_PER_LOBE: f64 = 4.0;
 const BRANCHES_PER_SAMPLE: f64 = 32.0;
 const MAX_SAMPLES_FOR_BRANCHES: f64 = 16.0;
 
-/// A sensor takes several samples of few lights, since it may be in their penumbra.
+/// A sensor takes several samples of few lights, since it may be in their penumbra. If its
+/// irradiance is gathered for few points, it takes one for this many of the requested rays, as many
+/// as for branches at most.
 const FEW_LIGHTS: usize = 4;
 const SAMPLES_OF_FEW_LIGHTS: f64 = 2.0;
+const GATHERED_RAYS_PER_SAMPLE: f64 = 64.0;
 
 /// The state of a ray that splits, restored after its branches.
 pub(super) struct SuspendedPath {
@@ -174,8 +177,17 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let side = options.source_sampling;
         let per_sr = if side > 0.0 { SAMPLES_PER_SQUARE * self.weight(path) / (side * side) } else { 0.0 };
         let for_branches = (f64::from(branches.diffuse) / BRANCHES_PER_SAMPLE).min(MAX_SAMPLES_FOR_BRANCHES).floor();
-        let for_few = if is_sensor && self.plan.lights.len() <= FEW_LIGHTS { SAMPLES_OF_FEW_LIGHTS } else { 1.0 };
+        let for_few =
+            if is_sensor && self.plan.lights.len() <= FEW_LIGHTS { self.samples_of_few_lights() } else { 1.0 };
         LightSampleCount { per_sr, least: for_branches.max(for_few), ..LightSampleCount::ONE }
+    }
+
+    /// Number of samples of each of few lights for a sensor.
+    fn samples_of_few_lights(&self) -> f64 {
+        let gathering = &self.plan.options.gathering;
+        let is_gathered = gathering.bounded && gathering.accuracy > 0.0 && self.plan.options.ambient_bounces > 0;
+        let for_gathered = if is_gathered { gathering.rays() as f64 / GATHERED_RAYS_PER_SAMPLE } else { 0.0 };
+        for_gathered.floor().clamp(SAMPLES_OF_FEW_LIGHTS, MAX_SAMPLES_FOR_BRANCHES)
     }
 
     /// Begins the branches of the current ray, which take their sample points instead of its `set`.
