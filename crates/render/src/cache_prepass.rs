@@ -80,14 +80,19 @@ const SECOND_CACHE_SHARE: usize = 4;
 
 /// Up to this many points are few. Each gets this many times the requested rays, as paths of one
 /// ray per bounce, since it has few neighbours. Radiance takes about as long, since every point hit
-/// sends as many rays again if there are more bounces. More points share as many rays. Where the
-/// rays are bounded they share somewhat more, up to the second number: Radiance's time grows with
-/// this power of their number.
+/// sends as many rays again if there are more bounces. More points share as many rays.
 const FEW_POINTS: f64 = 16.0;
-const MAX_FEW_POINTS: usize = 1024;
-const GROWTH_BY_POINTS: f64 = 0.4;
 const RAYS_OF_A_POINT: f64 = 8.0;
-const RAYS_OF_A_POINT_OF_ONE_BOUNCE: f64 = 2.0;
+
+/// The same where rays are bounded, for more bounces than one and for one. More points share more
+/// rays: Radiance's time grows with the first power of their number up to the given one, and with
+/// the second beyond.
+const BOUNDED_RAYS_OF_A_POINT: f64 = 4.0;
+const BOUNDED_RAYS_OF_ONE_BOUNCE: f64 = 1.2;
+const SOME_POINTS: f64 = 1024.0;
+const GROWTH_OF_FEW: f64 = 0.4;
+const GROWTH_OF_MANY: f64 = 0.7;
+const GROWTH_OF_MANY_FURTHER_BOUNCES: f64 = 0.5;
 
 /// Up to this many points with more than one bounce are sensors, whose values are used one by one.
 /// Each gets this many times the requested rays. From the given total number of rays on, a second
@@ -101,8 +106,13 @@ const MIN_SENSOR_RAYS: f64 = 16_384.0;
 
 /// With a smaller resolution (`-ar`) than this, Radiance has so few records of further bounces that
 /// the first one decides about its time: few points get rays in proportion, down to this fraction.
+/// More points than sensors share records of the first bounce as well: the second number and
+/// fraction. With a larger `-aa` than the third number, fewer records cover an area.
 const FINE_RESOLUTION: f64 = 64.0;
 const MIN_COARSE_SHARE: f64 = 0.35;
+const FINE_RESOLUTION_OF_MANY: f64 = 128.0;
+const MIN_COARSE_SHARE_OF_MANY: f64 = 0.2;
+const FINE_ACCURACY: f64 = 0.2;
 
 /// Maximum number of rays for few points, relative to their minimum: in the first cache and in the
 /// second.
@@ -610,38 +620,55 @@ fn sample_rays(plan: &RenderPlan, points: usize) -> usize {
 fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
     let options = &plan.options;
     let factor = if options.ambient_bounces == 1 && options.gathering.bounded {
-        RAYS_OF_A_POINT_OF_ONE_BOUNCE
+        BOUNDED_RAYS_OF_ONE_BOUNCE
     } else if !are_sensors(plan, points) {
-        RAYS_OF_A_POINT
+        if options.gathering.bounded { BOUNDED_RAYS_OF_A_POINT } else { RAYS_OF_A_POINT }
     } else if pays_for_sensors(plan, points) {
         (options.gathering.rays() as f64 / ACCURATE_SENSOR_RAYS).clamp(LEAST_SENSOR_SHARE, 1.0) * RAYS_OF_A_SENSOR
     } else {
         RAYS_OF_A_SENSOR
     };
-    coarse_share(options) * rays_of_few(options, factor, points)
+    coarse_share(options, points) * rays_of_few(options, factor, points)
 }
 
-/// Maximum number of rays of all points, relative to the minimum; no limit unless they are few and
-/// bounded.
+/// Maximum number of rays of all points, relative to the minimum; no limit unless they are bounded.
 fn rays_of_few_points(plan: &RenderPlan, points: usize, share: f64) -> usize {
-    let is_bounded = plan.options.gathering.bounded && points <= MAX_FEW_POINTS;
-    if is_bounded { (share * least_own_rays(plan, points) * points as f64) as usize } else { usize::MAX }
+    if plan.options.gathering.bounded {
+        (share * least_own_rays(plan, points) * points as f64) as usize
+    } else {
+        usize::MAX
+    }
 }
 
-/// The fraction of rays that few points get for the resolution of the cache.
-fn coarse_share(options: &RenderOptions) -> f64 {
-    let resolution = f64::from(options.gathering.resolution);
-    let is_coarse = options.gathering.bounded && options.ambient_bounces > 1 && resolution > 0.0;
-    if is_coarse { (resolution / FINE_RESOLUTION).clamp(MIN_COARSE_SHARE, 1.0) } else { 1.0 }
+/// The fraction of rays that bounded points get for the resolution and accuracy of the cache.
+fn coarse_share(options: &RenderOptions, points: usize) -> f64 {
+    let gathering = &options.gathering;
+    let resolution = f64::from(gathering.resolution);
+    if !gathering.bounded || options.ambient_bounces <= 1 || resolution == 0.0 {
+        return 1.0;
+    }
+    let (fine, least) = if points <= MAX_SENSORS {
+        (FINE_RESOLUTION, MIN_COARSE_SHARE)
+    } else {
+        (FINE_RESOLUTION_OF_MANY, MIN_COARSE_SHARE_OF_MANY)
+    };
+    let by_accuracy = (FINE_ACCURACY / gathering.accuracy.max(FINE_ACCURACY)).powi(2);
+    (by_accuracy * (resolution / fine).min(1.0)).max(least)
 }
 
 /// This multiple of the requested rays (`-ad`, `-as`) for each of few points, which have hardly any
-/// neighbours; more points share as many, or somewhat more if they are bounded.
+/// neighbours; more points share as many, or more if they are bounded.
 fn rays_of_few(options: &RenderOptions, factor: f64, points: usize) -> f64 {
     let times = (points as f64 / FEW_POINTS).max(1.0);
-    let grows = options.gathering.bounded && points <= MAX_FEW_POINTS;
-    let growth = if grows { times.powf(GROWTH_BY_POINTS) } else { 1.0 };
+    let growth = if options.gathering.bounded { growth_by_points(options, points as f64) } else { 1.0 };
     factor * options.gathering.rays() as f64 * growth / times
+}
+
+/// Factor by which more points than few share more rays if they are bounded.
+fn growth_by_points(options: &RenderOptions, points: f64) -> f64 {
+    let of_many = if options.ambient_bounces > 1 { GROWTH_OF_MANY_FURTHER_BOUNCES } else { GROWTH_OF_MANY };
+    let few = (points.min(SOME_POINTS) / FEW_POINTS).max(1.0);
+    few.powf(GROWTH_OF_FEW) * (points / SOME_POINTS).max(1.0).powf(of_many)
 }
 
 #[cfg(test)]
@@ -668,9 +695,9 @@ mod tests {
         let few = total(false, 16);
         assert_eq!(few, total(true, 16));
         assert!((17..5000).all(|points| (total(false, points) - few).abs() < 1e-6));
-        assert!((1025..5000).all(|points| (total(true, points) - few).abs() < 1e-6));
         let growth = |points: usize| total(true, points) / few;
         assert!((17..=1024).all(|points| growth(points) > 1.0 && growth(points) < (points as f64 / 16.0).sqrt()));
+        assert!((1025..5000).all(|points| growth(points) > growth(1024) && growth(points) < points as f64 / 16.0));
     }
 
     #[test]
