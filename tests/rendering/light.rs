@@ -8,6 +8,7 @@
 
 use crate::program::{Folder, command, run_with};
 use radsight_test_support::Radiance;
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Options that make real `rtrace` integrate: lights in small jittered pieces, all of them tested,
@@ -242,4 +243,34 @@ fn through_the_prism(
     let mut rtrace = radiance.command("rtrace", &words);
     let seen = means(&run_with(rtrace.current_dir(folder.path("")), rays.as_bytes()).text(), 1);
     seen.iter().zip(&solid_angles).map(|(radiance, projected)| radiance[0] * projected).sum()
+}
+
+#[test]
+fn sensors_in_a_penumbra_see_how_much_of_the_sun_is_visible() {
+    // An edge at height 10, whose shadow's penumbra is as wide as the sun there.
+    let scene = "
+        void light bright 0 0 3 1e6 1e6 1e6
+        bright source sun 0 0 4 0 0 1 .53
+        void glow dim 0 0 4 .001 .001 .001 0
+        dim source sky 0 0 4 0 0 1 180
+        void plastic black 0 0 5 0 0 0 0 0
+        black polygon shade 0 0 12 -10 -10 10 10 -10 10 10 0 10 -10 0 10
+        black polygon floor 0 0 12 -20 -20 0 20 -20 0 20 20 0 -20 20 0
+    ";
+    let radius = 10.0 * 0.265_f64.to_radians().tan();
+    let places: Vec<f64> = (-9..10).map(|step| f64::from(step) / 8.0).collect();
+    let sensors: String = places.iter().map(|place| format!("0 {} .001 0 0 1\n", place * radius)).collect();
+    let folder = Folder::new();
+    folder.file("scene.rad", scene);
+    let words = ["rtrace", "-h", "-I", "-ab", "1", "-ad", "1024", "-aa", ".2", "scene.rad"];
+    let output = run_with(command(&words).current_dir(folder.path("")), sensors.as_bytes()).text();
+    let values: Vec<f64> =
+        output.lines().map(|line| line.split_whitespace().next().unwrap().parse().unwrap()).collect();
+    let sunny = values.last().unwrap();
+    assert_eq!(values.len(), places.len());
+    for (place, value) in places.iter().zip(&values) {
+        let x = place.clamp(-1.0, 1.0);
+        let visible = 0.5 + (x.asin() + x * (1.0 - x * x).sqrt()) / PI;
+        assert!((value / sunny - visible).abs() < 0.2, "at {place}: {} instead of {visible}", value / sunny);
+    }
 }

@@ -45,6 +45,9 @@ const MARGIN: f64 = 0.25;
 const CURVED: f64 = 0.3;
 const CURVED_IN_PART: f64 = 0.1;
 
+/// A glint is out of reach if the offset is larger than this many times a bound of its differences.
+const FAR: f64 = 5.0;
+
 /// Steps of the search for the least offset.
 const STEPS: u32 = 4;
 
@@ -55,7 +58,7 @@ const LEAST_MOMENT: f64 = 1e-3;
 
 /// Number of rays that are cast for glints, relative to those that the picture has cast before, and in any picture; and
 /// the number of pixels after which they are counted.
-const SHARE_OF_RAYS: f64 = 0.125;
+const SHARE_OF_RAYS: f64 = 0.0625;
 const RAYS_OF_SMALL_PICTURE: f64 = (1 << 14) as f64;
 const COUNTED_TOGETHER: usize = 16;
 
@@ -94,6 +97,31 @@ struct Offset {
 
 /// A surface beside another one: by how many columns and rows, in pixels or their parts.
 type Neighbour<'s> = (DVec2, &'s Surface);
+
+/// How much a surface differs from those beside it, at most.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread {
+    /// Of reflected directions.
+    reflected: f64,
+    /// Of points, scene units.
+    apart: f64,
+}
+
+impl Spread {
+    fn of<'s>(own: &Surface, near: impl Iterator<Item = Neighbour<'s>>) -> Spread {
+        let [mut reflected, mut apart] = [0.0; 2];
+        for (_, near) in near {
+            reflected = f64::max(reflected, near.reflected().distance_squared(own.reflected()));
+            apart = f64::max(apart, near.point().distance_squared(own.point()));
+        }
+        Spread { reflected: reflected.sqrt(), apart: apart.sqrt() }
+    }
+
+    /// A bound of the differences of the offsets to something at a distance.
+    fn of_offsets(&self, distance: f64) -> f64 {
+        if distance > self.apart { self.reflected + self.apart / (distance - self.apart) } else { f64::INFINITY }
+    }
+}
 
 /// A pixel that may show glints of some lights.
 struct Glinting<'s> {
@@ -179,12 +207,13 @@ impl Block<'_> {
     /// Whether a glint of any light may lie between samples at the corners of a cell.
     pub(crate) fn may_show_glint(&self, corners: &[&Sample; 4]) -> bool {
         let place = |index: usize| [index % 2, index / 2];
-        self.glint_lights.0.iter().any(|light| {
-            (0..corners.len()).any(|index| {
-                let others = corners.iter().enumerate().filter(|(other, _)| *other != index);
-                let near = others.map(|(other, corner)| (between(place(index), place(other)), &corner.surface));
-                self.distance_of_glint(*light, (&corners[index].surface, &Region::OF_PIXEL), near).is_some()
-            })
+        (0..corners.len()).any(|index| {
+            let own = &corners[index].surface;
+            let near = || {
+                let others = corners.iter().enumerate().filter(move |(other, _)| *other != index);
+                others.map(move |(other, corner)| (between(place(index), place(other)), &corner.surface))
+            };
+            !self.glints((own, &Region::OF_PIXEL), &self.glint_lights.0, near).is_empty()
         })
     }
 
@@ -231,10 +260,7 @@ impl Block<'_> {
             let near = || {
                 near().map(|(other, near)| (between(place(at), place(self.samples.numbered(other).0)), &near.surface))
             };
-            let distance = |light: &usize| {
-                Some((*light, self.distance_of_glint(*light, (&sample.surface, &Region::OF_PIXEL), near())?))
-            };
-            let found: Vec<(usize, f64)> = self.glint_lights.0.iter().filter_map(distance).collect();
+            let found = self.glints((&sample.surface, &Region::OF_PIXEL), &self.glint_lights.0, near);
             let distance = found.iter().map(|(_, distance)| *distance).fold(f64::INFINITY, f64::min);
             let lights: Vec<usize> = found.into_iter().map(|(light, _)| light).collect();
             (!lights.is_empty()).then_some(Glinting { index, at, sample, lights, distance })
@@ -242,15 +268,44 @@ impl Block<'_> {
         (0..self.samples.count()).into_par_iter().with_min_len(256).filter_map(glinting).collect()
     }
 
+    /// The lights whose glints may lie in a region around a ray, and about how far from it they are, pixels or parts.
+    fn glints<'s, Near: Iterator<Item = Neighbour<'s>>>(
+        &self,
+        (own, region): (&Surface, &Region),
+        lights: &[usize],
+        near: impl Fn() -> Near,
+    ) -> Vec<(usize, f64)> {
+        let plan = self.renderer.plan();
+        let Some(roughness) = own.material().and_then(|material| plan.mirror_roughness(material)) else {
+            return Vec::new();
+        };
+        let least_width = WIDTH_OF_ROUGHNESS * roughness;
+        if least_width > WIDEST {
+            return Vec::new();
+        }
+        let spread = Spread::of(own, near());
+        let mut found = Vec::new();
+        for light in lights {
+            // Most are far from any glint, which needs no look at those beside.
+            let most = spread.of_offsets(plan.lights[*light].center_distance(own.point()));
+            if most <= least_width {
+                continue;
+            }
+            let is_near = |offset: &Offset| offset.offset.length() <= offset.width + FAR * most && most > offset.width;
+            let Some(offset) = self.offset(*light, own).filter(is_near) else { continue };
+            found.extend(self.distance_of_glint((*light, offset), region, near()).map(|distance| (*light, distance)));
+        }
+        found
+    }
+
     /// About how far a glint of a light is from a ray, pixels; `None` if it is out of reach, or wider than the distance
     /// of the rays beside it, which see the same body.
     fn distance_of_glint<'s>(
         &self,
-        light: usize,
-        (own, region): (&Surface, &Region),
+        (light, Offset { offset, width }): (usize, Offset),
+        region: &Region,
         near: impl Iterator<Item = Neighbour<'s>>,
     ) -> Option<f64> {
-        let Offset { offset, width } = self.offset(light, own)?;
         if width > WIDEST {
             return None;
         }
@@ -318,9 +373,9 @@ impl PartRays<'_> {
             let own = (&ray.surface, &Region::of_part(*at));
             let near = || beside(number).map(|other| (place(other) - place(number), &rays[other].1.surface));
             let near = || near().filter(|(_, near)| near.is_hit() && ray.surface.is_smooth_beside(near));
-            let shows_glint = |light: &&usize| self.block.distance_of_glint(**light, own, near()).is_some();
             let is_divided = divisions > 1 && self.count < MOST_RAYS;
-            let found: Vec<usize> = lights.iter().filter(|_| is_divided).filter(shows_glint).copied().collect();
+            let found = if is_divided { self.block.glints(own, lights, near) } else { Vec::new() };
+            let found: Vec<usize> = found.into_iter().map(|(light, _)| light).collect();
             let value =
                 if found.is_empty() { ray.value } else { self.mean(worker, part.part(number), &found, divisions - 1) };
             sum = [0, 1, 2].map(|band| sum[band] + value[band]);

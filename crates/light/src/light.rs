@@ -442,6 +442,12 @@ impl Light {
         (overlap, away)
     }
 
+    /// Distance of a point from the centre of the light, scene units; infinite for a distant light.
+    #[must_use]
+    pub fn center_distance(&self, from: DVec3) -> f64 {
+        if self.radius.is_infinite() { f64::INFINITY } else { self.center.distance(from) }
+    }
+
     /// Unit vector from a point to the centre of the light, and the angular radius of the light about it, radians;
     /// `None` within its bounding sphere.
     #[must_use]
