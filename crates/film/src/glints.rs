@@ -45,6 +45,16 @@ const MARGIN: f64 = 0.25;
 const CURVED: f64 = 0.3;
 const CURVED_IN_PART: f64 = 0.1;
 
+/// On a bumpy surface reflected directions change by chance. Cells are divided for a glint if the directions at their
+/// corners differ from a plane by at most this fraction of their differences.
+const MOST_TWIST: f64 = 0.3;
+
+/// Likewise a pixel or part is searched if at most this fraction of the squared differences to those beside it is not
+/// that of a plane, where there are so many. In parts the places of rays are known.
+const MOST_UNEXPLAINED: f64 = 0.8;
+const MOST_UNEXPLAINED_IN_PART: f64 = 0.3;
+const MANY_NEIGHBOURS: u32 = 5;
+
 /// A glint is out of reach if the offset is larger than this many times a bound of its differences.
 const FAR: f64 = 5.0;
 
@@ -59,8 +69,8 @@ const LEAST_MOMENT: f64 = 1e-3;
 /// Number of rays that are cast for glints, relative to those that the picture has cast before, and in any picture; and
 /// the number of pixels after which they are counted.
 const SHARE_OF_RAYS: f64 = 0.0625;
-const RAYS_OF_SMALL_PICTURE: f64 = (1 << 14) as f64;
-const COUNTED_TOGETHER: usize = 16;
+const RAYS_OF_SMALL_PICTURE: f64 = (1 << 12) as f64;
+const COUNTED_TOGETHER: usize = 4;
 
 /// Ray numbers of a pixel, as a power of two, and their offset.
 const NUMBERS_LOG2: u32 = 20;
@@ -98,28 +108,46 @@ struct Offset {
 /// A surface beside another one: by how many columns and rows, in pixels or their parts.
 type Neighbour<'s> = (DVec2, &'s Surface);
 
-/// How much a surface differs from those beside it, at most.
+/// Differences of vectors at places around one, and the plane through them by least squares.
 #[derive(Clone, Copy, Debug, Default)]
-struct Spread {
-    /// Of reflected directions.
-    reflected: f64,
-    /// Of points, scene units.
-    apart: f64,
+struct PlaneFit {
+    count: u32,
+    /// Sums of squared differences, of products of the places, and of both; the largest squared difference.
+    squares: f64,
+    moments: DMat2,
+    products: [DVec3; 2],
+    most: f64,
 }
 
-impl Spread {
-    fn of<'s>(own: &Surface, near: impl Iterator<Item = Neighbour<'s>>) -> Spread {
-        let [mut reflected, mut apart] = [0.0; 2];
-        for (_, near) in near {
-            reflected = f64::max(reflected, near.reflected().distance_squared(own.reflected()));
-            apart = f64::max(apart, near.point().distance_squared(own.point()));
-        }
-        Spread { reflected: reflected.sqrt(), apart: apart.sqrt() }
+impl PlaneFit {
+    fn add(&mut self, place: DVec2, change: DVec3) {
+        let squared = change.length_squared();
+        (self.count, self.squares, self.most) = (self.count + 1, self.squares + squared, self.most.max(squared));
+        self.moments += DMat2::from_cols(place * place.x, place * place.y);
+        self.products = [self.products[0] + change * place.x, self.products[1] + change * place.y];
     }
 
-    /// A bound of the differences of the offsets to something at a distance.
-    fn of_offsets(&self, distance: f64) -> f64 {
-        if distance > self.apart { self.reflected + self.apart / (distance - self.apart) } else { f64::INFINITY }
+    /// The largest difference.
+    fn step(&self) -> f64 {
+        self.most.sqrt()
+    }
+
+    /// Whether the places lie in a line, or there is none.
+    fn is_line(&self) -> bool {
+        self.moments.determinant() < LEAST_DETERMINANT
+    }
+
+    /// The change over a pixel or part along each axis.
+    fn gradient(&self) -> [DVec3; 2] {
+        let inverse = (self.moments + DMat2::from_diagonal(DVec2::splat(LEAST_MOMENT))).inverse();
+        [0, 1].map(|axis| self.products[0] * inverse.col(axis).x + self.products[1] * inverse.col(axis).y)
+    }
+
+    /// Whether more than this fraction of many squared differences is not that of a plane.
+    fn is_bumpy(&self, unexplained: f64) -> bool {
+        let gradient = self.gradient();
+        let explained = gradient[0].dot(self.products[0]) + gradient[1].dot(self.products[1]);
+        self.count >= MANY_NEIGHBOURS && self.squares - explained > unexplained * self.squares
     }
 }
 
@@ -170,16 +198,19 @@ struct Region {
     high: [f64; 2],
     /// The error of the linear offset, relative to its change over a pixel or part.
     curved: f64,
+    /// The fraction of squared differences that may be other than those of a plane.
+    unexplained: f64,
 }
 
 impl Region {
     /// Around a ray anywhere in its pixel.
-    const OF_PIXEL: Region = Region { low: [-REACH; 2], high: [REACH; 2], curved: CURVED };
+    const OF_PIXEL: Region =
+        Region { low: [-REACH; 2], high: [REACH; 2], curved: CURVED, unexplained: MOST_UNEXPLAINED };
 
     /// A part with a ray at this point of its unit square.
     fn of_part(at: [f64; 2]) -> Region {
         let [low, high] = [-MARGIN, 1.0 + MARGIN].map(|end| at.map(|own| end - own));
-        Region { low, high, curved: CURVED_IN_PART }
+        Region { low, high, curved: CURVED_IN_PART, unexplained: MOST_UNEXPLAINED_IN_PART }
     }
 }
 
@@ -187,6 +218,12 @@ impl Region {
 fn between(from: [usize; 2], to: [usize; 2]) -> DVec2 {
     let step = |axis: usize| to[axis] as f64 - from[axis] as f64;
     DVec2::new(step(0), step(1))
+}
+
+/// Whether directions at the corners of a cell, row by row, are far from a plane.
+fn is_twisted([first, second, third, fourth]: [DVec3; 4]) -> bool {
+    let step = [second, third, fourth].map(|other| other.distance(first)).into_iter().fold(0.0, f64::max);
+    (first - second - third + fourth).length() > MOST_TWIST * step
 }
 
 /// The place of a region with the least offset, and that offset, if it is linear.
@@ -206,6 +243,9 @@ fn least_offset(offset: DVec3, gradient: [DVec3; 2], region: &Region) -> (DVec2,
 impl Block<'_> {
     /// Whether a glint of any light may lie between samples at the corners of a cell.
     pub(crate) fn may_show_glint(&self, corners: &[&Sample; 4]) -> bool {
+        if self.glint_lights.0.is_empty() || is_twisted(corners.map(|corner| corner.surface.reflected())) {
+            return false;
+        }
         let place = |index: usize| [index % 2, index / 2];
         (0..corners.len()).any(|index| {
             let own = &corners[index].surface;
@@ -283,11 +323,20 @@ impl Block<'_> {
         if least_width > WIDEST {
             return Vec::new();
         }
-        let spread = Spread::of(own, near());
+        let (mut reflected, mut apart) = (PlaneFit::default(), 0.0);
+        for (place, surface) in near() {
+            reflected.add(place, surface.reflected() - own.reflected());
+            apart = f64::max(apart, surface.point().distance(own.point()));
+        }
+        if reflected.is_bumpy(region.unexplained) {
+            return Vec::new();
+        }
         let mut found = Vec::new();
         for light in lights {
-            // Most are far from any glint, which needs no look at those beside.
-            let most = spread.of_offsets(plan.lights[*light].center_distance(own.point()));
+            // Most are far from any glint, which needs no look at those beside: a bound of the differences of offsets.
+            let distance = plan.lights[*light].center_distance(own.point());
+            let turn = if distance > apart { apart / (distance - apart) } else { f64::INFINITY };
+            let most = reflected.step() + turn;
             if most <= least_width {
                 continue;
             }
@@ -309,23 +358,18 @@ impl Block<'_> {
         if width > WIDEST {
             return None;
         }
-        let (mut step, mut moments, mut products) =
-            (0.0, DMat2::from_diagonal(DVec2::splat(LEAST_MOMENT)), [DVec3::ZERO; 2]);
+        let mut plane = PlaneFit::default();
         for (place, surface) in near {
-            let Some(there) = self.offset(light, surface) else { continue };
-            let change = there.offset - offset;
-            step = f64::max(step, change.length_squared());
-            moments += DMat2::from_cols(place * place.x, place * place.y);
-            products = [products[0] + change * place.x, products[1] + change * place.y];
+            if let Some(there) = self.offset(light, surface) {
+                plane.add(place, there.offset - offset);
+            }
         }
-        if step <= width * width {
+        if plane.step() <= width {
             return None;
         }
-        // Least squares.
-        let inverse = moments.inverse();
-        let gradient = [0, 1].map(|axis| products[0] * inverse.col(axis).x + products[1] * inverse.col(axis).y);
+        let gradient = plane.gradient();
         let (at, least) = least_offset(offset, gradient, region);
-        let unknown = if moments.determinant() < LEAST_DETERMINANT { REACH * step.sqrt() } else { 0.0 };
+        let unknown = if plane.is_line() { REACH * plane.step() } else { 0.0 };
         let allowed = width + region.curved * (gradient[0].length() + gradient[1].length()) + unknown;
         (least <= allowed).then_some(at.length())
     }
