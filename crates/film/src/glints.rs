@@ -47,7 +47,7 @@ const CURVED_IN_PART: f64 = 0.1;
 
 /// On a bumpy surface reflected directions change by chance. Cells are divided for a glint if the directions at their
 /// corners differ from a plane by at most this fraction of their differences.
-const MOST_TWIST: f64 = 0.3;
+const MOST_TWIST: f64 = 0.7;
 
 /// Likewise a pixel or part is searched if at most this fraction of the squared differences to those beside it is not
 /// that of a plane, where there are so many. In parts the places of rays are known.
@@ -109,7 +109,7 @@ struct Offset {
 type Neighbour<'s> = (DVec2, &'s Surface);
 
 /// Differences of vectors at places around one, and the plane through them by least squares.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct PlaneFit {
     count: u32,
     /// Sums of squared differences, of products of the places, and of both; the largest squared difference.
@@ -120,6 +120,9 @@ struct PlaneFit {
 }
 
 impl PlaneFit {
+    const EMPTY: PlaneFit =
+        PlaneFit { count: 0, squares: 0.0, moments: DMat2::ZERO, products: [DVec3::ZERO; 2], most: 0.0 };
+
     fn add(&mut self, place: DVec2, change: DVec3) {
         let squared = change.length_squared();
         (self.count, self.squares, self.most) = (self.count + 1, self.squares + squared, self.most.max(squared));
@@ -323,7 +326,7 @@ impl Block<'_> {
         if least_width > WIDEST {
             return Vec::new();
         }
-        let (mut reflected, mut apart) = (PlaneFit::default(), 0.0);
+        let (mut reflected, mut apart) = (PlaneFit::EMPTY, 0.0);
         for (place, surface) in near() {
             reflected.add(place, surface.reflected() - own.reflected());
             apart = f64::max(apart, surface.point().distance(own.point()));
@@ -358,7 +361,7 @@ impl Block<'_> {
         if width > WIDEST {
             return None;
         }
-        let mut plane = PlaneFit::default();
+        let mut plane = PlaneFit::EMPTY;
         for (place, surface) in near {
             if let Some(there) = self.offset(light, surface) {
                 plane.add(place, there.offset - offset);

@@ -84,11 +84,13 @@ const SECOND_CACHE_SHARE: usize = 4;
 const FEW_POINTS: f64 = 16.0;
 const RAYS_OF_A_POINT: f64 = 8.0;
 
-/// The same where rays are bounded, for more bounces than one and for one. More points share more
+/// The same where rays are bounded, for more bounces than one and for one; for one, single points
+/// get more, which take no time. More points share more
 /// rays: Radiance's time grows with the first power of their number up to the given one, and with
 /// the second beyond.
 const BOUNDED_RAYS_OF_A_POINT: f64 = 4.0;
 const BOUNDED_RAYS_OF_ONE_BOUNCE: f64 = 1.2;
+const BOUNDED_RAYS_OF_SINGLE_POINT: f64 = 2.0;
 const SOME_POINTS: f64 = 1024.0;
 const GROWTH_OF_FEW: f64 = 0.4;
 const GROWTH_OF_MANY: f64 = 0.7;
@@ -620,7 +622,7 @@ fn sample_rays(plan: &RenderPlan, points: usize) -> usize {
 fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
     let options = &plan.options;
     let factor = if options.ambient_bounces == 1 && options.gathering.bounded {
-        BOUNDED_RAYS_OF_ONE_BOUNCE
+        if points == 1 { BOUNDED_RAYS_OF_SINGLE_POINT } else { BOUNDED_RAYS_OF_ONE_BOUNCE }
     } else if !are_sensors(plan, points) {
         if options.gathering.bounded { BOUNDED_RAYS_OF_A_POINT } else { RAYS_OF_A_POINT }
     } else if pays_for_sensors(plan, points) {
