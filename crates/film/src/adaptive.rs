@@ -7,7 +7,7 @@
 //! independent paths (`residual.rs`).
 
 use crate::drawn_lights::DrawnLights;
-use crate::glints::GlintLights;
+use crate::glint_lights::GlintLights;
 use crate::interpolated::{self, Interpolation};
 use crate::light_strata::LightStrata;
 use crate::noise::{Estimate, Finished, Pixel, PixelNoise, RemainingNoise};

@@ -14,12 +14,9 @@ use crate::interpolated::{Block, PixelMean};
 use crate::pixel_sample::{RayValue, Sample, Surface};
 use crate::view_camera::ViewCamera;
 use glam::{DMat2, DVec2, DVec3};
-use radsight_render::{Lights, NearRecord, RayWorker, RenderPlan};
+use radsight_render::{NearRecord, RayWorker};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
-
-/// Scenes with more lights are rendered without a search for their glints.
-const MOST_LIGHTS: usize = 64;
 
 /// A highlight is as wide as the light and this many times the roughness of the surface: most of its light is
 /// within (Ward 1992, eq. 5, with the half vector's angle half of the reflected direction's).
@@ -75,26 +72,6 @@ const COUNTED_TOGETHER: usize = 4;
 /// Ray numbers of a pixel, as a power of two, and their offset.
 const NUMBERS_LOG2: u32 = 20;
 const GLINTS: u64 = 1 << 63 | 1 << 61;
-
-/// The lights of a picture that may have glints, by their numbers in the plan.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct GlintLights(Vec<usize>);
-
-impl GlintLights {
-    /// None where pixels are points or rays start at different points or times, where reflected rays see no lights, and
-    /// where there are many.
-    pub(crate) fn find(plan: &RenderPlan, camera: &ViewCamera) -> GlintLights {
-        let are_seen = plan.lights_seen() != Lights::Invisible && plan.reflects_like_a_mirror();
-        if camera.jitter <= 0.0 || camera.is_blurred() || !are_seen {
-            return GlintLights::default();
-        }
-        let real: Vec<usize> = (plan.lights.iter().enumerate())
-            .filter(|(_, light)| light.virtual_sources.is_empty())
-            .map(|(number, _)| number)
-            .collect();
-        GlintLights(if real.len() > MOST_LIGHTS { Vec::new() } else { real })
-    }
-}
 
 /// Where a ray is reflected, relative to a light.
 #[derive(Clone, Copy, Debug)]

@@ -11,7 +11,7 @@
 //! edge-aware reconstruction (Bala, Walter and Greenberg 2003; Rousselle, Manzi and Zwicker 2013).
 
 use crate::drawn_lights::DrawnLights;
-use crate::glints::GlintLights;
+use crate::glint_lights::GlintLights;
 use crate::grid::{Cell, INDEX_LOG2, Pixel, first_pixels, numbered};
 use crate::pixel_sample::{RayValue, SEVERAL, Sample, Samples, Surface, Tally, mean};
 use crate::view_camera::{CameraRay, ViewCamera};

@@ -13,6 +13,7 @@
 
 mod adaptive;
 mod drawn_lights;
+mod glint_lights;
 mod glints;
 mod grid;
 mod interpolated;

@@ -678,22 +678,31 @@ mod tests {
     use super::{RAYS_OF_A_POINT, rays_of_few, sample_allocation};
     use radsight_compile::{Gathering, RenderOptions};
 
-    fn options(divisions: u32, bounded: bool) -> RenderOptions {
-        let gathering = Gathering { divisions, super_samples: 0, bounded, ..Gathering::default() };
-        RenderOptions { gathering, ..RenderOptions::default() }
+    fn options(gathering: Gathering) -> RenderOptions {
+        RenderOptions { gathering: Gathering { super_samples: 0, ..gathering }, ..RenderOptions::default() }
     }
 
     #[test]
     fn few_points_trace_more_rays_than_are_asked_for_and_pixels_do_not_have_to() {
         for points in [1, 9, 16] {
-            assert!(rays_of_few(&options(2304, false), RAYS_OF_A_POINT, points) > 2304.0, "{points} points");
+            assert!(
+                rays_of_few(&options(Gathering { divisions: 2304, ..Gathering::default() }), RAYS_OF_A_POINT, points)
+                    > 2304.0,
+                "{points} points"
+            );
         }
-        assert!(rays_of_few(&options(1000, false), RAYS_OF_A_POINT, 100_000) < 2.0);
+        assert!(
+            rays_of_few(&options(Gathering { divisions: 1000, ..Gathering::default() }), RAYS_OF_A_POINT, 100_000)
+                < 2.0
+        );
     }
 
     #[test]
     fn many_points_share_the_rays_of_few_and_bounded_ones_somewhat_more() {
-        let total = |bounded: bool, points: usize| points as f64 * rays_of_few(&options(100, bounded), 8.0, points);
+        let total = |bounded: bool, points: usize| {
+            points as f64
+                * rays_of_few(&options(Gathering { divisions: 100, bounded, ..Gathering::default() }), 8.0, points)
+        };
         let few = total(false, 16);
         assert_eq!(few, total(true, 16));
         assert!((17..5000).all(|points| (total(false, points) - few).abs() < 1e-6));
