@@ -8,7 +8,7 @@ use glam::DVec3;
 use radsight_accel::Ray;
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
-use radsight_light::{EmissionProfile, Light, LightForm};
+use radsight_light::{EmissionProfile, Light};
 use radsight_texture::SurfaceInteraction;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -109,10 +109,8 @@ impl RenderPlan {
     /// Interaction at the light's centre, for a direction uniform over the light's emission by
     /// height (0…1) and azimuth.
     fn facing(&self, light: &Light, [height, turn]: [f64; 2]) -> SurfaceInteraction {
-        let (axis, widest) = match (&light.form, &light.cone, light.form.plane()) {
-            (LightForm::Distant { direction, half_angle_sin_squared_half, .. }, ..) => {
-                (*direction, 2.0 * half_angle_sin_squared_half.sqrt().min(1.0).asin())
-            }
+        let (axis, widest) = match (light.form.half_angle(), &light.cone, light.form.plane()) {
+            (Some(half_angle), ..) => (light.center, half_angle),
             (_, Some(cone), _) => (cone.axis, cone.half_angle),
             (_, None, Some((normal, _))) => (normal, FRAC_PI_2),
             (_, None, None) => (DVec3::Z, PI),

@@ -137,8 +137,8 @@ pub struct Gathering {
     /// Maximum mean number of rays of a cache record, relative to `divisions` and `super_samples`;
     /// remaining noise stays. Default infinite.
     pub record_share: f64,
-    /// Whether few points trace no more rays than Radiance does in about the same time: noise above
-    /// `noise` stays. Default false.
+    /// Whether points trace no more rays than Radiance does in about the same time: noise above `noise`
+    /// stays. Default false.
     pub bounded: bool,
     /// Minimum weight of a cache point in sample allocation, relative to the mean. Samples are
     /// allocated by the number of pixels that a cache point serves; points that serve no pixel get

@@ -210,6 +210,17 @@ impl LightForm {
         }
     }
 
+    /// Half angle of the cone of a distant light, radians; `None` for other lights.
+    #[must_use]
+    pub fn half_angle(&self) -> Option<f64> {
+        match self {
+            LightForm::Distant { half_angle_sin_squared_half, .. } => {
+                Some(2.0 * half_angle_sin_squared_half.sqrt().min(1.0).asin())
+            }
+            _ => None,
+        }
+    }
+
     /// Maps a point of the unit square to a point of a flat shape, uniform by area; returns the
     /// unit normal and the point. `None` for other shapes.
     pub fn point(&self, [u, v]: [f64; 2]) -> Option<(DVec3, DVec3)> {

@@ -452,17 +452,15 @@ impl Light {
     /// `None` within its bounding sphere.
     #[must_use]
     pub fn angular_extent(&self, from: DVec3) -> Option<(DVec3, f64)> {
-        match &self.form {
-            LightForm::Distant { direction, half_angle_sin_squared_half, .. } => {
-                Some((*direction, 2.0 * half_angle_sin_squared_half.sqrt().min(1.0).asin()))
-            }
-            LightForm::DistantImage { direction, x, y } => Some((*direction, x.length().max(y.length()).atan())),
-            _ => {
-                let offset = self.center - from;
-                let distance = offset.length();
-                (distance > self.radius).then(|| (offset / distance, (self.radius / distance).asin()))
-            }
+        if let Some(half_angle) = self.form.half_angle() {
+            return Some((self.center, half_angle));
         }
+        if let LightForm::DistantImage { x, y, .. } = &self.form {
+            return Some((self.center, x.length().max(y.length()).atan()));
+        }
+        let offset = self.center - from;
+        let distance = offset.length();
+        (distance > self.radius).then(|| (offset / distance, (self.radius / distance).asin()))
     }
 
     /// Whether no light reaches the point: it is behind the light or its mirror, or outside the

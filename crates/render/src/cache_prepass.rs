@@ -1,5 +1,8 @@
 //! The irradiance-cache pre-pass: gathers irradiance where the rays of the picture need it.
 
+use crate::cache_budget::{
+    MOST_RAYS, MOST_RAYS_BEYOND, least_own_rays, most_rays, pays_for_second_cache, sample_rays, second_cache_noise,
+};
 use crate::cache_occluders::OpaqueSurfaces;
 use crate::cache_point_search::{PrepassPoints, SecondaryGathers, of_camera_rays};
 use crate::cache_query::{CachePoint, Caches, HemisphereGather};
@@ -11,7 +14,7 @@ use crate::local_mean::local_means;
 use crate::ray_spacing::RaySpacing;
 use crate::trace::PathIntegrator;
 use radsight_accel::Ray;
-use radsight_compile::{Quantity, RenderOptions, RenderPlan};
+use radsight_compile::RenderPlan;
 use radsight_irradiance_cache::{Cache, Fit, Hemisphere, Limits, Record, Stored, StoredBytes};
 use rayon::prelude::*;
 
@@ -61,65 +64,11 @@ const PREPASSES_FOR_CAUSTICS: usize = 6;
 /// Rounds of additional gathers where there are too few neighbours.
 const FURTHER_ROUNDS: usize = 3;
 
-/// Minimum number of sample rays of a cache point that find the points of the second cache, and
-/// total of those of sensors.
-const SAMPLES_PER_POINT: usize = 16;
-const SENSOR_SAMPLES: usize = 1024;
-
-/// With fewer rays than this there is no second cache: their own paths cost less.
-const MIN_RAYS_FOR_SECOND_CACHE: usize = 256;
-
-/// Factor of error and noise of the second cache. Pixels average its noise; sensors, which use the
-/// same few of its records, do not.
+/// Factor of the error of the second cache.
 const COARSER: f64 = 2.0;
-const NOISIER: f64 = 8.0;
-const NOISIER_FOR_SENSORS: f64 = 3.0;
 
 /// Fraction of the rays that may be used for the second cache, as its reciprocal.
 const SECOND_CACHE_SHARE: usize = 4;
-
-/// Up to this many points are few. Each gets this many times the requested rays, as paths of one
-/// ray per bounce, since it has few neighbours. Radiance takes about as long, since every point hit
-/// sends as many rays again if there are more bounces. More points share as many rays.
-const FEW_POINTS: f64 = 16.0;
-const RAYS_OF_A_POINT: f64 = 8.0;
-
-/// The same where rays are bounded, for more bounces than one and for one; for one, single points
-/// get more, which take no time. More points share more
-/// rays: Radiance's time grows with the first power of their number up to the given one, and with
-/// the second beyond.
-const BOUNDED_RAYS_OF_A_POINT: f64 = 4.0;
-const BOUNDED_RAYS_OF_ONE_BOUNCE: f64 = 1.2;
-const BOUNDED_RAYS_OF_SINGLE_POINT: f64 = 2.0;
-const SOME_POINTS: f64 = 1024.0;
-const GROWTH_OF_FEW: f64 = 0.4;
-const GROWTH_OF_MANY: f64 = 0.7;
-const GROWTH_OF_MANY_FURTHER_BOUNCES: f64 = 0.5;
-
-/// Up to this many points with more than one bounce are sensors, whose values are used one by one.
-/// Each gets this many times the requested rays. From the given total number of rays on, a second
-/// cache pays, where these rays end. Then each gets fewer, down to the given share, if less than the
-/// given number is requested, since Radiance's sensors cost little there.
-const MAX_SENSORS: usize = 128;
-const RAYS_OF_A_SENSOR: f64 = 12.0;
-const LEAST_SENSOR_SHARE: f64 = 1.0 / 3.0;
-const ACCURATE_SENSOR_RAYS: f64 = 2048.0;
-const MIN_SENSOR_RAYS: f64 = 16_384.0;
-
-/// With a smaller resolution (`-ar`) than this, Radiance has so few records of further bounces that
-/// the first one decides about its time: few points get rays in proportion, down to this fraction.
-/// More points than sensors share records of the first bounce as well: the second number and
-/// fraction. With a larger `-aa` than the third number, fewer records cover an area.
-const FINE_RESOLUTION: f64 = 64.0;
-const MIN_COARSE_SHARE: f64 = 0.35;
-const FINE_RESOLUTION_OF_MANY: f64 = 128.0;
-const MIN_COARSE_SHARE_OF_MANY: f64 = 0.2;
-const FINE_ACCURACY: f64 = 0.2;
-
-/// Maximum number of rays for few points, relative to their minimum: in the first cache and in the
-/// second.
-const MOST_RAYS_OF_FEW: f64 = 1.2;
-const MOST_RAYS_BEYOND_FEW: f64 = 0.7;
 
 /// From this number of rays on, records resolve what the rays do; with fewer they resolve finer
 /// details, down to this fraction.
@@ -166,7 +115,7 @@ fn gather_for<const BANDS: usize>(
     served.push(requested);
     if plan.options.ambient_bounces > 1 && pays_for_second_cache(plan, rays.len()) {
         let gathers = SecondaryGathers::new(plan, &seen.cache, (rays, spread), sample_rays(plan, rays.len()));
-        let most = rays_of_few_points(plan, rays.len(), MOST_RAYS_BEYOND_FEW);
+        let most = most_rays(plan, rays.len(), MOST_RAYS_BEYOND);
         beyond.budget = beyond.rays + most.min(seen.allowance(rays) / SECOND_CACHE_SHARE);
         beyond.noise = second_cache_noise(plan, rays.len());
         beyond.gather(
@@ -176,7 +125,7 @@ fn gather_for<const BANDS: usize>(
         );
     }
     let before = seen.cache.len();
-    seen.budget = seen.rays + rays_of_few_points(plan, rays.len(), MOST_RAYS_OF_FEW).min(seen.allowance(rays));
+    seen.budget = seen.rays + most_rays(plan, rays.len(), MOST_RAYS).min(seen.allowance(rays));
     let caches = [None, Some(&beyond.cache)];
     let fine = spread.scaled(fineness(rays.len(), plan.options.gathering.accuracy));
     let points = PrepassPoints::new(plan, rays.len(), |order| of_camera_rays(plan, (rays, fine), order));
@@ -590,126 +539,9 @@ fn sample_allocation(served: &[f64], allocation_floor: f64) -> Vec<f64> {
     roots().map(|root| scale * root).collect()
 }
 
-/// Whether this many points are sensors with light of more than one bounce.
-fn are_sensors(plan: &RenderPlan, points: usize) -> bool {
-    let options = &plan.options;
-    options.quantity != Quantity::Radiance && options.ambient_bounces > 1 && points <= MAX_SENSORS
-}
-
-/// Whether a second cache pays for this many points.
-fn pays_for_second_cache(plan: &RenderPlan, points: usize) -> bool {
-    points >= MIN_RAYS_FOR_SECOND_CACHE || are_sensors(plan, points) && pays_for_sensors(plan, points)
-}
-
-/// Whether a second cache pays for this many sensors.
-fn pays_for_sensors(plan: &RenderPlan, points: usize) -> bool {
-    rays_of_few(&plan.options, RAYS_OF_A_SENSOR, points) * points as f64 >= MIN_SENSOR_RAYS
-}
-
-/// Allowed relative standard error of the second cache, for this number of points.
-fn second_cache_noise(plan: &RenderPlan, points: usize) -> f64 {
-    let factor = if are_sensors(plan, points) { NOISIER_FOR_SENSORS } else { NOISIER };
-    factor * plan.options.gathering.noise
-}
-
-/// Number of sample rays of a cache point that find the points of the second cache.
-fn sample_rays(plan: &RenderPlan, points: usize) -> usize {
-    let share = if are_sensors(plan, points) { SENSOR_SAMPLES / points.max(1) } else { SAMPLES_PER_POINT };
-    share.max(SAMPLES_PER_POINT)
-}
-
-/// Minimum number of own rays of a record, for this total number of points.
-fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
-    let options = &plan.options;
-    let factor = if options.ambient_bounces == 1 && options.gathering.bounded {
-        if points == 1 { BOUNDED_RAYS_OF_SINGLE_POINT } else { BOUNDED_RAYS_OF_ONE_BOUNCE }
-    } else if !are_sensors(plan, points) {
-        if options.gathering.bounded { BOUNDED_RAYS_OF_A_POINT } else { RAYS_OF_A_POINT }
-    } else if pays_for_sensors(plan, points) {
-        (options.gathering.rays() as f64 / ACCURATE_SENSOR_RAYS).clamp(LEAST_SENSOR_SHARE, 1.0) * RAYS_OF_A_SENSOR
-    } else {
-        RAYS_OF_A_SENSOR
-    };
-    coarse_share(options, points) * rays_of_few(options, factor, points)
-}
-
-/// Maximum number of rays of all points, relative to the minimum; no limit unless they are bounded.
-fn rays_of_few_points(plan: &RenderPlan, points: usize, share: f64) -> usize {
-    if plan.options.gathering.bounded {
-        (share * least_own_rays(plan, points) * points as f64) as usize
-    } else {
-        usize::MAX
-    }
-}
-
-/// The fraction of rays that bounded points get for the resolution and accuracy of the cache.
-fn coarse_share(options: &RenderOptions, points: usize) -> f64 {
-    let gathering = &options.gathering;
-    let resolution = f64::from(gathering.resolution);
-    if !gathering.bounded || options.ambient_bounces <= 1 || resolution == 0.0 {
-        return 1.0;
-    }
-    let (fine, least) = if points <= MAX_SENSORS {
-        (FINE_RESOLUTION, MIN_COARSE_SHARE)
-    } else {
-        (FINE_RESOLUTION_OF_MANY, MIN_COARSE_SHARE_OF_MANY)
-    };
-    let by_accuracy = (FINE_ACCURACY / gathering.accuracy.max(FINE_ACCURACY)).powi(2);
-    (by_accuracy * (resolution / fine).min(1.0)).max(least)
-}
-
-/// This multiple of the requested rays (`-ad`, `-as`) for each of few points, which have hardly any
-/// neighbours; more points share as many, or more if they are bounded.
-fn rays_of_few(options: &RenderOptions, factor: f64, points: usize) -> f64 {
-    let times = (points as f64 / FEW_POINTS).max(1.0);
-    let growth = if options.gathering.bounded { growth_by_points(options, points as f64) } else { 1.0 };
-    factor * options.gathering.rays() as f64 * growth / times
-}
-
-/// Factor by which more points than few share more rays if they are bounded.
-fn growth_by_points(options: &RenderOptions, points: f64) -> f64 {
-    let of_many = if options.ambient_bounces > 1 { GROWTH_OF_MANY_FURTHER_BOUNCES } else { GROWTH_OF_MANY };
-    let few = (points.min(SOME_POINTS) / FEW_POINTS).max(1.0);
-    few.powf(GROWTH_OF_FEW) * (points / SOME_POINTS).max(1.0).powf(of_many)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{RAYS_OF_A_POINT, rays_of_few, sample_allocation};
-    use radsight_compile::{Gathering, RenderOptions};
-
-    fn options(gathering: Gathering) -> RenderOptions {
-        RenderOptions { gathering: Gathering { super_samples: 0, ..gathering }, ..RenderOptions::default() }
-    }
-
-    #[test]
-    fn few_points_trace_more_rays_than_are_asked_for_and_pixels_do_not_have_to() {
-        for points in [1, 9, 16] {
-            assert!(
-                rays_of_few(&options(Gathering { divisions: 2304, ..Gathering::default() }), RAYS_OF_A_POINT, points)
-                    > 2304.0,
-                "{points} points"
-            );
-        }
-        assert!(
-            rays_of_few(&options(Gathering { divisions: 1000, ..Gathering::default() }), RAYS_OF_A_POINT, 100_000)
-                < 2.0
-        );
-    }
-
-    #[test]
-    fn many_points_share_the_rays_of_few_and_bounded_ones_somewhat_more() {
-        let total = |bounded: bool, points: usize| {
-            points as f64
-                * rays_of_few(&options(Gathering { divisions: 100, bounded, ..Gathering::default() }), 8.0, points)
-        };
-        let few = total(false, 16);
-        assert_eq!(few, total(true, 16));
-        assert!((17..5000).all(|points| (total(false, points) - few).abs() < 1e-6));
-        let growth = |points: usize| total(true, points) / few;
-        assert!((17..=1024).all(|points| growth(points) > 1.0 && growth(points) < (points as f64 / 16.0).sqrt()));
-        assert!((1025..5000).all(|points| growth(points) > growth(1024) && growth(points) < points as f64 / 16.0));
-    }
+    use super::sample_allocation;
 
     #[test]
     fn as_little_noise_is_seen_for_fewer_rays() {

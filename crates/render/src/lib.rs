@@ -8,6 +8,7 @@
 //! true extent. Knows neither files, nor text, nor shared libraries, nor cameras.
 #![forbid(unsafe_code)]
 
+mod cache_budget;
 mod cache_occluders;
 mod cache_point_search;
 mod cache_prepass;
