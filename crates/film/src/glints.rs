@@ -10,6 +10,7 @@
 //! counts more than the area that it covers. The directions are those of ray differentials (Igehy 1999), found by
 //! differences of adjacent rays.
 
+use crate::grid::Pixel;
 use crate::interpolated::{Block, PixelMean};
 use crate::pixel_sample::{RayValue, Sample, Surface};
 use crate::view_camera::ViewCamera;
@@ -134,7 +135,7 @@ impl PlaneFit {
 /// A pixel that may show glints of some lights.
 struct Glinting<'s> {
     index: usize,
-    at: usize,
+    pixel: Pixel,
     sample: &'s Sample,
     lights: Vec<usize>,
     /// About how far the nearest glint is from its ray, pixels.
@@ -195,9 +196,8 @@ impl Region {
 }
 
 /// From a place to another one, in columns and rows.
-fn between(from: [usize; 2], to: [usize; 2]) -> DVec2 {
-    let step = |axis: usize| to[axis] as f64 - from[axis] as f64;
-    DVec2::new(step(0), step(1))
+fn between(from: Pixel, to: Pixel) -> DVec2 {
+    DVec2::new(to.0 as f64 - from.0 as f64, to.1 as f64 - from.1 as f64)
 }
 
 /// Whether directions at the corners of a cell, row by row, are far from a plane.
@@ -226,7 +226,7 @@ impl Block<'_> {
         if self.glint_lights.0.is_empty() || is_twisted(corners.map(|corner| corner.surface.reflected())) {
             return false;
         }
-        let place = |index: usize| [index % 2, index / 2];
+        let place = |index: usize| (index % 2, index / 2);
         (0..corners.len()).any(|index| {
             let own = &corners[index].surface;
             let near = || {
@@ -265,25 +265,23 @@ impl Block<'_> {
         }
         let glinting = |index: usize| {
             let (at, sample) = self.samples.numbered(index);
-            let pixel = (at % self.camera.columns(), at / self.camera.columns());
+            let pixel = self.pixel(at);
             if !sample.surface.is_hit() || self.lights.are_in(self.camera, pixel.0, pixel.1 + self.first_row) {
                 return None;
             }
-            let place = |at: usize| [at % self.camera.columns(), at / self.camera.columns()];
             // Bodies of few pixels do not continue from one to the next, and smooth ones may have parts with a modifier for
             // each.
             let is_near = |near: &Sample| {
                 let (own, near) = (&sample.surface, &near.surface);
                 own.material() == near.material() || near.is_hit() && own.is_smooth_beside(near)
             };
+            let beside = |other: usize| between(pixel, self.pixel(self.samples.numbered(other).0));
             let near = || self.around(pixel).filter(|(other, near)| *other != index && is_near(near));
-            let near = || {
-                near().map(|(other, near)| (between(place(at), place(self.samples.numbered(other).0)), &near.surface))
-            };
+            let near = || near().map(|(other, near)| (beside(other), &near.surface));
             let found = self.glints((&sample.surface, &Region::OF_PIXEL), &self.glint_lights.0, near);
-            let distance = found.iter().map(|(_, distance)| *distance).fold(f64::INFINITY, f64::min);
-            let lights: Vec<usize> = found.into_iter().map(|(light, _)| light).collect();
-            (!lights.is_empty()).then_some(Glinting { index, at, sample, lights, distance })
+            let distance = found.iter().map(|(_, distance)| *distance).reduce(f64::min)?;
+            let lights = found.into_iter().map(|(light, _)| light).collect();
+            Some(Glinting { index, pixel, sample, lights, distance })
         };
         (0..self.samples.count()).into_par_iter().with_min_len(256).filter_map(glinting).collect()
     }
@@ -320,8 +318,10 @@ impl Block<'_> {
             if most <= least_width {
                 continue;
             }
-            let is_near = |offset: &Offset| offset.offset.length() <= offset.width + FAR * most && most > offset.width;
-            let Some(offset) = self.offset(*light, own).filter(is_near) else { continue };
+            let may_lie_near = |Offset { offset, width }: &Offset| {
+                *width <= WIDEST && most > *width && offset.length() <= width + FAR * most
+            };
+            let Some(offset) = self.offset(*light, own).filter(may_lie_near) else { continue };
             found.extend(self.distance_of_glint((*light, offset), region, near()).map(|distance| (*light, distance)));
         }
         found
@@ -335,9 +335,6 @@ impl Block<'_> {
         region: &Region,
         near: impl Iterator<Item = Neighbour<'s>>,
     ) -> Option<f64> {
-        if width > WIDEST {
-            return None;
-        }
         let mut plane = PlaneFit::EMPTY;
         for (place, surface) in near {
             if let Some(there) = self.offset(light, surface) {
@@ -362,11 +359,10 @@ impl Block<'_> {
     }
 
     fn divided_mean(&self, worker: &mut RayWorker<'_>, pixel: &Glinting<'_>) -> PixelMean {
-        let columns = self.camera.columns();
         let mut rays = PartRays {
             block: self,
             camera: self.camera.whole_pixels(),
-            pixel: [pixel.at % columns, pixel.at / columns + self.first_row],
+            pixel: (pixel.pixel.0, pixel.pixel.1 + self.first_row),
             near: self.has_records().then(Vec::new),
             count: 0,
         };
@@ -379,7 +375,7 @@ impl Block<'_> {
 struct PartRays<'b> {
     block: &'b Block<'b>,
     camera: ViewCamera,
-    pixel: [usize; 2],
+    pixel: Pixel,
     /// As for single rays of the block.
     near: Option<Vec<NearRecord>>,
     /// Number of rays so far.
@@ -409,17 +405,14 @@ impl PartRays<'_> {
 
     /// A ray through a part, and its point of the unit square.
     fn ray(&mut self, worker: &mut RayWorker<'_>, part: Part) -> ([f64; 2], RayValue) {
-        let [column, row] = self.pixel;
+        let (column, row) = self.pixel;
         let pixel = (row * self.camera.columns() + column) as u64;
         let index = GLINTS | pixel << NUMBERS_LOG2 | u64::from(self.count);
         self.count += 1;
         let sampler = RaySampler::new(self.block.renderer.plan().seed(), index);
         let [x, y, ..] = sampler.take(DimensionSet::CAMERA);
         let ray = self.camera.still_ray(column, row, part.point([x, y]));
-        let value = ray.map_or(RayValue::OUTSIDE, |ray| match self.near.as_deref() {
-            None => RayValue::trace(worker, index, &ray),
-            Some(near) => RayValue::trace_near(worker, index, &ray, (near, &mut None)),
-        });
-        ([x, y], value)
+        let recorded = (self.near.as_deref(), &mut None);
+        ([x, y], ray.map_or(RayValue::OUTSIDE, |ray| RayValue::trace(worker, index, &ray, recorded)))
     }
 }

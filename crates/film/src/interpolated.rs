@@ -206,6 +206,11 @@ impl Block<'_> {
         row * self.camera.columns() + column
     }
 
+    /// The pixel with a number.
+    pub(crate) fn pixel(&self, at: usize) -> Pixel {
+        (at % self.camera.columns(), at / self.camera.columns())
+    }
+
     pub(crate) fn sampled(&self, pixel: (usize, usize)) -> Option<&Sample> {
         self.samples.get(self.at(pixel))
     }
@@ -389,14 +394,11 @@ impl Block<'_> {
         &self,
         worker: &mut RayWorker<'_>,
         ([column, row], index): ([usize; 2], u64),
-        (near, record): (Option<&[NearRecord]>, &mut Option<DirectRecord>),
+        recorded: (Option<&[NearRecord]>, &mut Option<DirectRecord>),
     ) -> RayValue {
         let sampler = RaySampler::new(self.renderer.plan().seed(), index);
         let ray = self.lights.ray_beside(self.camera, column, row, &sampler);
-        ray.map_or(RayValue::OUTSIDE, |ray| match near {
-            None => RayValue::trace(worker, index, &ray),
-            Some(near) => RayValue::trace_near(worker, index, &ray, (near, record)),
-        })
+        ray.map_or(RayValue::OUTSIDE, |ray| RayValue::trace(worker, index, &ray, recorded))
     }
 
     /// Whether direct light is recorded.
@@ -470,7 +472,7 @@ impl Block<'_> {
         if sample.rays != 1 {
             return alone;
         }
-        let (column, row) = (at % self.camera.columns(), at / self.camera.columns());
+        let (column, row) = self.pixel(at);
         // The pixel's own ray must not decide: if only pixels that met a small body were divided
         // between it and what is behind, some of its light would be lost.
         let (mut sees_own, mut sees_other) = (false, false);

@@ -160,7 +160,7 @@ impl Surface {
         match hit {
             Some(FirstHit { distance, point, normal, perturbed_normal, material, .. }) if distance.is_finite() => {
                 let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-                let reflected = (direction - 2.0 * direction.dot(perturbed_normal) * perturbed_normal).as_vec3();
+                let reflected = direction.reflect(perturbed_normal).as_vec3();
                 Surface { key, material, point, normal, distance, reflected }
             }
             _ => Surface { key, ..Surface::NONE },
@@ -227,19 +227,18 @@ pub(crate) struct RayValue {
 impl RayValue {
     pub(crate) const OUTSIDE: RayValue = RayValue { value: [0.0; 3], surface: OUTSIDE, is_glossy: false };
 
-    /// The radiance of a ray, and the surfaces that it hits.
-    pub(crate) fn trace(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> RayValue {
-        traced(worker, index, ray).map_or(RayValue::OUTSIDE, |traced| RayValue::of(&traced, ray))
-    }
-
-    /// The same, where rays beside it recorded direct light; its own is added to `record`.
-    pub(crate) fn trace_near(
+    /// The radiance of a ray, and the surfaces that it hits. Where rays beside it recorded direct
+    /// light, its own is added to `record`.
+    pub(crate) fn trace(
         worker: &mut RayWorker<'_>,
         index: u64,
         ray: &CameraRay,
-        (near, record): (&[NearRecord], &mut Option<DirectRecord>),
+        (near, record): (Option<&[NearRecord]>, &mut Option<DirectRecord>),
     ) -> RayValue {
-        let traced = traced_by(worker, ray, |worker, ray| worker.trace_near(index, ray, near, record));
+        let traced = match near {
+            None => traced(worker, index, ray),
+            Some(near) => traced_by(worker, ray, |worker, ray| worker.trace_near(index, ray, near, record)),
+        };
         traced.map_or(RayValue::OUTSIDE, |traced| RayValue::of(&traced, ray))
     }
 
