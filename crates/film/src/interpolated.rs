@@ -433,8 +433,8 @@ impl Block<'_> {
         let averaged = self.all_averaged();
         let samples = (0..self.samples.count()).into_par_iter().with_min_len(256);
         let mut values: Vec<PixelMean> = samples.map(|index| self.antialiased(&averaged, index)).collect();
-        self.resolve_glints(&mut values);
         self.add_spare_rays(&mut values);
+        self.resolve_glints(&mut values);
         let mut pixels = vec![[0.0; 3]; self.samples.pixels()];
         for (index, value) in values.into_iter().enumerate() {
             pixels[self.samples.numbered(index).0] = value.mean.map(|band| band.max(0.0) as f32);

@@ -48,11 +48,7 @@ impl Block<'_> {
             return;
         }
         let dark = self.typical_darkness();
-        let contrast = |wanted: &Wanted| match self.samples.index(self.at(wanted.pixel)) {
-            // Glints have more rays already, in proportion to their size.
-            Some(index) if means[index].rays >= MOST => 0.0,
-            _ => self.contrast_around(wanted.pixel, (means, dark)),
-        };
+        let contrast = |wanted: &Wanted| self.contrast_around(wanted.pixel, (means, dark));
         let contrasts: Vec<f64> = self.finest.par_iter().with_min_len(256).map(contrast).collect();
         let rays = shared_out(&contrasts, spare);
         let chosen: Vec<(&Wanted, u32)> = self.finest.iter().zip(rays).filter(|(_, rays)| *rays > 0).collect();
